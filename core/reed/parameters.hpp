@@ -1,0 +1,52 @@
+#pragma once
+
+namespace tactus::reed {
+
+enum class ValveType { kClosed, kOpen, kSwinging };  ///< blown closed, blown open, swinging door
+enum class BoreShape { kCylinder, kCone };
+enum class FlowMethod { kImplicit, kPaper };
+
+/// Everything that describes a reed instrument at rest; the player's three controls (mouth
+/// pressure, reed frequency, bore frequency) arrive beside it, sample by sample.
+/// Symbols are those of Smyth, Smyth & Kirkpatrick and of docs/greed.md. SI, angles in rad.
+/// The initial values are the clarinet.
+struct Parameters {
+  // valve
+  ValveType type = ValveType::kClosed;
+  double rest_angle = -0.04;         // theta_0
+  double arm_length = 0.01;          // l, m
+  double mass = 3.376e-6;            // m, kg
+  double reed_frequency = 2500;      // f_r, Hz: used while the player's control is 0
+  double quality = 5;                // Q
+  double width = 13e-3;              // w, m
+  double mouth_length = 6.5e-3;      // lambda_m, m: length of reed that sees the mouth pressure
+  double bore_length = 6.5e-3;       // lambda_b, m: length of reed that sees the bore pressure
+  double flow_length = 0;            // mu, m: length of reed that sees the flow
+  double channel_length = 1e-3;      // lambda, m
+  double leak_area = 0;              // A_leak, m^2
+  double restitution = 0;            // of the stop, 0..1
+  double displacement_limit = 5e-3;  // x_max, m
+  bool sweep = true;                 // the moving valve's own volume flow enters the bore
+
+  // bore
+  BoreShape shape = BoreShape::kCylinder;
+  double length = 0.48;           // L, m: used while neither override nor bore frequency is given
+  double length_override = 0;     // m; > 0 stands above the bore frequency
+  double input_radius = 7.5e-3;   // r, m
+  double end_radius = 7.5e-3;     // r_e, m, of the radiating opening (bell, tone-hole lattice)
+  double apex_distance = 0.2;     // r_0, m, cone only
+  double cup_volume = 0;          // V, m^3
+  double wall_loss = 1;           // times the theoretical loss
+  double scalar_reflection = 0;   // R_0; > 0 replaces loss and radiation (Raman's model)
+  double temperature = 20;        // deg C
+
+  // numerics and voice
+  FlowMethod flow = FlowMethod::kImplicit;
+  int oversampling = 1;      // 1, 2 or 4
+  double breath_noise = 0;   // relative to the mouth pressure
+  unsigned seed = 1;
+  bool tune = false;         // choose the length so that the linear playing frequency is f_b
+  double gain = 2;           // of the sound outlet, 1/Pa at 1 m before the soft clip
+};
+
+}  // namespace tactus::reed
