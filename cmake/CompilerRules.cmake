@@ -9,6 +9,9 @@ set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 add_compile_options(-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options(-Wno-restrict)  # g++ 12 warns falsely of std::string's operator+ (GCC bug 105651)
+endif()
 # Never -ffast-math: one module linked with it changes the floating-point mode of the whole host.
 # No contraction: renders are bit-equal on every platform.
 add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math)

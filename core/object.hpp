@@ -1,0 +1,175 @@
+#pragma once
+
+#include "core/declaration.hpp"
+
+#include <cstddef>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// The seam between an object and the program that hosts it. An object is a plain struct with a
+/// `static constexpr Declaration declaration` and those of the following members that it needs:
+///
+///   void prepare(double sample_rate, std::size_t max_block);   may allocate; keeps physical state
+///   void set(std::size_t parameter, double value) noexcept;    value is finite and within range
+///   double get(std::size_t parameter) const noexcept;
+///   void message(std::size_t index, std::span<const Atom>, Host&);   declared messages
+///   void scalar(std::size_t inlet, double value, Host&);       a number to a control inlet
+///   template <class S> void process(const Block<S>&) noexcept; audio; inputs may alias outputs
+///   void report(Host&);              called in host time after a block: control outlets
+///   void tick(std::size_t timer, Host&);                       answer to Host::wake_in
+///   void posted(Host&);                                        answer to Host::wake_from_thread
+///   void created(Host&);                                       once, after the creation arguments
+///   void dump(Host&);                                          more lines after the parameters
+///   static constexpr std::size_t timers = N;                   timers used with wake_in
+///   static constexpr bool multichannel = true;                 one copy of the object a channel
+namespace tactus {
+
+/// A number or a word of a message. Words live as long as the call.
+struct Atom {
+  double number = 0;
+  std::string_view word{};
+  bool is_word = false;
+
+  Atom(double value) : number(value) {}
+  Atom(std::string_view text) : word(text), is_word(true) {}
+  Atom(const char* text) : word(text), is_word(true) {}
+};
+
+/// What an object may ask of the program it lives in. Never called from process().
+class Host {
+public:
+  virtual ~Host() = default;
+  /// One number makes a float, several a list, a leading word a message.
+  virtual void send(std::size_t outlet, std::span<const Atom> atoms) = 0;
+  /// The info outlet, which every object has at the right.
+  virtual void info(std::span<const Atom> atoms) = 0;
+  /// One sentence; the host adds the object's name in front.
+  virtual void error(std::string_view sentence) = 0;
+  virtual void log(std::string_view sentence) = 0;
+  /// Calls tick(timer) after that much logical time, replacing an earlier request of this timer;
+  /// a negative time cancels it.
+  virtual void wake_in(std::size_t timer, double milliseconds) = 0;
+  /// Logical time since the object was made.
+  [[nodiscard]] virtual double now_ms() const = 0;
+  /// Full path of an existing file, looked for beside the patch and in the search path; empty
+  /// when there is none.
+  [[nodiscard]] virtual std::string find_file(std::string_view name) const = 0;
+  /// Full path for a file to be written, relative names beside the patch.
+  [[nodiscard]] virtual std::string new_file(std::string_view name) const = 0;
+  /// Contents of the host's named array; false when there is none.
+  virtual bool read_array(std::string_view name, std::vector<double>& values) const = 0;
+  /// The one member that any thread may call: posted() follows soon in host time.
+  virtual void wake_from_thread() noexcept = 0;
+
+  void send(std::size_t outlet, std::initializer_list<Atom> atoms) {
+    send(outlet, std::span<const Atom>(atoms.begin(), atoms.size()));
+  }
+  void info(std::initializer_list<Atom> atoms) {
+    info(std::span<const Atom>(atoms.begin(), atoms.size()));
+  }
+};
+
+/// One block of audio: frames samples of every signal inlet and outlet, in declared order,
+/// control ports left out.
+template <class S> struct Block {
+  std::span<const S* const> inputs;
+  std::span<S* const> outputs;
+  std::size_t frames;
+
+  [[nodiscard]] std::span<const S> in(std::size_t i) const { return {inputs[i], frames}; }
+  [[nodiscard]] std::span<S> out(std::size_t i) const { return {outputs[i], frames}; }
+};
+
+/// Any object, seen by a shell. S is the host's sample type.
+template <class S> class AnyObject {
+public:
+  virtual ~AnyObject() = default;
+  virtual void prepare(double sample_rate, std::size_t max_block) = 0;
+  virtual void set(std::size_t parameter, double value) = 0;
+  [[nodiscard]] virtual double get(std::size_t parameter) const = 0;
+  virtual void message(std::size_t index, std::span<const Atom> arguments, Host& host) = 0;
+  virtual void scalar(std::size_t inlet, double value, Host& host) = 0;
+  virtual void process(const Block<S>& block) noexcept = 0;
+  virtual void report(Host& host) = 0;
+  virtual void tick(std::size_t timer, Host& host) = 0;
+  virtual void posted(Host& host) = 0;
+  virtual void created(Host& host) = 0;
+  virtual void dump(Host& host) = 0;
+  /// A copy with the same parameters; null when the object cannot be copied.
+  [[nodiscard]] virtual AnyObject* clone() const = 0;
+};
+
+/// What a shell must know of an object's type before it makes one.
+struct Traits {
+  const Declaration* declaration;
+  bool processes, reports, posts, multichannel;
+  std::size_t timers;
+};
+
+template <class T> constexpr Traits traits_of() {
+  Traits traits{&T::declaration, false, false, false, false, 0};
+  traits.processes = requires(T & t, const Block<float>& b) { t.process(b); };
+  traits.reports = requires(T & t, Host & h) { t.report(h); };
+  traits.posts = requires(T & t, Host & h) { t.posted(h); };
+  if constexpr (requires { T::multichannel; }) traits.multichannel = T::multichannel;
+  if constexpr (requires { T::timers; }) traits.timers = T::timers;
+  return traits;
+}
+
+/// Gives a plain object the face of AnyObject; members the object lacks do nothing.
+template <class T, class S> class Adapter final : public AnyObject<S> {
+public:
+  void prepare(double sample_rate, std::size_t max_block) override {
+    if constexpr (requires { object_.prepare(sample_rate, max_block); })
+      object_.prepare(sample_rate, max_block);
+  }
+  void set(std::size_t parameter, double value) override {
+    if constexpr (requires { object_.set(parameter, value); }) object_.set(parameter, value);
+  }
+  double get(std::size_t parameter) const override {
+    if constexpr (requires { object_.get(parameter); })
+      return object_.get(parameter);
+    else
+      return 0;
+  }
+  void message(std::size_t index, std::span<const Atom> arguments, Host& host) override {
+    if constexpr (requires { object_.message(index, arguments, host); })
+      object_.message(index, arguments, host);
+  }
+  void scalar(std::size_t inlet, double value, Host& host) override {
+    if constexpr (requires { object_.scalar(inlet, value, host); })
+      object_.scalar(inlet, value, host);
+  }
+  void process(const Block<S>& block) noexcept override {
+    if constexpr (requires { object_.process(block); }) object_.process(block);
+  }
+  void report(Host& host) override {
+    if constexpr (requires { object_.report(host); }) object_.report(host);
+  }
+  void tick(std::size_t timer, Host& host) override {
+    if constexpr (requires { object_.tick(timer, host); }) object_.tick(timer, host);
+  }
+  void posted(Host& host) override {
+    if constexpr (requires { object_.posted(host); }) object_.posted(host);
+  }
+  void created(Host& host) override {
+    if constexpr (requires { object_.created(host); }) object_.created(host);
+  }
+  void dump(Host& host) override {
+    if constexpr (requires { object_.dump(host); }) object_.dump(host);
+  }
+  AnyObject<S>* clone() const override {
+    if constexpr (requires { T(object_); })
+      return new Adapter(*this);
+    else
+      return nullptr;
+  }
+
+private:
+  T object_{};
+};
+
+}  // namespace tactus

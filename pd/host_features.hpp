@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+
+#include <m_pd.h>
+
+/// What the running Pd offers beyond the 0.53 header, looked up by name so that one binary serves
+/// old and new hosts.
+namespace tactus::pd {
+
+struct HostFeatures {
+  /// Brackets every process() in tests that forbid allocation and locks; absent in normal use.
+  void (*audio_guard)(int);
+  /// Sets an outlet's channel count (Pd 0.54).
+  void (*signal_setmultiout)(t_signal**, int);
+  /// Runs a function on Pd's thread, called from any other (Pd 0.56).
+  void (*queue_message)(struct _pdinstance*, t_pd*, void*, void (*)(t_pd*, void*));
+  void (*queue_cancel)(t_pd*);
+};
+[[nodiscard]] const HostFeatures& host_features() noexcept;
+
+/// The class flag of multichannel objects (CLASS_MULTICHANNEL since 0.54).
+inline constexpr int kMultichannelFlag = 0x10;
+
+/// Channels of a signal; its field came with 0.54, after the three that the 0.53 header knows.
+[[nodiscard]] int channel_count(const t_signal* signal) noexcept;
+
+}  // namespace tactus::pd

@@ -1,0 +1,370 @@
+#include "pd/shell.hpp"
+
+#include "core/words.hpp"
+#include "pd/host_features.hpp"
+#include "pd/parse.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactus::pd {
+namespace {
+
+class PdObject;
+
+/// Pd keeps every function as one of its untyped pointers.
+template <class Function> t_method method(Function* function) {
+  return reinterpret_cast<t_method>(reinterpret_cast<void (*)()>(function));
+}
+
+/// What Pd itself allocates; everything of C++ hangs on self.
+struct Instance {
+  t_object object;
+  t_float main_inlet;  // the left signal inlet's value while no signal is connected
+  PdObject* self;
+};
+
+struct Timer {
+  PdObject* owner;
+  std::size_t index;
+  t_clock* clock;
+};
+
+std::size_t count_signals(std::span<const Port> ports) {
+  return static_cast<std::size_t>(std::count_if(ports.begin(), ports.end(), [](const Port& port) {
+    return port.kind == Port::Kind::kSignal;
+  }));
+}
+
+/// An instance's C++ half: the object, its voices and its way out to Pd.
+class PdObject final : public Host {
+public:
+  PdObject(Instance& instance, const PdClass& record)
+      : instance_(instance), record_(record), declaration_(*record.traits.declaration),
+        canvas_(canvas_getcurrent()), born_(clock_getlogicaltime()),
+        signal_inlets_(count_signals(declaration_.inlets)),
+        signal_outlets_(count_signals(declaration_.outlets)) {
+    voices_.emplace_back(record.make());
+    for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
+      voices_[0]->set(i, declaration_.parameters[i].initial);
+    make_ports();
+    timers_.resize(record.traits.timers);
+    for (std::size_t i = 0; i < timers_.size(); ++i) {
+      timers_[i] = {this, i, nullptr};
+      timers_[i].clock = clock_new(&timers_[i], method(&on_timer));
+    }
+    if (record.traits.reports)
+      report_clock_ = clock_new(this, method(&on_report));
+    if (record.traits.posts && !host_features().queue_message) {
+      post_clock_ = clock_new(this, method(&on_poll));
+      clock_delay(post_clock_, kPollMilliseconds);
+    }
+  }
+
+  ~PdObject() override {
+    voices_.clear();  // joins worker threads, after which nobody calls wake_from_thread
+    if (record_.traits.posts && host_features().queue_message)
+      host_features().queue_cancel(&instance_.object.ob_pd);
+    for (Timer& timer : timers_) clock_free(timer.clock);
+    if (report_clock_) clock_free(report_clock_);
+    if (post_clock_) clock_free(post_clock_);
+  }
+  PdObject(const PdObject&) = delete;
+  PdObject& operator=(const PdObject&) = delete;
+
+  [[nodiscard]] bool begin(int count, const t_atom* atoms) {
+    std::vector<Command> commands;
+    const std::string refusal = creation_commands(declaration_, count, atoms, commands);
+    if (!refusal.empty()) {
+      error(refusal);
+      return false;
+    }
+    for (const Command& command : commands) run(command);
+    voices_[0]->created(*this);
+    return true;
+  }
+
+  void receive(const t_symbol* selector, int count, const t_atom* atoms) {
+    const std::string_view name = selector->s_name;
+    if (!signal_inlets_ && (name == "float" || (name == "list" && !find_message(declaration_, name))))
+      return numbers_to_inlets(count, atoms);
+    if (name == "get") return get(count, atoms);
+    if (name == "dump") return dump();
+    run({name, to_atoms(count, atoms)});
+  }
+
+  void scalar(std::size_t inlet, double value) {
+    for (auto& voice : voices_) voice->scalar(inlet, value, *this);
+  }
+
+  void dsp(t_signal** signals) {
+    const auto& features = host_features();
+    const auto frames = static_cast<std::size_t>(signals[0]->s_n);
+    std::size_t channels = 1;
+    if (record_.traits.multichannel)
+      for (std::size_t i = 0; i < signal_inlets_; ++i)
+        channels = std::max(channels, static_cast<std::size_t>(channel_count(signals[i])));
+    while (voices_.size() < channels) {
+      AnyObject<t_sample>* copy = voices_[0]->clone();
+      if (!copy) break;
+      voices_.emplace_back(copy);
+    }
+    voices_.resize(std::min(voices_.size(), std::max<std::size_t>(channels, 1)));
+    if (features.signal_setmultiout && record_.traits.multichannel)
+      for (std::size_t i = 0; i < signal_outlets_; ++i)
+        features.signal_setmultiout(&signals[signal_inlets_ + i], static_cast<int>(voices_.size()));
+    in_.clear();
+    out_.clear();
+    for (std::size_t v = 0; v < voices_.size(); ++v) {
+      for (std::size_t i = 0; i < signal_inlets_; ++i) {
+        const auto has = static_cast<std::size_t>(channel_count(signals[i]));
+        in_.push_back(signals[i]->s_vec + (v % std::max<std::size_t>(has, 1)) * frames);
+      }
+      for (std::size_t i = 0; i < signal_outlets_; ++i)
+        out_.push_back(signals[signal_inlets_ + i]->s_vec + v * frames);
+      voices_[v]->prepare(static_cast<double>(signals[0]->s_sr), frames);
+    }
+    dsp_add(&on_perform, 2, this, static_cast<t_int>(frames));
+  }
+
+  void send(std::size_t outlet, std::span<const Atom> atoms) override {
+    if (outlet < outlets_.size()) send_to(outlets_[outlet], atoms);
+  }
+  void info(std::span<const Atom> atoms) override { send_to(info_, atoms); }
+  void error(std::string_view sentence) override {
+    pd_error(&instance_.object, "%.*s: %.*s", static_cast<int>(declaration_.name.size()),
+             declaration_.name.data(), static_cast<int>(sentence.size()), sentence.data());
+  }
+  void log(std::string_view sentence) override {
+    logpost(&instance_.object, 3, "%.*s: %.*s", static_cast<int>(declaration_.name.size()),
+            declaration_.name.data(), static_cast<int>(sentence.size()), sentence.data());
+  }
+  void wake_in(std::size_t timer, double milliseconds) override {
+    if (timer >= timers_.size()) return;
+    if (milliseconds < 0) clock_unset(timers_[timer].clock);
+    else clock_delay(timers_[timer].clock, milliseconds);
+  }
+  double now_ms() const override { return clock_gettimesince(born_); }
+  std::string find_file(std::string_view name) const override {
+    char folder[MAXPDSTRING];
+    char* base = nullptr;
+    const std::string text(name);
+    const int file = canvas_open(canvas_, text.c_str(), "", folder, &base, MAXPDSTRING, 1);
+    if (file < 0) return {};
+    sys_close(file);
+    return std::string(folder) + "/" + base;
+  }
+  std::string new_file(std::string_view name) const override {
+    char path[MAXPDSTRING];
+    canvas_makefilename(canvas_, std::string(name).c_str(), path, MAXPDSTRING);
+    return path;
+  }
+  bool read_array(std::string_view name, std::vector<double>& values) const override {
+    t_symbol* symbol = gensym(std::string(name).c_str());
+    auto* array = reinterpret_cast<t_garray*>(pd_findbyclass(symbol, garray_class));
+    int size = 0;
+    t_word* words = nullptr;
+    if (!array || !garray_getfloatwords(array, &size, &words)) return false;
+    values.resize(static_cast<std::size_t>(size));
+    for (int i = 0; i < size; ++i)
+      values[static_cast<std::size_t>(i)] = static_cast<double>(words[i].w_float);
+    return true;
+  }
+  void wake_from_thread() noexcept override {
+    if (posted_.exchange(true, std::memory_order_acq_rel)) return;
+    if (const auto queue = host_features().queue_message)
+      queue(host_instance(), &instance_.object.ob_pd, nullptr, &on_queued);
+  }
+
+private:
+  static constexpr double kPollMilliseconds = 5;
+
+  static struct _pdinstance* host_instance() noexcept {
+#ifdef PDINSTANCE
+    return pd_this;
+#else
+    return &pd_maininstance;
+#endif
+  }
+
+  void make_ports() {
+    t_object* object = &instance_.object;
+    for (std::size_t i = 1; i < declaration_.inlets.size(); ++i) {
+      if (declaration_.inlets[i].kind == Port::Kind::kSignal)
+        inlet_new(object, &object->ob_pd, &s_signal, &s_signal);
+      else
+        inlet_new(object, &object->ob_pd, &s_float, gensym(("_inlet" + std::to_string(i)).c_str()));
+    }
+    for (const Port& port : declaration_.outlets)
+      outlets_.push_back(
+          outlet_new(object, port.kind == Port::Kind::kSignal ? &s_signal : nullptr));
+    info_ = outlet_new(object, nullptr);
+  }
+
+  void run(const Command& command) {
+    const Receiver receiver{
+        [this](std::size_t index, double value) {
+          for (auto& voice : voices_) voice->set(index, value);
+        },
+        [this](std::size_t index, std::span<const Atom> arguments) {
+          for (auto& voice : voices_) voice->message(index, arguments, *this);
+        }};
+    const std::string refusal = execute(declaration_, command, receiver);
+    if (!refusal.empty()) error(refusal);
+  }
+
+  void numbers_to_inlets(int count, const t_atom* atoms) {
+    const auto wanted = std::min<std::size_t>(static_cast<std::size_t>(count),
+                                              declaration_.inlets.size());
+    for (std::size_t i = wanted; i-- > 0;)
+      if (atoms[i].a_type == A_FLOAT) scalar(i, static_cast<double>(atoms[i].a_w.w_float));
+  }
+
+  void get(int count, const t_atom* atoms) {
+    const std::vector<Atom> names = to_atoms(count, atoms);
+    if (names.empty()) return list_parameters();
+    for (const Atom& name : names) {
+      const auto index = find_parameter(declaration_, text_of(name));
+      if (index) send_parameter(*index);
+      else error("get " + text_of(name) + ": " + unknown_name(declaration_, text_of(name)));
+    }
+  }
+
+  void dump() {
+    list_parameters();
+    voices_[0]->dump(*this);
+  }
+
+  void list_parameters() {
+    for (std::size_t i = 0; i < declaration_.parameters.size(); ++i) send_parameter(i);
+  }
+
+  void send_parameter(std::size_t index) {
+    const Parameter& parameter = declaration_.parameters[index];
+    const double value = voices_[0]->get(index);
+    const auto choice = static_cast<std::size_t>(std::max(value, 0.0));
+    if (choice < parameter.choices.size())
+      Host::info({parameter.name, parameter.choices[choice]});
+    else
+      Host::info({parameter.name, value});
+  }
+
+  void send_to(t_outlet* outlet, std::span<const Atom> atoms) {
+    if (atoms.empty()) return outlet_bang(outlet);
+    std::vector<t_atom> list(atoms.size());
+    for (std::size_t i = 0; i < atoms.size(); ++i) {
+      if (atoms[i].is_word)
+        SETSYMBOL(&list[i], gensym(std::string(atoms[i].word).c_str()));
+      else
+        SETFLOAT(&list[i], static_cast<t_float>(atoms[i].number));
+    }
+    const auto count = static_cast<int>(list.size());
+    if (atoms[0].is_word) outlet_anything(outlet, list[0].a_w.w_symbol, count - 1, list.data() + 1);
+    else if (count == 1) outlet_float(outlet, list[0].a_w.w_float);
+    else outlet_list(outlet, &s_list, count, list.data());
+  }
+
+  void perform(std::size_t frames) noexcept {
+    const auto guard = host_features().audio_guard;
+    if (guard) guard(1);
+    for (std::size_t v = 0; v < voices_.size(); ++v)
+      voices_[v]->process({std::span(in_).subspan(v * signal_inlets_, signal_inlets_),
+                           std::span(out_).subspan(v * signal_outlets_, signal_outlets_), frames});
+    if (guard) guard(0);
+    if (report_clock_) clock_delay(report_clock_, 0);
+  }
+
+  void deliver_posts() {
+    if (posted_.exchange(false, std::memory_order_acq_rel)) voices_[0]->posted(*this);
+  }
+
+  static t_int* on_perform(t_int* words) {
+    reinterpret_cast<PdObject*>(words[1])->perform(static_cast<std::size_t>(words[2]));
+    return words + 3;
+  }
+  static void on_report(PdObject* self) { self->voices_[0]->report(*self); }
+  static void on_timer(Timer* timer) {
+    timer->owner->voices_[0]->tick(timer->index, *timer->owner);
+  }
+  static void on_poll(PdObject* self) {
+    self->deliver_posts();
+    clock_delay(self->post_clock_, kPollMilliseconds);
+  }
+  static void on_queued(t_pd* object, void*) {
+    if (object) reinterpret_cast<Instance*>(object)->self->deliver_posts();
+  }
+
+  Instance& instance_;
+  const PdClass& record_;
+  const Declaration& declaration_;
+  t_canvas* canvas_;
+  double born_;
+  std::size_t signal_inlets_, signal_outlets_;
+  std::vector<std::unique_ptr<AnyObject<t_sample>>> voices_;
+  std::vector<t_outlet*> outlets_;
+  t_outlet* info_ = nullptr;
+  std::vector<Timer> timers_;
+  t_clock* report_clock_ = nullptr;
+  t_clock* post_clock_ = nullptr;
+  std::atomic<bool> posted_{false};
+  std::vector<const t_sample*> in_;
+  std::vector<t_sample*> out_;
+};
+
+void destroy(Instance* instance) { delete instance->self; }
+
+void on_message(Instance* instance, t_symbol* selector, int count, t_atom* atoms) {
+  instance->self->receive(selector, count, atoms);
+}
+
+void on_dsp(Instance* instance, t_signal** signals) { instance->self->dsp(signals); }
+
+/// Numbers to the control inlets right of the first arrive as `_inletN value`.
+template <std::size_t N> void on_inlet(Instance* instance, t_floatarg value) {
+  instance->self->scalar(N, static_cast<double>(value));
+}
+
+template <std::size_t... N> void add_inlets(t_class* handle, std::index_sequence<N...>) {
+  (class_addmethod(handle, method(&on_inlet<N + 1>),
+                   gensym(("_inlet" + std::to_string(N + 1)).c_str()), A_FLOAT, 0),
+   ...);
+}
+
+}  // namespace
+
+void register_class(PdClass& record, Create create) {
+  const Declaration& declaration = *record.traits.declaration;
+  int flags = CLASS_DEFAULT;
+  if (record.traits.multichannel && host_features().signal_setmultiout) flags |= kMultichannelFlag;
+  record.handle = class_new(gensym(std::string(declaration.name).c_str()), reinterpret_cast<t_newmethod>(method(create)),
+                            method(&destroy), sizeof(Instance), flags,
+                            A_GIMME, 0);
+  if (record.traits.processes)
+    class_addmethod(record.handle, method(&on_dsp), gensym("dsp"), A_CANT, 0);
+  if (!declaration.inlets.empty() && declaration.inlets[0].kind == Port::Kind::kSignal)
+    class_domainsignalin(record.handle, static_cast<int>(offsetof(Instance, main_inlet)));
+  add_inlets(record.handle, std::make_index_sequence<7>{});
+  class_addanything(record.handle, method(&on_message));
+}
+
+void* create_instance(PdClass& record, int count, t_atom* atoms) {
+  auto* instance = reinterpret_cast<Instance*>(pd_new(record.handle));
+  instance->main_inlet = 0;
+  instance->self = nullptr;
+  try {
+    instance->self = new PdObject(*instance, record);
+    if (instance->self->begin(count, atoms)) return instance;
+  } catch (const std::bad_alloc&) {
+    pd_error(instance, "%s: not enough memory", record.traits.declaration->name.data());
+  }
+  pd_free(&instance->object.ob_pd);
+  return nullptr;
+}
+
+}  // namespace tactus::pd

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "core/object.hpp"
+
+#include <array>
+
+namespace tactus::test {
+
+/// An object with one of everything the shells offer, for their own tests: multiplies two signals
+/// and a gain, counts blocks, echoes messages, wakes itself.
+struct Probe {
+  static constexpr std::array<std::string_view, 2> kSigns{"plus", "minus"};
+  static constexpr std::array kParameters{
+      Parameter{"gain", "", 1, 0, 4, "factor of the product"},
+      Parameter{"sign", "", 0, 0, 1, "of the product", kSigns},
+  };
+  static constexpr std::array kInlets{
+      Port{Port::Kind::kSignal, "a", "", "first factor"},
+      Port{Port::Kind::kSignal, "b", "", "second factor"},
+      Port{Port::Kind::kControl, "number", "", "echoed with its inlet number"},
+  };
+  static constexpr std::array kOutlets{
+      Port{Port::Kind::kSignal, "product", "", "gain a b"},
+      Port{Port::Kind::kControl, "blocks", "", "blocks processed so far, after each block"},
+  };
+  static constexpr std::array kMessages{
+      Message{"echo", "anything", 0, 100, "comes back out of the info outlet"},
+      Message{"wake", "ms", 1, 1, "sends `awake` that much later"},
+  };
+  static constexpr std::array kArguments{CreationArgument{"gain"}};
+  static constexpr Declaration declaration{
+      "probe~", "one of everything", "For the tests of the shells.", "test",
+      kInlets,  kOutlets,            kParameters,                    kMessages,
+      kArguments};
+  static constexpr std::size_t timers = 1;
+  static constexpr bool multichannel = true;
+
+  void set(std::size_t parameter, double value) noexcept { values[parameter] = value; }
+  [[nodiscard]] double get(std::size_t parameter) const noexcept { return values[parameter]; }
+  void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+    if (index == 0) host.info(arguments);
+    else host.wake_in(0, arguments[0].number);
+  }
+  void scalar(std::size_t inlet, double value, Host& host) {
+    host.info({"scalar", static_cast<double>(inlet), value});
+  }
+  template <class S> void process(const Block<S>& block) noexcept {
+    const double factor = values[0] * (values[1] > 0 ? -1 : 1);
+    for (std::size_t n = 0; n < block.frames; ++n)
+      block.outputs[0][n] = static_cast<S>(factor * static_cast<double>(block.inputs[0][n]) *
+                                           static_cast<double>(block.inputs[1][n]));
+    ++blocks;
+  }
+  void report(Host& host) { host.send(1, {static_cast<double>(blocks)}); }
+  void tick(std::size_t, Host& host) { host.info({"awake", host.now_ms()}); }
+
+  std::array<double, 2> values{};
+  std::size_t blocks = 0;
+};
+
+}  // namespace tactus::test
