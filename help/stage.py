@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+"""Fills the flat library folder that Pd loads: help patches, abstractions, object list, meta patch.
+
+A help patch in this folder is drawn by hand: a window, an example, nothing else. On its way to the
+library it gets, from the object's declaration, a title bar, one line for each inlet and outlet
+along the bottom, a sub-patch [pd reference] with every argument, parameter and message, and the
+sub-patch [pd META] that Pd's help browser and deken read.
+
+    stage.py --declarations declarations.json --version 0.1.0 --stage FOLDER SOURCE...
+    stage.py --declarations declarations.json --docs FOLDER       one Markdown page an object
+"""
+import argparse
+import json
+import pathlib
+import re
+import shutil
+
+AUTHOR = "the tactus authors"
+LICENCE = "GPL-3.0-or-later"
+WEBSITE = "see README.md"
+TITLE_COLOUR = "#2f4f5f"
+RULE_COLOUR = "#dcdcdc"
+LINE = 19  # pixels between two lines of text
+
+
+def escape(text):
+    """Text as a Pd file holds it."""
+    for symbol in ("\\", ",", ";", "$"):
+        text = text.replace(symbol, " \\" + symbol if symbol in ",;" else "\\" + symbol)
+    return text
+
+
+def comment(x, y, text, width=0):
+    return f"#X text {x} {y} {escape(text)}" + (f", f {width}" if width else "") + ";"
+
+
+def rule(x, y, width, height, label="", colour=RULE_COLOUR, text_colour="#303030"):
+    label = label.replace(" ", "_") if label else "empty"
+    return (f"#X obj {x} {y} cnv 4 {width} {height} empty empty {label} 8 {height // 2} 0 "
+            f"{14 if height < 30 else 22} {colour} {text_colour} 0;")
+
+
+def number(value):
+    return f"{value:.7g}"
+
+
+def range_text(parameter):
+    if parameter["choices"]:
+        return " | ".join(parameter["choices"])
+    unit = f" {parameter['unit']}" if parameter["unit"] else ""
+    return f"{number(parameter['lowest'])}..{number(parameter['highest'])}{unit}"
+
+
+def initial_text(parameter):
+    if parameter["choices"]:
+        return parameter["choices"][int(parameter["initial"])]
+    return number(parameter["initial"])
+
+
+def ports(declaration, side):
+    """The declared ports of one side; every object has the info outlet at the right."""
+    listed = [(p["kind"], p["name"], p["unit"], p["text"]) for p in declaration[side]]
+    if side == "outlets":
+        listed.append(("control", "info", "", "answers to get, dump and other questions"))
+    return listed
+
+
+def wrap(text, width):
+    """How many lines a Pd comment of that width takes."""
+    lines, used = 1, 0
+    for word in text.split():
+        if used and used + 1 + len(word) > width:
+            lines, used = lines + 1, 0
+        used += len(word) + (1 if used else 0)
+    return lines
+
+
+def reference_patch(declaration):
+    """The lines of [pd reference]: arguments, parameters, messages."""
+    lines, y = ["#N canvas 80 80 760 640 reference 0;"], 10
+
+    def heading(label):
+        nonlocal y
+        lines.append(rule(10, y, 730, 20, label))
+        y += 24
+
+    def row(left, right):
+        nonlocal y
+        lines.append(comment(14, y, left, 40))
+        lines.append(comment(300, y, right, 62))
+        y += 16 * max(wrap(left, 40), wrap(right, 62)) + 3
+
+    if declaration["arguments"]:
+        heading("arguments, in this order before the flags")
+        for i, name in enumerate(declaration["arguments"]):
+            row(f"{i + 1}: {name}", f"as the message {name}")
+    if declaration["parameters"]:
+        heading("parameters: flag -name value, message name value, get name")
+        for p in declaration["parameters"]:
+            row(f"{p['name']}  {range_text(p)}", f"{p['text']} (initially {initial_text(p)})")
+    heading("messages")
+    for m in declaration["messages"]:
+        row(f"{m['name']} {m['arguments']}".strip(), m["text"])
+    row("get [name ...]", "the value of the named or of all parameters, out of the info outlet")
+    row("dump", "all parameters and what follows from them, out of the info outlet")
+    return lines
+
+
+def meta_patch(declaration):
+    lines = ["#N canvas 100 100 500 360 META 0;"]
+    entries = [("KEYWORDS", declaration["keywords"]), ("DESCRIPTION", declaration["title"]),
+               ("LICENSE", LICENCE), ("LIBRARY", "tactus")]
+    for side in ("inlets", "outlets"):
+        for i, (kind, name, unit, text) in enumerate(ports(declaration, side)):
+            entries.append((f"{side[:-1].upper()}_{i}", f"{kind} {name} {unit} {text}"))
+    entries.append(("AUTHOR", AUTHOR))
+    for i, (key, value) in enumerate(entries):
+        lines.append(comment(10, 10 + LINE * i, f"{key} {value}"))
+    return lines
+
+
+def fill_help(source, declaration):
+    """The finished help patch: the drawn one, with what the declaration knows."""
+    window = re.match(r"#N canvas (-?\d+) (-?\d+) (\d+) (\d+) (\d+);", source)
+    if not window:
+        raise SystemExit(f"{declaration['name']}-help.pd: its first line is not a window")
+    width, height = int(window.group(3)), int(window.group(4))
+    rows = []
+    for side in ("inlets", "outlets"):
+        for i, (kind, name, unit, text) in enumerate(ports(declaration, side)):
+            rows.append((side if i == 0 else "", f"{i + 1}  {kind}",
+                         f"{name}{', ' + unit if unit else ''}: {text}"))
+    columns = (width - 190) // 7
+    heights = [LINE * wrap(text, columns) for _, _, text in rows]
+    y = height - sum(heights) - 38
+    out = [source.rstrip("\n")]
+    out.append(rule(1, 1, width - 3, 38, "", TITLE_COLOUR))
+    out.append(rule(1, 1, 4, 38, declaration["name"], TITLE_COLOUR, "#ffffff"))
+    out.append(rule(width - 112, 1, 4, 38, "tactus", TITLE_COLOUR, "#ffffff"))
+    out.append(comment(10, 44, declaration["title"]))
+    out.append(rule(6, y - 6, width - 14, 3))
+    for (side, kind, text), step in zip(rows, heights):
+        if side:
+            out.append(comment(10, y, side))
+        out.append(comment(70, y, kind))
+        out.append(comment(170, y, text, columns))
+        y += step
+    out += reference_patch(declaration) + [f"#X restore 10 {height - 28} pd reference;"]
+    out.append(comment(110, height - 28, "<- click: every argument, parameter and message"))
+    out += meta_patch(declaration) + [f"#X restore {width - 80} {height - 28} pd META;"]
+    return "\n".join(out) + "\n"
+
+
+def markdown(declaration):
+    """A page for readers and for object browsers (YAML front matter in the form ELSE uses)."""
+    d = declaration
+    out = ["---", f"title: {d['name']}", f"description: {d['title']}", "categories: [tactus]",
+           "pdcategory: tactus"]
+    for side in ("inlets", "outlets"):
+        out.append(f"{side}:")
+        for i, (kind, name, unit, text) in enumerate(ports(d, side)):
+            label = f"{name}{', ' + unit if unit else ''}: {text}"
+            out += [f"  {i + 1}:", f"  - type: {kind}", f"    description: {json.dumps(label)}"]
+    out.append("flags:")
+    for p in d["parameters"]:
+        out += [f"  - name: -{p['name']}", f"    description: {json.dumps(p['text'])}",
+                f"    default: {initial_text(p)}"]
+    out += ["---", "", f"# {d['name']}", "", d["description"], "",
+            "Written from the object's own declaration by `help/stage.py`.", ""]
+    if d["arguments"]:
+        out += ["Creation arguments, in order: " + ", ".join(f"`{a}`" for a in d["arguments"])
+                + ".", ""]
+    out += ["| parameter | range | initially | meaning |", "|---|---|---|---|"]
+    for p in d["parameters"]:
+        shown = range_text(p).replace(" | ", ", ")
+        out.append(f"| `{p['name']}` | {shown} | {initial_text(p)} | {p['text']} |")
+    out += ["", "| message | arguments | meaning |", "|---|---|---|"]
+    for m in d["messages"]:
+        out.append(f"| `{m['name']}` | {m['arguments'].replace('|', 'or')} | {m['text']} |")
+    out += ["| `get` | names | the value of the named or of all parameters |",
+            "| `dump` | | all parameters and what follows from them |", ""]
+    return "\n".join(out)
+
+
+def library_meta(version, declarations):
+    lines = ["#N canvas 100 100 500 300 12;", "#N canvas 100 100 500 300 META 0;"]
+    entries = [("NAME", "tactus"), ("DESCRIPTION", "instruments and worlds that are heard and felt"),
+               ("AUTHOR", AUTHOR), ("VERSION", version), ("LICENSE", LICENCE),
+               ("WEBSITE", WEBSITE), ("OBJECTS", " ".join(d["name"] for d in declarations))]
+    for i, (key, value) in enumerate(entries):
+        lines.append(comment(10, 10 + LINE * i, f"{key} {value}"))
+    return "\n".join(lines + ["#X restore 20 20 pd META;"]) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--declarations", type=pathlib.Path, required=True)
+    parser.add_argument("--version", default="0")
+    parser.add_argument("--stage", type=pathlib.Path)
+    parser.add_argument("--docs", type=pathlib.Path)
+    parser.add_argument("sources", nargs="*", type=pathlib.Path)
+    arguments = parser.parse_args()
+    declarations = json.loads(arguments.declarations.read_text())
+    by_name = {d["name"]: d for d in declarations}
+
+    if arguments.docs:
+        arguments.docs.mkdir(parents=True, exist_ok=True)
+        for d in declarations:
+            (arguments.docs / f"{d['name']}.md").write_text(markdown(d))
+    if not arguments.stage:
+        return
+    arguments.stage.mkdir(parents=True, exist_ok=True)
+    for source in arguments.sources:
+        for path in sorted(source.rglob("*")):
+            if path.suffix not in (".pd", ".txt", ".mid"):
+                continue
+            name = path.name.removesuffix("-help.pd")
+            if path.name.endswith("-help.pd") and name in by_name:
+                (arguments.stage / path.name).write_text(fill_help(path.read_text(), by_name[name]))
+            else:
+                shutil.copyfile(path, arguments.stage / path.name)
+    (arguments.stage / "tactus-meta.pd").write_text(library_meta(arguments.version, declarations))
+    (arguments.stage / "tactus-objects.txt").write_text(
+        "".join(f"{d['name']}\t{d['title']}\n" for d in declarations))
+
+
+if __name__ == "__main__":
+    main()

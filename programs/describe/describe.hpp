@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/object.hpp"
+
+#include <vector>
+
+namespace tactus {
+
+struct Described {
+  const Declaration* declaration;
+  Traits traits;
+};
+
+/// Every object that pd_external() registered, in the order of the folders.
+[[nodiscard]] std::vector<Described> described_objects();
+
+}  // namespace tactus
