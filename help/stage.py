@@ -212,7 +212,7 @@ def main():
     arguments.stage.mkdir(parents=True, exist_ok=True)
     for source in arguments.sources:
         for path in sorted(source.rglob("*")):
-            if path.suffix not in (".pd", ".txt", ".mid"):
+            if path.suffix not in (".pd", ".txt", ".mid") or path.name == "CMakeLists.txt":
                 continue
             name = path.name.removesuffix("-help.pd")
             if path.name.endswith("-help.pd") and name in by_name:
