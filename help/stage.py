@@ -35,7 +35,7 @@ def comment(x, y, text, width=0):
 
 
 def rule(x, y, width, height, label="", colour=RULE_COLOUR, text_colour="#303030"):
-    label = label.replace(" ", "_") if label else "empty"
+    label = label.replace(",", "\\,").replace(" ", "\\ ") if label else "empty"
     return (f"#X obj {x} {y} cnv 4 {width} {height} empty empty {label} 8 {height // 2} 0 "
             f"{14 if height < 30 else 22} {colour} {text_colour} 0;")
 
