@@ -1,0 +1,89 @@
+#pragma once
+
+#include "core/haptic/workspace.hpp"
+
+#include <cstdint>
+
+/// The safety chain: nothing reaches a motor without it. One pure step over a state, shared by
+/// every device and by the haptic server; docs/phantom.md has the equations and the reasons.
+///
+///   interpolate -> + local model, damping, walls -> clamp -> watchdog and enable gain -> slew
+///               -> passivity -> clamp
+///
+/// A tick costs bounded time, allocates nothing and takes any input. The written force is finite
+/// and no longer than force_limit_n whatever comes in.
+namespace tactus::haptic {
+
+struct ChainSettings {
+  enum class Interpolation { kAuto, kOff, kFixed };
+
+  double period_s = 1e-3;
+  double force_limit_n = 8;
+  double slew_n_per_s = 2000;
+  Interpolation interpolation = Interpolation::kAuto;
+  double interpolation_s = 0.01;  ///< of kFixed
+  double extrapolation_s = 0;     ///< goes on along the slope this long after a target is reached
+  double hold_s = 0.1;            ///< without a sign of life before the force falls
+  double ramp_s = 0.05;           ///< from full force to none, and back
+  bool strict = false;            ///< force messages too must keep coming
+  double enable_s = 0.5;          ///< from none to full force after motors(true)
+  bool passivity = true;
+  double tank_j = 5e-3;           ///< most energy the observer remembers to the patch's credit
+  double allowance_w = 0;         ///< power granted to a force that is meant to do work
+  double damping_n_s_per_m = 0;
+  double wall_n_per_m = 0;        ///< stiffness of soft walls at the workspace's faces
+  Workspace workspace{};
+};
+
+/// What one tick brings.
+struct ChainInput {
+  double time_s = 0;       ///< any origin, never decreasing
+  double heartbeat_s = 0;  ///< when the host last showed that it is alive, same origin
+  Vec3 position{};         ///< m
+  Vec3 velocity{};         ///< m/s
+  Vec3 local_force{};      ///< N, of models that live inside the servo
+};
+
+struct ChainCounters {
+  std::uint64_t ticks = 0, clamped = 0, slewed = 0, watchdog_trips = 0, refused = 0;
+  std::uint64_t braked = 0;  ///< ticks in which the passivity controller acted
+};
+
+struct ChainState {
+  // interpolation, in ticks
+  Vec3 start{}, target{}, commanded{};
+  std::uint64_t tick = 0, command_tick = 0;
+  std::uint64_t length = 1;
+  bool commanded_before = false, sloped = false;
+
+  // signs of life
+  double command_s = 0, refused_since_s = 0, previous_s = 0;
+  bool refusing = false, started = false, tripped = false;
+  double alive_gain = 1;
+
+  // motors
+  bool motors = true, latched = false;
+  double enable_gain = 1;
+
+  Vec3 slewed{};   // output of the slew stage
+  Vec3 written{};  // what the device holds now
+  Vec3 position{};
+  double energy_j = 0, lowest_energy_j = 0;
+  ChainCounters counters{};
+};
+
+/// A new target; a component that is not finite makes the whole target refused (returns false).
+/// The last good target then stays, for no longer than the watchdog's hold time.
+bool command(ChainState&, const ChainSettings&, const Vec3& force_n, double time_s) noexcept;
+/// Counts a target that was refused before it got here.
+void refuse(ChainState&, double time_s) noexcept;
+
+/// On: the force returns over enable_s, a latched stop is released. Off: it falls by the slew.
+void motors(ChainState&, bool on) noexcept;
+/// No force at once, and none until motors(true).
+void emergency_stop(ChainState&) noexcept;
+
+/// One tick; returns the force to write.
+Vec3 step(ChainState&, const ChainSettings&, const ChainInput&) noexcept;
+
+}  // namespace tactus::haptic

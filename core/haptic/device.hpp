@@ -1,0 +1,58 @@
+#pragma once
+
+#include "core/haptic/vec3.hpp"
+
+#include <cstdint>
+#include <string>
+
+/// What a haptic device is to the rest of tactus. Real devices live in devices/, the simulated one
+/// beside this file.
+namespace tactus::haptic {
+
+/// One instant of the servo. Index counts grid points since the start, those skipped by an overrun
+/// included, so that index * period_s is the planned time and time_s the real one.
+struct Tick {
+  std::uint64_t index = 0;
+  double time_s = 0;
+  double period_s = 1e-3;
+};
+
+/// What a device can do. Zero for a limit means that the device does not know it.
+struct Caps {
+  int axes_in = 3, axes_out = 3;
+  double peak_force_n = 0, continuous_force_n = 0;
+  double stiffness_limit_n_per_m = 0, damping_limit_n_s_per_m = 0;
+  Vec3 workspace_min{-0.05, -0.05, -0.05}, workspace_max{0.05, 0.05, 0.05};  ///< m
+  double rate_hz = 1000;
+  double position_noise_m = 0;  ///< largest error of one reading, encoder step included
+  bool has_velocity = false;    ///< State::velocity is measured; else the servo estimates it
+  bool has_buttons = false;
+  bool needs_home = false;
+};
+
+struct State {
+  enum Flags : std::uint32_t { kHomed = 1, kFault = 2, kMotorsHot = 4, kForceLimited = 8 };
+  Vec3 position{};  ///< m, project frame
+  Vec3 velocity{};  ///< m/s
+  std::uint32_t buttons = 0;
+  std::uint32_t flags = kHomed;
+};
+
+/// A device. open and close may take time and allocate; read and write neither allocate, block for
+/// more than 2 ms, nor throw, and run in the servo's thread.
+class Backend {
+public:
+  virtual ~Backend() = default;
+  /// Empty when the device is ready, else one sentence that says what to do.
+  [[nodiscard]] virtual std::string open() = 0;
+  virtual void close() noexcept = 0;
+  [[nodiscard]] virtual Caps caps() const noexcept = 0;
+  /// State at this tick; false when the device did not answer.
+  [[nodiscard]] virtual bool read(const Tick& tick, State& state) noexcept = 0;
+  /// Force in N, held by the device until the next write; false when it could not be sent.
+  [[nodiscard]] virtual bool write(const Vec3& force_n) noexcept = 0;
+  /// True when the device's own driver calls the servo step.
+  [[nodiscard]] virtual bool owns_thread() const noexcept { return false; }
+};
+
+}  // namespace tactus::haptic

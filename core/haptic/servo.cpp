@@ -1,0 +1,138 @@
+#include "core/haptic/servo.hpp"
+
+namespace tactus::haptic {
+namespace {
+constexpr double kDeaf_s = 0.02;  // a device silent for this long has failed
+constexpr int kActionsPerTick = 64;
+}
+
+void Servo::attach(Backend& device, LocalModel* model) noexcept {
+  device_ = &device;
+  model_ = model;
+  caps_ = device.caps();
+  chain_ = {};
+  estimator_.reset();
+  estimator_.set_bound(caps_.position_noise_m);
+  statistics_ = {};
+  state_ = {};
+  unread_ = unwritten_ = 0;
+  failed_ = tripped_ = has_heartbeat_ = false;
+  exchange_.commands.read();
+  command_ = exchange_.commands.latest();
+}
+
+void Servo::take_orders(const Tick& tick) noexcept {
+  if (exchange_.settings.read()) settings_ = exchange_.settings.latest();
+  settings_.chain.period_s = tick.period_s;
+  Action action;
+  for (int taken = 0; taken < kActionsPerTick && exchange_.actions.pop(action); ++taken) obey(action);
+  if (!exchange_.commands.read()) return;
+  const Command& newest = exchange_.commands.latest();
+  const bool fresh = newest.number != command_.number;
+  const bool refused = newest.refused != command_.refused;
+  if (refused && !newest.last_refused) refuse(chain_, newest.heartbeat_s);
+  if (fresh) command(chain_, settings_.chain, newest.force_n, newest.heartbeat_s);
+  if (refused && newest.last_refused) refuse(chain_, newest.heartbeat_s);
+  command_ = newest;
+  has_heartbeat_ = true;
+}
+
+void Servo::obey(Action action) noexcept {
+  switch (action) {
+  case Action::kMotorsOn:
+    motors(chain_, true);
+    failed_ = false;
+    unread_ = unwritten_ = 0;
+    break;
+  case Action::kMotorsOff: motors(chain_, false); break;
+  case Action::kEmergencyStop: emergency_stop(chain_); break;
+  case Action::kResetStatistics:
+    statistics_ = {};
+    chain_.counters = {};
+    chain_.lowest_energy_j = chain_.energy_j;
+    break;
+  }
+}
+
+State Servo::sense(const Tick& tick) noexcept {
+  State raw;
+  if (!device_->read(tick, raw) || !is_finite(raw.position)) {
+    ++statistics_.device_errors;
+    if (++unread_ * tick.period_s >= kDeaf_s) fail(tick);
+    return state_;
+  }
+  unread_ = 0;
+  if (raw.flags & State::kFault) fail(tick);
+  State state = raw;
+  state.position = settings_.map.to_project(raw.position);
+  state.velocity = caps_.has_velocity && is_finite(raw.velocity)
+                       ? settings_.map.to_project(raw.velocity)
+                       : estimator_.update(state.position, tick.time_s);
+  return state;
+}
+
+void Servo::fail(const Tick& tick) noexcept {
+  if (failed_) return;
+  failed_ = true;
+  emergency_stop(chain_);
+  exchange_.events.push({Event::Kind::kFault, 0, true, tick.time_s});
+}
+
+void Servo::notice(const Tick& tick, const State& state) noexcept {
+  for (std::uint32_t changed = state.buttons ^ state_.buttons; changed; changed &= changed - 1) {
+    int number = 0;
+    while (!(changed >> number & 1u)) ++number;
+    exchange_.events.push(
+        {Event::Kind::kButton, number, (state.buttons >> number & 1u) != 0, tick.time_s});
+  }
+  if (chain_.tripped != tripped_)
+    exchange_.events.push({Event::Kind::kWatchdog, 0, chain_.tripped, tick.time_s});
+  tripped_ = chain_.tripped;
+}
+
+void Servo::step(const Tick& tick) noexcept {
+  if (!device_) return;
+  take_orders(tick);
+  const State state = sense(tick);
+
+  ChainInput input;
+  input.time_s = tick.time_s;
+  input.heartbeat_s = has_heartbeat_ ? command_.heartbeat_s : tick.time_s;
+  input.position = state.position;
+  input.velocity = state.velocity;
+  if (model_) input.local_force = model_->force(tick, state);
+  const Vec3 force = haptic::step(chain_, settings_.chain, input);
+  if (device_->write(settings_.map.to_device(force))) {
+    unwritten_ = 0;
+  } else {
+    ++statistics_.device_errors;
+    if (++unwritten_ * tick.period_s >= kDeaf_s) fail(tick);
+  }
+
+  notice(tick, state);
+  state_ = state;
+  ++statistics_.ticks;
+  Report report;
+  report.tick = tick;
+  report.state = state;
+  report.force_n = force;
+  report.counters = chain_.counters;
+  report.energy_j = chain_.energy_j;
+  report.lowest_energy_j = chain_.lowest_energy_j;
+  report.motors = chain_.motors;
+  report.latched = chain_.latched;
+  exchange_.reports.write(report);
+  if (statistics_.ticks % kStatisticsTicks == 0) exchange_.statistics.write(statistics_);
+}
+
+void Servo::wake(Clock& clock) noexcept {
+  const double now_s = clock.now_s();
+  const Pacer::Wake wake = pacer_.wake(now_s);
+  statistics_.lateness.add(wake.lateness_s);
+  if (wake.skipped > 0) ++statistics_.overruns;
+  statistics_.skipped += wake.skipped;
+  step(wake.tick);
+  statistics_.work.add(clock.now_s() - now_s);
+}
+
+}  // namespace tactus::haptic

@@ -1,0 +1,124 @@
+#pragma once
+
+#include "core/haptic/chain.hpp"
+#include "core/haptic/device.hpp"
+#include "core/haptic/mailbox.hpp"
+#include "core/haptic/pacer.hpp"
+#include "core/haptic/ring.hpp"
+#include "core/haptic/statistics.hpp"
+#include "core/haptic/velocity.hpp"
+#include "core/haptic/workspace.hpp"
+
+namespace tactus::haptic {
+
+/// A source of time that only goes forward; tests inject their own.
+class Clock {
+public:
+  virtual ~Clock() = default;
+  [[nodiscard]] virtual double now_s() noexcept = 0;
+};
+
+/// A force that is computed inside the servo from the newest state, such as contact with a scene.
+class LocalModel {
+public:
+  virtual ~LocalModel() = default;
+  /// N, project frame. Bounded time, no allocation.
+  [[nodiscard]] virtual Vec3 force(const Tick& tick, const State& state) noexcept = 0;
+};
+
+/// What the host wants: newest wins.
+struct Command {
+  Vec3 force_n{};
+  std::uint64_t number = 0;   ///< counts accepted forces
+  std::uint64_t refused = 0;  ///< counts forces that were not finite
+  bool last_refused = false;
+  double heartbeat_s = 0;  ///< when the host wrote this, in the servo's time
+};
+
+struct ServoSettings {
+  ChainSettings chain{};
+  AxisMap map{};
+};
+
+enum class Action { kMotorsOn, kMotorsOff, kEmergencyStop, kResetStatistics };
+
+/// What the servo saw and did in its newest tick; position, velocity and force in the project frame.
+struct Report {
+  Tick tick{};
+  State state{};
+  Vec3 force_n{};
+  ChainCounters counters{};
+  double energy_j = 0, lowest_energy_j = 0;
+  bool motors = true, latched = false;
+};
+
+struct Event {
+  enum class Kind { kButton, kWatchdog, kFault };
+  Kind kind = Kind::kButton;
+  int number = 0;
+  bool on = false;
+  double time_s = 0;
+};
+
+struct ServoStatistics {
+  std::uint64_t ticks = 0, overruns = 0, skipped = 0, device_errors = 0;
+  DurationHistogram lateness{}, work{};
+};
+
+/// Both directions between the host's thread and the servo's; every member has one writing and one
+/// reading side. Under a logical clock both sides are the same thread.
+struct Exchange {
+  Mailbox<Command> commands;
+  Mailbox<ServoSettings> settings;
+  Ring<Action, 64> actions;
+  Mailbox<Report> reports;
+  Mailbox<ServoStatistics> statistics;  ///< every kStatisticsTicks ticks
+  Ring<Event, 1024> events;
+};
+
+/// The servo: one step reads the device, runs the chain and writes the force. It has no thread of
+/// its own; whoever has the time calls step() on a logical clock or wake() on a real one.
+class Servo {
+public:
+  static constexpr std::uint64_t kStatisticsTicks = 128;
+
+  /// While no step runs. Starts with no force, fresh chain and statistics.
+  void attach(Backend& device, LocalModel* model = nullptr) noexcept;
+  void detach() noexcept { device_ = nullptr; }
+  [[nodiscard]] bool attached() const noexcept { return device_ != nullptr; }
+
+  Exchange& exchange() noexcept { return exchange_; }
+
+  void step(const Tick& tick) noexcept;
+
+  void start(Clock& clock, double period_s) noexcept { pacer_.start(clock.now_s(), period_s); }
+  [[nodiscard]] double deadline_s() const noexcept { return pacer_.deadline_s(); }
+  /// Runs the tick that is due and counts how late it is and how long it took.
+  void wake(Clock& clock) noexcept;
+
+  [[nodiscard]] const ChainState& chain() const noexcept { return chain_; }
+  [[nodiscard]] const ServoStatistics& statistics() const noexcept { return statistics_; }
+
+private:
+  void take_orders(const Tick& tick) noexcept;
+  void obey(Action action) noexcept;
+  State sense(const Tick& tick) noexcept;
+  void notice(const Tick& tick, const State& state) noexcept;
+  void fail(const Tick& tick) noexcept;
+
+  Exchange exchange_;
+  Backend* device_ = nullptr;
+  LocalModel* model_ = nullptr;
+  Caps caps_{};
+  ServoSettings settings_{};
+  ChainState chain_{};
+  VelocityEstimator estimator_{};
+  Pacer pacer_{};
+  ServoStatistics statistics_{};
+  State state_{};
+  Command command_{};
+  int unread_ = 0, unwritten_ = 0;
+  bool failed_ = false, tripped_ = false, has_heartbeat_ = false;
+};
+
+}  // namespace tactus::haptic

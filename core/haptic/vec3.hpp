@@ -1,0 +1,50 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::haptic {
+
+/// Three components in the project frame: x right, y up, z towards the user.
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+
+  double& operator[](int axis) noexcept { return axis == 0 ? x : axis == 1 ? y : z; }
+  double operator[](int axis) const noexcept { return axis == 0 ? x : axis == 1 ? y : z; }
+  Vec3& operator+=(const Vec3& b) noexcept { return *this = {x + b.x, y + b.y, z + b.z}; }
+  Vec3& operator-=(const Vec3& b) noexcept { return *this = {x - b.x, y - b.y, z - b.z}; }
+  friend bool operator==(const Vec3&, const Vec3&) = default;
+};
+
+inline Vec3 operator+(Vec3 a, const Vec3& b) noexcept { return a += b; }
+inline Vec3 operator-(Vec3 a, const Vec3& b) noexcept { return a -= b; }
+inline Vec3 operator-(const Vec3& a) noexcept { return {-a.x, -a.y, -a.z}; }
+inline Vec3 operator*(const Vec3& a, double s) noexcept { return {a.x * s, a.y * s, a.z * s}; }
+inline Vec3 operator*(double s, const Vec3& a) noexcept { return a * s; }
+inline double dot(const Vec3& a, const Vec3& b) noexcept {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline bool is_finite(const Vec3& a) noexcept {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+/// Length without overflow or underflow of the squares.
+inline double norm(const Vec3& a) noexcept {
+  const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+  if (!(largest > 0.0) || !std::isfinite(largest)) return largest;
+  const Vec3 scaled{a.x / largest, a.y / largest, a.z / largest};
+  return largest * std::sqrt(dot(scaled, scaled));
+}
+
+/// The vector itself, or one of that length in the same direction when it is longer; none when it
+/// is not finite.
+inline Vec3 limited(const Vec3& a, double longest) noexcept {
+  const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
+  if (!is_finite(a)) return {};
+  if (largest == 0.0) return a;
+  const Vec3 scaled{a.x / largest, a.y / largest, a.z / largest};
+  const double length = std::sqrt(dot(scaled, scaled));
+  return largest * length > longest ? scaled * (longest / length) : a;
+}
+
+}  // namespace tactus::haptic
