@@ -63,10 +63,15 @@ double watchdog_gain(ChainState& state, const ChainSettings& settings, const Cha
 /// Robotics and Automation 18, 2002), for a force held over the tick: the energy that the human
 /// put into the rendered world is E_n = E_(n-1) - F_(n-1) . (x_n - x_(n-1)), with no error from
 /// the hold. While E < 0 a damper takes the excess back within one tick: b = -E / (T |v|^2).
+/// A patch that guides the hand does work on purpose: what its targets put in is forgiven up to
+/// allowance_w, so that guidance is not braked away while a contact's energy still is.
 Vec3 braked(ChainState& state, const ChainSettings& settings, const ChainInput& input,
             double elapsed_s, const Vec3& force, double gain) noexcept {
-  state.energy_j -= dot(state.written, input.position - state.position);
-  state.energy_j += settings.allowance_w * elapsed_s;
+  const Vec3 way = input.position - state.position;
+  const double given_j = dot(state.written, way);
+  const double forgiven_j =
+      std::min({dot(state.asked, way), given_j, settings.allowance_w * elapsed_s});
+  state.energy_j -= given_j - std::max(forgiven_j, 0.0);
   state.energy_j = std::clamp(state.energy_j, -1e6, settings.tank_j);
   state.lowest_energy_j = std::min(state.lowest_energy_j, state.energy_j);
   if (!settings.passivity || state.energy_j >= 0.0) return force;
@@ -173,6 +178,7 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
     force = {};
   }
   state.position = input.position;
+  state.asked = state.commanded * gain;
   state.written = force;
   ++state.tick;
   ++state.counters.ticks;

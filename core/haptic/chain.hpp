@@ -29,7 +29,7 @@ struct ChainSettings {
   double enable_s = 0.5;          ///< from none to full force after motors(true)
   bool passivity = true;
   double tank_j = 5e-3;           ///< most energy the observer remembers to the patch's credit
-  double allowance_w = 0;         ///< power granted to a force that is meant to do work
+  double allowance_w = 0;         ///< power that targets, not local models, may put into the hand
   double damping_n_s_per_m = 0;
   double wall_n_per_m = 0;        ///< stiffness of soft walls at the workspace's faces
   Workspace workspace{};
@@ -65,6 +65,7 @@ struct ChainState {
   bool motors = true, latched = false;
   double enable_gain = 1;
 
+  Vec3 asked{};    // the target's share of the last force, before clamp and slew
   Vec3 slewed{};   // output of the slew stage
   Vec3 written{};  // what the device holds now
   Vec3 position{};

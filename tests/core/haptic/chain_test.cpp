@@ -243,22 +243,35 @@ TEST_CASE("the observer keeps the exact energy of a force that is held over the 
   }
 }
 
-TEST_CASE("the tank bounds what the observer remembers and the allowance fills it") {
+TEST_CASE("the tank bounds what the observer remembers") {
   ChainSettings settings = plain();
   settings.tank_j = 2e-3;
-  settings.allowance_w = 0.01;
   ChainState state;
+  command(state, settings, {-1, 0, 0}, 0);
   ChainInput input;
-  for (int tick = 0; tick < 100; ++tick) {
+  for (int tick = 0; tick < 50; ++tick) {  // the hand pushes 1 mm a tick against 1 N
     input.time_s = input.heartbeat_s = tick * 1e-3;
+    input.position.x = tick * 1e-3;
     step(state, settings, input);
+    CHECK(state.energy_j == doctest::Approx(std::min(tick * 1e-3, 2e-3)).epsilon(1e-12));
   }
-  CHECK(state.energy_j == doctest::Approx(1e-3).epsilon(1e-9));  // 10 mW for 100 ms
-  for (int tick = 100; tick < 400; ++tick) {
-    input.time_s = input.heartbeat_s = tick * 1e-3;
-    step(state, settings, input);
+}
+
+TEST_CASE("targets may put their allowance into the hand, local models nothing") {
+  for (const bool local : {false, true}) {
+    ChainSettings settings = plain();
+    settings.allowance_w = 0.01;
+    ChainState state;
+    if (!local) command(state, settings, {1, 0, 0}, 0);
+    ChainInput input;
+    if (local) input.local_force = {1, 0, 0};
+    for (int tick = 0; tick <= 100; ++tick) {  // 1 N along 40 um a tick: 40 mW for 100 ms
+      input.time_s = input.heartbeat_s = tick * 1e-3;
+      input.position.x = tick * 4e-5;
+      step(state, settings, input);
+    }
+    CHECK(state.energy_j == doctest::Approx(local ? -4e-3 : -3e-3).epsilon(1e-9));
   }
-  CHECK(state.energy_j == 2e-3);
 }
 
 TEST_CASE("whatever comes in, the written force is finite and within the limit") {

@@ -195,3 +195,61 @@ TEST_CASE("more slots of damping raise the stable stiffness") {
   CHECK(high - low < 1e-6);
   CHECK(high == doctest::Approx(1.0 / 5000).epsilon(1e-3));
 }
+
+TEST_CASE("guidance by a patch reaches the hand with an allowance and is braked away without") {
+  // 1 N on a hand of 200 N/m: 5 mm at rest.
+  const auto guided = [](double allowance_w) {
+    SimulatedDevice device;
+    Servo servo;
+    ServoSettings settings;
+    settings.chain.allowance_w = allowance_w;
+    servo.exchange().settings.write(settings);
+    servo.attach(device);
+    for (std::uint64_t k = 0; k < 3000; ++k) {
+      const double now = static_cast<double>(k) * 1e-3;
+      Command c;
+      c.force_n = {k < 100 ? 0.0 : 1.0, 0, 0};
+      c.number = k + 1;
+      c.heartbeat_s = now;
+      servo.exchange().commands.write(c);
+      servo.step({k, now, 1e-3});
+    }
+    return device.position().x;
+  };
+  const double strict = guided(0), generous = guided(0.05);
+  MESSAGE("1 N of guidance on 200 N/m: " << strict * 1e3 << " mm without an allowance, "
+                                         << generous * 1e3 << " mm with 50 mW");
+  CHECK(strict < 0.5e-3);
+  CHECK(generous == doctest::Approx(5e-3).epsilon(1e-3));
+}
+
+TEST_CASE("a stiff wall that a patch renders a tick late stays tame with the default allowance") {
+  const auto peak_to_peak = [](bool observer, double allowance_w) {
+    Rig rig(0, observer);
+    ServoSettings settings;
+    settings.chain.passivity = observer;
+    settings.chain.allowance_w = allowance_w;
+    rig.servo.exchange().settings.write(settings);
+    rig.device.push = {1, 0, 0};
+    rig.device.device.place({-0.002, 0, 0}, {});
+    double low = 1, high = -1;
+    for (int n = 0; n < 4000; ++n) {
+      Command c;
+      c.force_n = {rig.x() > 0 ? -2000 * rig.x() : 0.0, 0, 0};
+      c.number = rig.index + 1;
+      c.heartbeat_s = static_cast<double>(rig.index) * 1e-3;
+      rig.servo.exchange().commands.write(c);
+      rig.tick();
+      if (n < 3000) continue;
+      low = std::min(low, rig.x());
+      high = std::max(high, rig.x());
+    }
+    return high - low;
+  };
+  const double off = peak_to_peak(false, 0), strict = peak_to_peak(true, 0),
+               allowed = peak_to_peak(true, 0.05);
+  MESSAGE("patch wall of 2000 N/m, push 1 N: p-p " << off * 1e3 << " mm without observer, "
+          << strict * 1e3 << " with, " << allowed * 1e3 << " with and 50 mW");
+  CHECK(strict < off);
+  CHECK(allowed < off);
+}
