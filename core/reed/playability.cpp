@@ -1,0 +1,63 @@
+#include "core/reed/playability.hpp"
+
+#include <utility>
+
+namespace tactus::reed {
+namespace {
+
+// Silence begins and ends at these shares of the reference amplitude.
+constexpr double kSilenceBegins = 0.01, kSilenceEnds = 0.02;
+constexpr double kPeriodic = 0.985, kQuasiPeriodic = 0.85;
+
+} // namespace
+
+void Playability::prepare(double sample_rate, std::shared_ptr<RealTransform> transform) {
+  follower_.prepare(sample_rate);
+  analysis_.prepare(sample_rate, std::move(transform));
+}
+
+void Playability::set_analysis(bool on) noexcept {
+  if (on == analysing_)
+    return;
+  analysing_ = on;
+  analysis_.reset();
+  frames_ = 0;
+  regime_ = candidate_ = Regime::kSilent;
+}
+
+void Playability::reset() noexcept {
+  follower_.reset();
+  analysis_.reset();
+  sounding_ = false;
+  frames_ = 0;
+  regime_ = candidate_ = Regime::kSilent;
+}
+
+void Playability::tick(double angle) noexcept {
+  follower_.tick(angle);
+  if (analysing_ && analysis_.tick(angle)) {
+    ++frames_;
+    judge();
+  }
+}
+
+void Playability::judge() noexcept {
+  const double level = follower_.envelope() / follower_.parameters().reference_rad;
+  sounding_ = level > (sounding_ ? kSilenceBegins : kSilenceEnds);
+  const double periodicity = analysis_.result().periodicity;
+  Regime heard = Regime::kSilent;
+  if (sounding_)
+    heard = periodicity >= kPeriodic        ? Regime::kPeriodic
+            : periodicity >= kQuasiPeriodic ? Regime::kQuasiPeriodic
+                                            : Regime::kChaotic;
+  if (heard == candidate_)
+    regime_ = heard; // a label holds for two frames before it is believed
+  candidate_ = heard;
+}
+
+double Playability::playability() const noexcept {
+  const bool known = analysing_ && frames_ > 0 && sounding_;
+  return follower_.playability(0, known ? 1 - analysis_.result().periodicity : 0);
+}
+
+} // namespace tactus::reed

@@ -1,0 +1,224 @@
+#pragma once
+
+#include "core/dsp/simd.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+namespace tactus::reed {
+
+/// What turns a valve's angle into a playability, docs/playability.md.
+struct PlayabilityParameters {
+  enum class Mode { kPaper, kRobust };
+  double attack_s = 5e-3;      // envelope's time constant on rise
+  double release_s = 80e-3;    // on fall
+  double highpass_hz = 10;     // takes away where the valve rests
+  double reference_rad = 0.03; // amplitude of half playability
+  double window_s = 50e-3;     // over which zero crossings are counted, at most 0.25
+  double hysteresis = 0.2;     // of the counter, relative to the envelope
+  Mode mode = Mode::kPaper;
+};
+
+/// Follows the oscillation of one valve or of several side by side (V a double, or simd::Lanes):
+///   t~   = one-pole high-pass of the angle t,
+///   y(n) = (1 - v)|t~(n)| + v y(n - 1),  v = exp(-1/(tau fs)), tau the attack while |t~| > y,
+///          else the release (Smyth, Smyth & Kirkpatrick, eq. 3, on the alternating part),
+///   a zero crossing whenever t~ goes from below -h to above +h, h = hysteresis y,
+///   A    = y/(y + reference),
+///   C    = clip((z/z_mean - 1.5)/1.5, 0, 1), z the crossings a second in the window, z_mean their
+///          mean over 0.5 s of sound: a jump to twice the usual rate or more. It is 0 until one
+///          window of sound has passed, so that the start of a note is no jump.
+/// Allocates nothing; an input that is no number counts as the last one that was.
+template <class V> class PlayabilityFollower {
+public:
+  using Scalar = typename simd::LaneTraits<V>::Scalar;
+  static constexpr int lanes = simd::LaneTraits<V>::count;
+
+  void prepare(double sample_rate) noexcept {
+    if (sample_rate == sample_rate_)
+      return;
+    sample_rate_ = sample_rate;
+    set(parameters_);
+    reset();
+  }
+
+  void set(const PlayabilityParameters& parameters) noexcept {
+    parameters_ = parameters;
+    if (!(sample_rate_ > 0))
+      return;
+    pole_ = std::exp(-2 * std::numbers::pi * parameters.highpass_hz / sample_rate_);
+    attack_ = std::exp(-1 / (parameters.attack_s * sample_rate_));
+    release_ = std::exp(-1 / (parameters.release_s * sample_rate_));
+    hop_ = static_cast<int>(std::lround(sample_rate_ * kHop));
+    if (hop_ < 1)
+      hop_ = 1;
+    const double hops = parameters.window_s * sample_rate_ / hop_;
+    const int window = hops < 2 ? 2 : hops > kMostHops ? kMostHops : static_cast<int>(hops + 0.5);
+    if (window != window_) {
+      window_ = window;
+      clear_counts();
+    }
+    mean_gain_ = 1 - std::exp(-hop_ / (kMeanTime * sample_rate_));
+  }
+
+  void reset() noexcept {
+    primed_ = false;
+    high_ = envelope_ = last_ = V(0.0);
+    armed_ = V(0.0) > V(0.0);
+    now_ = 0;
+    place_ = 0;
+    clear_counts();
+    for (int i = 0; i < lanes; ++i) {
+      crossings_[i] = 0;
+      sounding_[i] = 0;
+      mean_[i] = rate_[i] = 0;
+    }
+  }
+
+  void tick(const V& angle) noexcept {
+    using namespace simd;
+    const V usable = select(absolute(angle) < V(1e6), angle, last_);
+    if (!primed_) { // a valve that rests anywhere is silent from the first sample
+      primed_ = true;
+      last_ = usable;
+    }
+    const V before = high_;
+    high_ = usable - last_ + V(pole_) * high_;
+    last_ = usable;
+    const V size = absolute(high_);
+    const V v = select(size > envelope_, V(attack_), V(release_));
+    envelope_ = (V(1.0) - v) * size + v * envelope_;
+    const V h = V(parameters_.hysteresis) * envelope_ + V(1e-9);
+    armed_ = armed_ | (high_ < -h);
+    const auto crossed = armed_ & (high_ > h);
+    if (any(crossed)) {
+      count(crossed, before, h);
+      armed_ = armed_ & (!crossed);
+    }
+    ++now_;
+    if (++place_ == hop_) {
+      place_ = 0;
+      end_hop();
+    }
+  }
+
+  /// y, rad.
+  [[nodiscard]] double envelope(int i = 0) const noexcept { return simd::lane(envelope_, i); }
+  /// z, crossings a second, brought up to date every half millisecond.
+  [[nodiscard]] double crossing_rate(int i = 0) const noexcept { return rate_[i]; }
+  /// C.
+  [[nodiscard]] double jump(int i = 0) const noexcept {
+    if (sounding_[i] <= window_ || !(mean_[i] > 0))
+      return 0;
+    const double c = (rate_[i] / mean_[i] - 1.5) / 1.5;
+    return c < 0 ? 0 : c > 1 ? 1 : c;
+  }
+  /// Standard deviation over mean of the last intervals between crossings, up to 16 and no older
+  /// than half a second; 0 when there are fewer than three.
+  [[nodiscard]] double interval_variation(int i = 0) const noexcept {
+    double sum = 0, squares = 0;
+    int n = 0;
+    const std::uint32_t available = crossings_[i] < kTimes ? crossings_[i] : kTimes;
+    for (std::uint32_t k = 1; k < available; ++k) {
+      const double end = times_[i][(crossings_[i] - k) % kTimes];
+      const double start = times_[i][(crossings_[i] - k - 1) % kTimes];
+      if (static_cast<double>(now_) - start > kMeanTime * sample_rate_)
+        break;
+      sum += end - start;
+      squares += (end - start) * (end - start);
+      ++n;
+    }
+    if (n < 3)
+      return 0;
+    const double mean = sum / n, variance = squares / n - mean * mean;
+    return variance > 0 ? std::sqrt(variance) / mean : 0;
+  }
+  /// f_p in [0, 1) given how aperiodic the analysis finds the sound (0 without it):
+  /// A (1 - C), or in the robust mode A (1 - max(C, smoothstep(0.04, 0.25, aperiodicity))).
+  [[nodiscard]] double playability(int i = 0, double aperiodicity = 0) const noexcept {
+    const double y = envelope(i);
+    double penalty = jump(i);
+    if (parameters_.mode == PlayabilityParameters::Mode::kRobust) {
+      double t = (aperiodicity - 0.04) / (0.25 - 0.04);
+      t = t < 0 ? 0 : t > 1 ? 1 : t;
+      const double smooth = t * t * (3 - 2 * t);
+      if (smooth > penalty)
+        penalty = smooth;
+    }
+    return y / (y + parameters_.reference_rad) * (1 - penalty);
+  }
+  [[nodiscard]] const PlayabilityParameters& parameters() const noexcept { return parameters_; }
+
+private:
+  static constexpr double kHop = 0.5e-3;   // s between updates of the counts
+  static constexpr int kMostHops = 500;    // the longest window, in hops
+  static constexpr double kMeanTime = 0.5; // s
+  static constexpr double kAudible = 0.02; // of the reference: above, the valve sounds
+  static constexpr std::uint32_t kTimes = 17;
+
+  void count(const typename simd::LaneTraits<V>::MaskType& crossed, const V& before,
+             const V& h) noexcept {
+    for (int i = 0; i < lanes; ++i) {
+      if (!simd::lane(crossed, i))
+        continue;
+      const double from = simd::lane(before, i), to = simd::lane(high_, i);
+      const double level = simd::lane(h, i);
+      const double part = to > from ? (level - from) / (to - from) : 1;
+      times_[i][crossings_[i] % kTimes] = static_cast<double>(now_) + (part > 0 ? part : 0);
+      ++crossings_[i];
+      ++counts_[i][hop_index_];
+    }
+  }
+
+  void end_hop() noexcept {
+    hop_index_ = hop_index_ + 1 < window_ ? hop_index_ + 1 : 0;
+    for (int i = 0; i < lanes; ++i) {
+      // What was counted in the hop that ended comes in, the oldest hop goes out.
+      const int ended = hop_index_ > 0 ? hop_index_ - 1 : window_ - 1;
+      total_[i] += counts_[i][ended];
+      rate_[i] = total_[i] * sample_rate_ / (static_cast<double>(window_) * hop_);
+      total_[i] -= counts_[i][hop_index_];
+      counts_[i][hop_index_] = 0;
+      if (envelope(i) < kAudible * parameters_.reference_rad) {
+        sounding_[i] = 0;
+      } else if (++sounding_[i] > window_) {
+        const int heard = sounding_[i] - window_;
+        const double gain = 1.0 / heard > mean_gain_ ? 1.0 / heard : mean_gain_;
+        mean_[i] = heard == 1 ? rate_[i] : mean_[i] + gain * (rate_[i] - mean_[i]);
+        if (sounding_[i] > kLongest)
+          sounding_[i] = kLongest;
+      }
+      if (envelope(i) < 1e-20) {
+        simd::set_lane(envelope_, i, Scalar(0));
+        if (std::abs(static_cast<double>(simd::lane(high_, i))) < 1e-20)
+          simd::set_lane(high_, i, Scalar(0));
+      }
+    }
+  }
+
+  void clear_counts() noexcept {
+    hop_index_ = 0;
+    for (int i = 0; i < lanes; ++i) {
+      total_[i] = 0;
+      for (int k = 0; k < kMostHops; ++k)
+        counts_[i][k] = 0;
+    }
+  }
+
+  static constexpr int kLongest = 1 << 20; // hops, where counting of sound stops
+  PlayabilityParameters parameters_{};
+  double sample_rate_ = 0;
+  double pole_ = 0, attack_ = 0, release_ = 0, mean_gain_ = 0;
+  int hop_ = 24, window_ = 0, place_ = 0, hop_index_ = 0;
+  bool primed_ = false;
+  V last_{0.0}, high_{0.0}, envelope_{0.0};
+  typename simd::LaneTraits<V>::MaskType armed_{};
+  std::int64_t now_ = 0;
+  std::uint16_t counts_[lanes][kMostHops] = {};
+  std::uint32_t crossings_[lanes] = {};
+  int total_[lanes] = {}, sounding_[lanes] = {};
+  double times_[lanes][kTimes] = {}, rate_[lanes] = {}, mean_[lanes] = {};
+};
+
+} // namespace tactus::reed

@@ -1,0 +1,333 @@
+#include "core/reed/playability.hpp"
+
+#include "tests/core/reed/reference_transform.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace tactus::reed {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRates[] = {44100, 48000, 96000};
+
+std::shared_ptr<RealTransform> transform() { return std::make_shared<reference::RadixTwo>(); }
+
+template <class Signal>
+void feed(PlayabilityFollower<double>& follower, double rate, double seconds, Signal signal) {
+  for (int n = 0; n < static_cast<int>(seconds * rate); ++n)
+    follower.tick(signal(n / rate));
+}
+
+double sine(double frequency, double t) { return std::sin(2 * kPi * frequency * t); }
+
+TEST_CASE("the envelope of a sine is 2/pi of its amplitude when it rises as slowly as it falls") {
+  for (const double rate : kRates)
+    for (const double frequency : {110.0, 440.0, 1600.0}) {
+      PlayabilityFollower<double> follower;
+      PlayabilityParameters p;
+      p.attack_s = p.release_s = 0.1;
+      follower.set(p);
+      follower.prepare(rate);
+      feed(follower, rate, 2, [&](double t) { return -0.04 + 0.02 * sine(frequency, t); });
+      CHECK(std::abs(follower.envelope() / (0.02 * 2 / kPi) - 1) < 0.01);
+    }
+}
+
+TEST_CASE("a crossing is counted once a period") {
+  for (const double rate : kRates)
+    for (const double frequency : {87.0, 440.0, 1200.0}) {
+      PlayabilityFollower<double> follower;
+      follower.prepare(rate);
+      feed(follower, rate, 1, [&](double t) { return 0.01 + 0.02 * sine(frequency, t); });
+      CHECK(std::abs(follower.crossing_rate() - frequency) <= 1 / 0.05);
+    }
+}
+
+TEST_CASE("hysteresis keeps small ripples from being counted") {
+  PlayabilityFollower<double> follower;
+  follower.prepare(48000);
+  feed(follower, 48000, 1, [&](double t) { return 0.02 * sine(200, t) + 0.001 * sine(5000, t); });
+  CHECK(std::abs(follower.crossing_rate() - 200) <= 1 / 0.05);
+}
+
+TEST_CASE("a bent valve that stands still does not play") {
+  PlayabilityFollower<double> follower;
+  follower.prepare(48000);
+  follower.tick(-0.04);
+  CHECK(follower.envelope() == 0);
+  feed(follower, 48000, 1, [](double) { return 0.03; });
+  CHECK(follower.envelope() < 1e-3 * 0.07);
+  CHECK(follower.playability() < 0.01);
+  feed(follower, 48000, 30, [](double) { return 0.03; });
+  CHECK(follower.envelope() == 0); // and costs no denormal arithmetic
+}
+
+TEST_CASE("playability is half at the reference amplitude, and never reaches one") {
+  PlayabilityFollower<double> follower;
+  PlayabilityParameters p;
+  p.attack_s = p.release_s = 0.1;
+  follower.set(p);
+  follower.prepare(48000);
+  feed(follower, 48000, 2, [](double t) { return 0.03 * kPi / 2 * sine(300, t); });
+  CHECK(std::abs(follower.playability() - 0.5) < 0.005);
+  feed(follower, 48000, 2, [](double t) { return 3 * sine(300, t); });
+  CHECK(follower.playability() > 0.97);
+  CHECK(follower.playability() < 1);
+}
+
+TEST_CASE("a leap of the crossing rate to three times its mean silences the paper's playability") {
+  PlayabilityFollower<double> follower;
+  follower.prepare(48000);
+  feed(follower, 48000, 1, [](double t) { return 0.05 * sine(200, t); });
+  const double before = follower.playability();
+  CHECK(follower.jump() == 0);
+  feed(follower, 48000, 0.06, [](double t) { return 0.05 * sine(700, t); });
+  CHECK(follower.jump() > 0.8);
+  CHECK(follower.playability() < 0.2 * before);
+  feed(follower, 48000, 2, [](double t) { return 0.05 * sine(700, t); });
+  CHECK(follower.jump() == 0); // the new rate has become the usual one
+}
+
+TEST_CASE("the start of a note is no jump") {
+  PlayabilityFollower<double> follower;
+  follower.prepare(48000);
+  for (int note = 0; note < 3; ++note) {
+    feed(follower, 48000, 1, [](double) { return 0.0; });
+    double worst = 0;
+    feed(follower, 48000, 0.5, [&](double t) {
+      worst = std::max(worst, follower.jump());
+      return 0.05 * sine(330, t);
+    });
+    CHECK(worst == 0);
+  }
+}
+
+TEST_CASE("the variation of the intervals is that of two alternating periods") {
+  PlayabilityFollower<double> follower;
+  PlayabilityParameters p;
+  p.highpass_hz = 0.1;
+  follower.set(p);
+  follower.prepare(48000);
+  // Periods of 240 and 160 samples in turn: deviation 40 about a mean of 200. The level that marks
+  // a crossing rides on the envelope, which moves the marks by a few samples.
+  for (int pair = 0; pair < 100; ++pair) {
+    for (int n = 0; n < 240; ++n)
+      follower.tick(0.05 * std::sin(2 * kPi * n / 240));
+    for (int n = 0; n < 160; ++n)
+      follower.tick(0.05 * std::sin(2 * kPi * n / 160));
+  }
+  CHECK(std::abs(follower.interval_variation() - 0.2) < 0.02);
+  feed(follower, 48000, 1, [](double t) { return 0.05 * sine(240, t); });
+  CHECK(follower.interval_variation() < 1e-3);
+  feed(follower, 48000, 1, [](double) { return 0.0; });
+  CHECK(follower.interval_variation() == 0);
+}
+
+TEST_CASE("lanes follow their own valve, bit for bit") {
+  using V = simd::Lanes<double, 6>;
+  PlayabilityFollower<V> together;
+  PlayabilityFollower<double> alone[6];
+  together.prepare(44100);
+  for (auto& f : alone)
+    f.prepare(44100);
+  std::mt19937 random(9);
+  std::normal_distribution<double> noise(0, 0.002);
+  for (int n = 0; n < 60000; ++n) {
+    V angle(0.0);
+    for (int i = 0; i < 6; ++i) {
+      const double x =
+          (n < 40000 ? 0.01 * i : 0) * sine(100 + 150 * i, n / 44100.0) + noise(random);
+      simd::set_lane(angle, i, x);
+      alone[i].tick(x);
+    }
+    together.tick(angle);
+  }
+  for (int i = 0; i < 6; ++i) {
+    CHECK(together.envelope(i) == alone[i].envelope());
+    CHECK(together.crossing_rate(i) == alone[i].crossing_rate());
+    CHECK(together.interval_variation(i) == alone[i].interval_variation());
+    CHECK(together.playability(i) == alone[i].playability());
+  }
+}
+
+/// YIN's normalised difference straight from its definition.
+Periodicity by_definition(const std::vector<double>& x, double rate) {
+  const std::size_t half = x.size() / 2;
+  std::vector<double> d(half, 1);
+  double sum = 0;
+  for (std::size_t lag = 1; lag < half; ++lag) {
+    double difference = 0;
+    for (std::size_t j = 0; j < half; ++j)
+      difference += std::pow(x[j] - x[j + lag], 2);
+    sum += difference;
+    d[lag] = difference * static_cast<double>(lag) / sum;
+  }
+  std::size_t best = 2;
+  for (std::size_t lag = 2; lag + 1 < half; ++lag) {
+    if (d[lag] < 0.1) {
+      best = lag;
+      while (d[best + 1] < d[best])
+        ++best;
+      break;
+    }
+    if (d[lag] < d[best])
+      best = lag;
+  }
+  const double a = d[best - 1], b = d[best], c = d[best + 1], bend = a - 2 * b + c;
+  const double shift = 0.5 * (a - c) / bend;
+  Periodicity result;
+  result.frequency_hz = rate / (static_cast<double>(best) + shift);
+  result.periodicity = 1 - (b - 0.25 * (a - c) * shift);
+  return result;
+}
+
+Periodicity analyse(const std::vector<double>& x, double rate) {
+  PeriodicityAnalysis analysis;
+  analysis.prepare(rate, transform());
+  for (const double value : x)
+    analysis.tick(value);
+  return analysis.result();
+}
+
+TEST_CASE("the analysis by transforms equals the definition of the normalised difference") {
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise;
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int trial = 0; trial < 6; ++trial) {
+    const double frequency = 90 * std::pow(10, uniform(random)), dirt = 0.3 * uniform(random);
+    std::vector<double> x(4096);
+    double a[5];
+    for (double& value : a)
+      value = uniform(random);
+    for (std::size_t n = 0; n < x.size(); ++n) {
+      x[n] = dirt * noise(random);
+      for (int k = 0; k < 5; ++k)
+        x[n] += a[k] * sine(frequency * (k + 1), static_cast<double>(n) / 48000);
+    }
+    const Periodicity fast = analyse(x, 48000), plain = by_definition(x, 48000);
+    CHECK(std::abs(fast.frequency_hz / plain.frequency_hz - 1) < 1e-8);
+    CHECK(std::abs(fast.periodicity - plain.periodicity) < 1e-8);
+  }
+}
+
+TEST_CASE("a pure tone is wholly periodic at its own frequency") {
+  for (const double rate : kRates)
+    for (const double frequency : {60.0, 172.5, 391.0, 1021.0}) {
+      std::vector<double> x(static_cast<std::size_t>(rate / 5));
+      for (std::size_t n = 0; n < x.size(); ++n)
+        x[n] = 0.3 + 0.02 * sine(frequency, static_cast<double>(n) / rate);
+      const Periodicity p = analyse(x, rate);
+      CHECK(std::abs(p.frequency_hz / frequency - 1) < 1e-3);
+      CHECK(p.periodicity > 0.999);
+      CHECK(p.harmonicity_db > 30);
+      CHECK(std::abs(p.centroid_hz / frequency - 1) < 0.05);
+    }
+}
+
+TEST_CASE("harmonicity is the ratio of tone to noise") {
+  std::mt19937 random(6);
+  std::normal_distribution<double> noise;
+  for (const double db : {5.0, 10.0, 20.0}) {
+    double mean = 0;
+    constexpr int kTrials = 20;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      std::vector<double> x(4096);
+      const double sigma = std::sqrt(0.5 * std::pow(10, -db / 10));
+      for (std::size_t n = 0; n < x.size(); ++n)
+        x[n] = sine(230, static_cast<double>(n) / 48000) + sigma * noise(random);
+      mean += analyse(x, 48000).harmonicity_db / kTrials;
+    }
+    // The least of many lags is a little below the typical one; a tone's difference averaged over
+    // one period and a half, as far as the first minimum lies, is within 1 dB of its power.
+    CHECK(std::abs(mean - db) < 1.5);
+  }
+}
+
+TEST_CASE("a missing fundamental is still the fundamental") {
+  std::vector<double> x(4096);
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    const double t = static_cast<double>(n) / 48000;
+    x[n] = sine(400, t) + sine(600, t) + sine(800, t);
+  }
+  CHECK(std::abs(analyse(x, 48000).frequency_hz - 200) < 0.2);
+}
+
+TEST_CASE("the regime tells silence, periodic motion and noise apart, two frames late") {
+  Playability judge;
+  judge.prepare(48000, transform());
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.02);
+  const auto run = [&](double seconds, auto signal) {
+    for (int n = 0; n < static_cast<int>(seconds * 48000); ++n)
+      judge.tick(signal(n / 48000.0));
+    return judge.regime();
+  };
+  CHECK(run(1, [](double) { return -0.04; }) == Regime::kSilent);
+  CHECK(run(0.5, [](double t) { return 0.03 * sine(220, t); }) == Regime::kPeriodic);
+  CHECK(run(0.5, [](double t) { return 0.03 * (sine(220, t) + 0.3 * sine(351, t)); }) ==
+        Regime::kQuasiPeriodic);
+  CHECK(run(0.5, [&](double) { return noise(random); }) == Regime::kChaotic);
+  CHECK(run(2, [](double) { return 0.0; }) == Regime::kSilent);
+}
+
+TEST_CASE("the robust mode gives nothing for noise, the paper's mode is taken in") {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.05);
+  std::vector<double> x(96000);
+  for (double& value : x)
+    value = noise(random);
+  for (const bool robust : {false, true}) {
+    Playability judge;
+    PlayabilityParameters p;
+    if (robust)
+      p.mode = PlayabilityParameters::Mode::kRobust;
+    judge.set(p);
+    judge.prepare(48000, transform());
+    for (const double value : x)
+      judge.tick(value);
+    if (robust)
+      CHECK(judge.playability() == 0);
+    else
+      CHECK(judge.playability() > 0.3);
+  }
+}
+
+TEST_CASE("without a transform the judge still follows") {
+  Playability judge;
+  judge.prepare(48000, nullptr);
+  for (int n = 0; n < 48000; ++n)
+    judge.tick(0.03 * sine(220, n / 48000.0));
+  CHECK(judge.playability() > 0.3);
+  CHECK(judge.frames() == 0);
+}
+
+TEST_CASE("no number on the inlet does no harm") {
+  Playability judge;
+  judge.prepare(48000, transform());
+  for (int n = 0; n < 48000; ++n) {
+    double x = 0.03 * sine(220, n / 48000.0);
+    if (n % 7 == 0)
+      x = std::numeric_limits<double>::quiet_NaN();
+    if (n % 11 == 0)
+      x = std::numeric_limits<double>::infinity();
+    if (n % 13 == 0)
+      x = -1e300;
+    judge.tick(x);
+  }
+  CHECK(std::isfinite(judge.playability()));
+  CHECK(std::isfinite(judge.periodicity().harmonicity_db));
+  for (int n = 0; n < 48000; ++n)
+    judge.tick(0.03 * sine(220, n / 48000.0));
+  CHECK(judge.playability() > 0.3);
+}
+
+} // namespace
+} // namespace tactus::reed
