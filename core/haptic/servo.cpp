@@ -9,16 +9,21 @@ constexpr int kActionsPerTick = 64;
 void Servo::attach(Backend& device, LocalModel* model) noexcept {
   device_ = &device;
   model_ = model;
-  caps_ = device.caps();
+  refresh_caps();
   chain_ = {};
-  estimator_.reset();
-  estimator_.set_bound(caps_.position_noise_m);
   statistics_ = {};
   state_ = {};
   unread_ = unwritten_ = 0;
   failed_ = tripped_ = has_heartbeat_ = false;
   exchange_.commands.read();
   command_ = exchange_.commands.latest();
+}
+
+void Servo::refresh_caps() noexcept {
+  if (!device_) return;
+  caps_ = device_->caps();
+  estimator_.reset();
+  estimator_.set_bound(caps_.position_noise_m);
 }
 
 void Servo::take_orders(const Tick& tick) noexcept {
@@ -122,6 +127,7 @@ void Servo::step(const Tick& tick) noexcept {
   report.motors = chain_.motors;
   report.latched = chain_.latched;
   exchange_.reports.write(report);
+  if (exchange_.tracing.load(std::memory_order_relaxed)) exchange_.trace.push(report);
   if (statistics_.ticks % kStatisticsTicks == 0) exchange_.statistics.write(statistics_);
 }
 

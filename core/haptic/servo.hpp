@@ -9,6 +9,8 @@
 #include "core/haptic/velocity.hpp"
 #include "core/haptic/workspace.hpp"
 
+#include <atomic>
+
 namespace tactus::haptic {
 
 /// A source of time that only goes forward; tests inject their own.
@@ -74,6 +76,8 @@ struct Exchange {
   Mailbox<Report> reports;
   Mailbox<ServoStatistics> statistics;  ///< every kStatisticsTicks ticks
   Ring<Event, 1024> events;
+  std::atomic<bool> tracing{false};  ///< every tick's report goes into trace
+  Ring<Report, 1024> trace;
 };
 
 /// The servo: one step reads the device, runs the chain and writes the force. It has no thread of
@@ -85,6 +89,8 @@ public:
   /// While no step runs. Starts with no force, fresh chain and statistics.
   void attach(Backend& device, LocalModel* model = nullptr) noexcept;
   void detach() noexcept { device_ = nullptr; }
+  /// While no step runs: the device's abilities have changed.
+  void refresh_caps() noexcept;
   [[nodiscard]] bool attached() const noexcept { return device_ != nullptr; }
 
   Exchange& exchange() noexcept { return exchange_; }

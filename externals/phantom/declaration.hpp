@@ -1,0 +1,85 @@
+#pragma once
+
+#include "core/declaration.hpp"
+
+#include <array>
+#include <cstddef>
+
+/// What [phantom] says of itself. The order of the tables is the order of the enums below them.
+namespace tactus::phantom {
+
+inline constexpr std::array<std::string_view, 2> kUnits{"newton", "norm"};
+
+inline constexpr std::array kParameters{
+    Parameter{"rate", "Hz", 1000, 200, 4000, "servo ticks a second"},
+    Parameter{"outrate", "Hz", 1000, 0, 4000, "positions a second at the outlets; 0: only on bang"},
+    Parameter{"repeat", "", 0, 0, 1, "1: send positions that have not changed, too"},
+    Parameter{"units", "", 0, 0, 1, "of the force inlets; norm: 1 is forcemax", kUnits},
+    Parameter{"forcemax", "N", 8, 0, 40, "longest force ever written"},
+    Parameter{"slew", "N/ms", 2, 1e-3, 1000, "fastest change of the force"},
+    Parameter{"extrap", "ms", 0, 0, 20, "go on along the slope this long after a target"},
+    Parameter{"strict", "", 0, 0, 1, "1: force messages must keep coming"},
+    Parameter{"passivity", "", 1, 0, 1, "1: take back energy that the sampled force creates"},
+    Parameter{"tank", "J", 5e-3, 0, 1000, "most energy kept to the patch's credit"},
+    Parameter{"allowance", "W", 0.05, 0, 10, "power that forces of the patch may put into the hand"},
+    Parameter{"damp", "N s/m", 0, 0, 100, "viscous force added to everything"},
+    Parameter{"walls", "N/m", 0, 0, 5000, "stiffness of soft walls at the workspace's faces"},
+    Parameter{"motors", "", 1, 0, 1, "0: no force; 1: back over half a second, ends an estop"},
+    Parameter{"mass", "kg", 0.1, 1e-3, 100, "simulated: of the handle"},
+    Parameter{"viscous", "N s/m", 0.5, 0, 1000, "simulated: friction of the handle"},
+    Parameter{"stops", "", 1, 0, 1, "simulated: hard stops 5 mm outside the workspace"},
+    Parameter{"resolution", "mm", 0, 0, 10, "simulated: encoder step; 0 is exact"},
+    Parameter{"noise", "mm", 0, 0, 10, "simulated: reading noise, plus or minus"},
+    Parameter{"seed", "", 1, 0, 16777216, "simulated: of noise, tremor and wander"},
+};
+enum ParameterIndex : std::size_t {
+  kRate, kOutRate, kRepeat, kUnitsParameter, kForceMax, kSlew, kExtrap, kStrict, kPassivity, kTank,
+  kAllowance, kDamp, kWalls, kMotors, kMass, kViscous, kStops, kResolution, kNoise, kSeed,
+  kParameterCount
+};
+static_assert(kParameters.size() == kParameterCount);
+
+inline constexpr std::array kMessages{
+    Message{"bang", "", 0, 0, "send position and reported values now"},
+    Message{"list", "fx fy fz", 3, 3, "all three forces"},
+    Message{"backend", "name ...", 1, 8, "choose the device's driver"},
+    Message{"open", "index|serial|path", 0, 1, "connect the device"},
+    Message{"close", "", 0, 0, "let the force fall and disconnect"},
+    Message{"devices", "", 0, 0, "list the devices of all drivers"},
+    Message{"clock", "auto|logical|wall", 1, 1, "what steps the servo"},
+    Message{"workspace", "device | learn 0|1 | xmin ymin zmin xmax ymax zmax", 1, 6,
+            "mm; what the outlets' 0..1 stands for"},
+    Message{"map", "axes signs", 1, 4, "project axes from the device's, e.g. zxy 1 -1 1"},
+    Message{"interp", "auto|off|ms", 1, 1, "way from one force to the next"},
+    Message{"watchdog", "hold_ms ramp_ms", 2, 2, "silence before the force falls, and how fast"},
+    Message{"estop", "", 0, 0, "no force at once, until motors 1"},
+    Message{"report", "tag 0|1", 2, 2, "mm, vel, force, button, status, jitter, error"},
+    Message{"stats", "[reset]", 0, 1, "counters and timing of the servo"},
+    Message{"trace", "file|stop", 1, 1, "write every tick to a CSV file"},
+    Message{"hand", "free | rigid | spring [K B] | person [K B tremor wander yield]", 1, 6,
+            "simulated: who holds the handle; N/m, N s/m, mm, mm, ms"},
+    Message{"path", "file | line ... | circle ... | lissajous ... | array x y z [ms]", 1, 10,
+            "simulated: where the hand goes; mm, ms, Hz"},
+    Message{"target", "x y z", 3, 3, "simulated: draw the hand there smoothly; mm"},
+    Message{"seek", "ms", 1, 1, "simulated: time on the path"},
+    Message{"button", "number 0|1", 2, 2, "simulated: press or let go"},
+};
+enum MessageIndex : std::size_t {
+  kBang, kList, kBackend, kOpen, kClose, kDevices, kClock, kWorkspace, kMap, kInterp, kWatchdog,
+  kEstop, kReport, kStats, kTrace, kHand, kPath, kTarget, kSeek, kButton, kMessageCount
+};
+static_assert(kMessages.size() == kMessageCount);
+
+inline constexpr std::array kInlets{
+    Port{Port::Kind::kControl, "fx", "N", "force to the right, and all messages"},
+    Port{Port::Kind::kControl, "fy", "N", "force up"},
+    Port{Port::Kind::kControl, "fz", "N", "force towards the user"},
+};
+inline constexpr std::array kOutlets{
+    Port{Port::Kind::kControl, "x", "", "position from left to right, 0..1 over the workspace"},
+    Port{Port::Kind::kControl, "y", "", "position from bottom to top, 0..1"},
+    Port{Port::Kind::kControl, "z", "", "position from far to near, 0..1"},
+};
+inline constexpr std::array kArguments{CreationArgument{"backend"}};
+
+}  // namespace tactus::phantom

@@ -1,0 +1,30 @@
+#include "externals/phantom/numbers.hpp"
+
+#include "core/words.hpp"
+
+namespace tactus::phantom {
+
+std::string read_numbers(std::span<const Atom> words, std::span<const Range> ranges,
+                         double* values) {
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const Range& range = ranges[i];
+    const std::string unit = range.unit.empty() ? "" : " " + std::string(range.unit);
+    const std::string wanted =
+        "expected " + number_text(range.lowest) + ".." + number_text(range.highest) + unit;
+    if (i >= words.size()) return std::string(range.name) + " is missing: " + wanted;
+    if (words[i].is_word)
+      return std::string(range.name) + " " + std::string(words[i].word) + ": " + wanted;
+    if (!(words[i].number >= range.lowest && words[i].number <= range.highest))
+      return std::string(range.name) + " " + number_text(words[i].number) + unit + ": " + wanted;
+    values[i] = words[i].number;
+  }
+  return {};
+}
+
+std::string expected(std::string_view message, const Atom& given, std::string_view choices) {
+  return std::string(message) + " " +
+         (given.is_word ? std::string(given.word) : number_text(given.number)) + ": expected " +
+         std::string(choices);
+}
+
+}  // namespace tactus::phantom

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/object.hpp"
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace tactus::phantom {
+
+constexpr double kFarthest_mm = 1e4;
+
+/// What a number in a message may be.
+struct Range {
+  std::string_view name;
+  std::string_view unit;
+  double lowest, highest;
+};
+
+constexpr Range millimetres(std::string_view name) {
+  return {name, "mm", -kFarthest_mm, kFarthest_mm};
+}
+
+/// Reads numbers from the words on, one a range; a sentence when one is missing or outside.
+[[nodiscard]] std::string read_numbers(std::span<const Atom> words, std::span<const Range> ranges,
+                                       double* values);
+
+/// "hand soft: expected free, rigid, spring or person"
+[[nodiscard]] std::string expected(std::string_view message, const Atom& given,
+                                   std::string_view choices);
+
+inline bool is(const Atom& atom, std::string_view word) { return atom.is_word && atom.word == word; }
+
+}  // namespace tactus::phantom

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/haptic/path.hpp"
+#include "core/object.hpp"
+
+#include <span>
+#include <string>
+
+namespace tactus::phantom {
+
+/// What the message `path ...` asks for, or a sentence that says why not.
+struct PathChoice {
+  haptic::Path path{};
+  std::string refusal{};
+};
+[[nodiscard]] PathChoice choose_path(std::span<const Atom> words, const Host& host);
+
+}  // namespace tactus::phantom

@@ -1,0 +1,94 @@
+#include "externals/phantom/wall_runner.hpp"
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+
+#ifdef __linux__
+#include <pthread.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
+namespace tactus::phantom {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+
+struct MonotonicClock final : haptic::Clock {
+  double now_s() noexcept override { return WallRunner::now_s(); }
+};
+
+/// Real time if the system lets us, else a better nice value, else what everybody has.
+int raise_priority() noexcept {
+#ifdef __linux__
+  sched_param parameters{};
+  parameters.sched_priority = 60;
+  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0) return 0;
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // else the normal policy wakes 50 us late
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  if (setpriority(PRIO_PROCESS, thread, -10) == 0) return 1;
+#endif
+  return 2;
+}
+
+void sleep_until(double time_s) noexcept {
+  const double left_s = time_s - WallRunner::now_s();
+  if (left_s <= 0) return;
+#ifdef __linux__
+  timespec until{};
+  const double whole = std::floor(time_s);
+  until.tv_sec = static_cast<time_t>(whole);
+  until.tv_nsec = static_cast<long>((time_s - whole) * 1e9);
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+#else
+  std::this_thread::sleep_for(std::chrono::duration<double>(left_s));
+#endif
+}
+
+}  // namespace
+
+double WallRunner::now_s() noexcept {
+  return std::chrono::duration<double>(Steady::now().time_since_epoch()).count();
+}
+
+std::string_view WallRunner::scheduling() const noexcept {
+  constexpr std::array<std::string_view, 4> names{"", "fifo", "nice", "other"};
+  return names[static_cast<std::size_t>(scheduling_.load(std::memory_order_relaxed) + 1)];
+}
+
+void WallRunner::start(haptic::Servo& servo, double period_s) {
+  stop();
+  stopping_ = false;
+  scheduling_ = -1;
+  thread_ = std::thread([this, &servo, period_s] { run(servo, period_s); });
+}
+
+void WallRunner::stop() noexcept {
+  if (!thread_.joinable()) return;
+  stopping_ = true;
+  thread_.join();  // within one period: the step is bounded and the sleep ends at the next deadline
+}
+
+void WallRunner::run(haptic::Servo& servo, double period_s) noexcept {
+  scheduling_ = raise_priority();
+#if defined(__SSE2__)
+  _mm_setcsr(_mm_getcsr() | 0x8040);  // denormals are zero
+#endif
+  MonotonicClock clock;
+  servo.start(clock, period_s);
+  while (!stopping_.load(std::memory_order_acquire)) {
+    sleep_until(servo.deadline_s());
+    servo.wake(clock);
+  }
+}
+
+}  // namespace tactus::phantom
