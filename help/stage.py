@@ -8,6 +8,7 @@ sub-patch [pd META] that Pd's help browser and deken read.
 
     stage.py --declarations declarations.json --version 0.1.0 --stage FOLDER SOURCE...
     stage.py --declarations declarations.json --docs FOLDER       one Markdown page an object
+    stage.py --declarations declarations.json --check FOLDER      are those pages up to date?
 """
 import argparse
 import json
@@ -198,6 +199,7 @@ def main():
     parser.add_argument("--version", default="0")
     parser.add_argument("--stage", type=pathlib.Path)
     parser.add_argument("--docs", type=pathlib.Path)
+    parser.add_argument("--check", type=pathlib.Path)
     parser.add_argument("sources", nargs="*", type=pathlib.Path)
     arguments = parser.parse_args()
     declarations = json.loads(arguments.declarations.read_text())
@@ -207,6 +209,13 @@ def main():
         arguments.docs.mkdir(parents=True, exist_ok=True)
         for d in declarations:
             (arguments.docs / f"{d['name']}.md").write_text(markdown(d))
+    if arguments.check:
+        stale = [d["name"] for d in declarations
+                 if not (page := arguments.check / f"{d['name']}.md").exists()
+                 or page.read_text() != markdown(d)]
+        if stale:
+            raise SystemExit(f"{arguments.check}: out of date for {', '.join(stale)}; "
+                             "run: ninja -C build reference")
     if not arguments.stage:
         return
     arguments.stage.mkdir(parents=True, exist_ok=True)
