@@ -155,7 +155,7 @@ def fill_help(source, declaration):
 def markdown(declaration):
     """A page for readers and for object browsers (YAML front matter in the form ELSE uses)."""
     d = declaration
-    out = ["---", f"title: {d['name']}", f"description: {d['title']}", "categories: [tactus]",
+    out = ["---", f"title: {d['name']}", f"description: {json.dumps(d['title'])}", "categories: [tactus]",
            "pdcategory: tactus"]
     for side in ("inlets", "outlets"):
         out.append(f"{side}:")

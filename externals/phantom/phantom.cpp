@@ -12,6 +12,8 @@ namespace {
 constexpr double kSameInstant_ms = 1e-6;
 // A wall-clock servo is fed at least this often with signs of life.
 constexpr double kHeartbeat_ms = 5;
+// Time always goes on between two wake-ups, whatever happens in between.
+constexpr double kShortestWake_ms = 1e-3;
 constexpr double kGraceful_s = 0.2;
 
 enum Tag : std::size_t { kMm, kVel, kForce, kButtonTag, kStatus, kJitter, kError };
@@ -165,11 +167,12 @@ void Phantom::tick(std::size_t timer, Host& host) {
     origin_ms_ = output_origin_ms_ = host.now_ms();
     steps_ = outputs_ = 0;
   }
+  if (!open_) return;
   const double now = host.now_ms() + kSameInstant_ms;
   const double period_ms = 1e3 * period_s();
   if (!wall()) {
     // One tick at most: a host that jumps forward gets no burst.
-    if (open_ && origin_ms_ + static_cast<double>(steps_) * period_ms <= now) {
+    if (origin_ms_ + static_cast<double>(steps_) * period_ms <= now) {
       step(host);
       ++steps_;
     }
@@ -177,18 +180,17 @@ void Phantom::tick(std::size_t timer, Host& host) {
     publish(WallRunner::now_s());
   }
   const double rate = values_[kOutRate];
-  if (open_) collect(host);
+  collect(host);
   if (rate > 0 && output_origin_ms_ + static_cast<double>(outputs_) * 1e3 / rate <= now) {
     ++outputs_;
-    if (open_) {
-      send_values(host, false);
-      send_position(host, on(kRepeat));
-    }
+    send_values(host, false);
+    send_position(host, on(kRepeat));
   }
   schedule(host);
 }
 
 void Phantom::schedule(Host& host) {
+  if (!open_) return;  // opening starts the grids anew
   const double now = host.now_ms(), rate = values_[kOutRate], period_ms = 1e3 * period_s();
   double next = now + kHeartbeat_ms;
   if (!wall()) {
@@ -206,7 +208,7 @@ void Phantom::schedule(Host& host) {
     }
     next = std::min(next, output_origin_ms_ + static_cast<double>(outputs_) * 1e3 / rate);
   }
-  host.wake_in(kSchedule, std::max(0.0, next - now));
+  host.wake_in(kSchedule, std::max(kShortestWake_ms, next - now));
 }
 
 void Phantom::step(Host& host) {
