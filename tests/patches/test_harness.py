@@ -1,0 +1,129 @@
+"""The harness records exactly what Pd computes, and takes no error for a success."""
+import math
+
+import numpy
+import pytest
+
+from harness import Patch, PdFailure
+
+
+@pytest.mark.parametrize("rate", [44100, 48000, 96000])
+@pytest.mark.parametrize("block", [1, 64, 1024, 4096])
+def test_a_signal_comes_back_bit_for_bit_at_any_rate_and_block_size(rate, block):
+    rng = numpy.random.default_rng(1)
+    samples = rng.standard_normal(5000).astype(numpy.float32)
+    patch = Patch(block=block)
+    patch.record("out", patch.signal(samples))
+    sound = patch.render(0.2, rate)["out"]
+    assert len(sound) == round(0.2 * rate)
+    assert numpy.array_equal(sound[:5000], samples, equal_nan=True)
+    assert not sound[5000:].any()
+
+
+def test_a_sound_that_is_not_finite_fails():
+    samples = numpy.ones(100)
+    samples[7:10] = math.nan, math.inf, -math.inf
+    patch = Patch()
+    patch.record("out", patch.signal(samples))
+    with pytest.raises(PdFailure, match="not finite at 3 samples, first 7"):
+        patch.render(0.01)
+    assert list(numpy.flatnonzero(numpy.isnan(patch.render(0.01, allow_not_finite=True)["out"]))) \
+        == [7, 8, 9]
+
+
+def test_control_messages_arrive_in_time_with_words_and_exact_numbers():
+    patch = Patch()
+    through = patch.obj("t a")
+    patch.log("log", through)
+    patch.at(0, through, "bang")
+    patch.at(100, through, "mode open 3.25")
+    patch.at(250.5, through, 1 / 3)
+    patch.at(300, through, [1, math.inf, math.nan])
+    log = patch.render(0.5).logs["log"]
+    assert [ms for ms, _ in log] == [0, 100, 250.5, 300]
+    assert log[0][1] in ([], ["bang"])
+    assert log[1][1] == ["mode", "open", 3.25]
+    assert log[2][1] == [float(numpy.float32(1 / 3))]
+    assert log[3][1][0] == 1 and math.isinf(log[3][1][1]) and math.isnan(log[3][1][2])
+
+
+def test_rebuilding_the_graph_loses_no_sample():
+    ramp = numpy.arange(24000, dtype=numpy.float32)
+    patch = Patch()
+    patch.record("out", patch.signal(ramp))
+    for ms in range(10, 400, 10):
+        patch.rebuild_dsp(ms)
+    assert numpy.array_equal(patch.render(0.5)["out"], ramp)
+
+
+def test_messages_act_at_the_block_of_their_time():
+    patch = Patch()
+    step = patch.obj("sig~")
+    patch.at(100, step, 1)
+    patch.record("out", step)
+    begins = int(numpy.argmax(patch.render(0.2, 48000)["out"]))
+    assert 4800 - 64 <= begins <= 4800
+
+
+def test_sub_patches_have_their_own_block_size():
+    patch = Patch()
+    inner = patch.sub("coarse", block=512)
+    inner.obj("inlet~") >> inner.obj("outlet~")
+    patch.signal(numpy.ones(4800)) >> inner.node
+    patch.record("out", inner.node)
+    assert int(numpy.argmax(patch.render(0.1)["out"])) == 512 - 64
+
+
+def test_an_opened_patch_is_heard_through_its_dac_and_driven_by_messages(tmp_path):
+    played = tmp_path / "played.pd"
+    played.write_text("#N canvas 0 0 300 300 12;\n#X obj 20 20 r level;\n#X obj 20 50 sig~;\n"
+                      "#X obj 20 80 dac~;\n#X obj 90 20 s echo;\n#X obj 120 60 table kept 3;\n"
+                      "#X connect 0 0 1 0;\n#X connect 1 0 2 1;\n#X connect 0 0 3 0;\n")
+    patch = Patch(opens=played)
+    patch.record("left", patch.dac(1))
+    patch.record("right", patch.dac(2))
+    patch.log("echo", patch.obj("r echo"))
+    patch.array("kept")
+    patch.send(50, "level", 0.5)
+    patch.send(60, "kept", [0, 1, 2, 3])
+    result = patch.render(0.1)
+    assert not result["left"].any() and result["right"][-1] == 0.5
+    assert result.logs["echo"] == [(50, [0.5])]
+    assert list(result.arrays["kept"]) == [1, 2, 3]
+
+
+@pytest.mark.parametrize("box", ["no-such-object", "tabread~ no-such-array"])
+def test_what_pd_cannot_make_or_find_fails(box):
+    patch = Patch()
+    patch.record("out", patch.obj("noise~"))
+    patch.at(0, patch.obj("+ 1"), 1)
+    patch.obj(box)
+    with pytest.raises(PdFailure):
+        patch.render(0.1)
+
+
+def test_an_error_fails_unless_the_test_expects_it():
+    patch = Patch()
+    patch.at(10, patch.obj("osc~ 440"), "unheard-of 1")
+    patch.record("out", patch.obj("noise~"))
+    with pytest.raises(PdFailure, match="unheard-of"):
+        patch.render(0.1)
+    assert len(patch.render(0.1, expect_errors=["no method for 'unheard-of'"]).errors) == 1
+    with pytest.raises(PdFailure, match="did not say"):
+        patch.render(0.1, expect_errors=["unheard-of", "something else"])
+
+
+def test_a_patch_that_hangs_fails():
+    patch = Patch()
+    loop, again = patch.obj("until"), patch.obj("t b")
+    patch.start >> loop >> again
+    with pytest.raises(PdFailure, match="did not finish"):
+        patch.render(0.1, timeout=1)
+
+
+def test_a_patch_that_quits_early_leaves_no_recording():
+    patch = Patch()
+    patch.record("out", patch.obj("noise~"))
+    patch.send(10, "pd", "quit")
+    with pytest.raises(PdFailure, match="left no"):
+        patch.render(0.1)
