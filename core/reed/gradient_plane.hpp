@@ -1,0 +1,54 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tactus::reed {
+
+/// The plane the hand moves in: y and z in [0, 1] become mouth pressure and reed frequency.
+struct ControlRange {
+  double lowest_pressure = 0;     // p_lo, Pa
+  double highest_pressure = 8000; // p_hi
+  double lowest_frequency = 80;   // f_lo, Hz
+  double highest_frequency = 900; // f_hi
+
+  /// Linear in y.
+  [[nodiscard]] double pressure(double y) const noexcept {
+    return lowest_pressure + y * (highest_pressure - lowest_pressure);
+  }
+  /// Even steps of z are even musical intervals.
+  [[nodiscard]] double frequency(double z) const noexcept {
+    return lowest_frequency * std::pow(highest_frequency / lowest_frequency, z);
+  }
+};
+
+/// Slope of a quantity for one unit of y and of z.
+struct Gradient {
+  double y = 0, z = 0;
+};
+
+/// The five states of the paper's central differences: the hand's own, and one on each side of it
+/// in y and in z. At the plane's edge a neighbour is the edge itself, and the difference is divided
+/// by the distance there really is.
+struct GradientStencil {
+  static constexpr int kPoints = 5;
+  std::array<double, kPoints> y{}, z{}; // hand, y + delta, y - delta, z + delta, z - delta
+
+  GradientStencil(double hand_y, double hand_z, double delta) noexcept {
+    const auto inside = [](double x) { return x > 0 ? std::min(x, 1.0) : 0.0; };
+    y.fill(inside(hand_y));
+    z.fill(inside(hand_z));
+    y[1] = inside(y[0] + delta);
+    y[2] = inside(y[0] - delta);
+    z[3] = inside(z[0] + delta);
+    z[4] = inside(z[0] - delta);
+  }
+
+  /// (f(y + delta) - f(y - delta))/(2 delta), and the same in z; delta > 0.
+  [[nodiscard]] Gradient gradient(const std::array<double, kPoints>& f) const noexcept {
+    return {(f[1] - f[2]) / (y[1] - y[2]), (f[3] - f[4]) / (z[3] - z[4])};
+  }
+};
+
+} // namespace tactus::reed

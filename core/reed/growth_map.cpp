@@ -1,0 +1,96 @@
+#include "core/reed/growth_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::reed {
+namespace {
+
+constexpr double kGrowthScale = 50; // 1/s: a note that speaks in some tens of milliseconds
+
+/// For one line of squared distances f along a row or column, the lower envelope of the parabolas
+/// f(q) + (p - q)^2 spacing^2 (Felzenszwalb & Huttenlocher 2012), by direct search: the lines are
+/// short.
+void spread(std::vector<double>& squares, std::size_t start, std::size_t stride, std::size_t count,
+            double spacing, std::vector<double>& line) noexcept {
+  for (std::size_t p = 0; p < count; ++p) {
+    double least = squares[start + p * stride];
+    for (std::size_t q = 0; q < count; ++q) {
+      const double way = (static_cast<double>(p) - static_cast<double>(q)) * spacing;
+      least = std::min(least, squares[start + q * stride] + way * way);
+    }
+    line[p] = least;
+  }
+  for (std::size_t p = 0; p < count; ++p)
+    squares[start + p * stride] = line[p];
+}
+
+} // namespace
+
+void GrowthMap::prepare(std::size_t columns, std::size_t rows) {
+  for (auto* field : {&working_, &growth_, &height_})
+    field->resize(columns, rows);
+  sounds_.assign(working_.columns() * working_.rows(), 0);
+  squares_.assign(sounds_.size(), 0);
+  line_.assign(std::max(working_.columns(), working_.rows()), 0);
+  theory_.reset();
+  ready_ = false;
+}
+
+void GrowthMap::begin(const Parameters& parameters, double length_m,
+                      const ControlRange& range) noexcept {
+  theory_.emplace(parameters, length_m);
+  range_ = range;
+  next_ = 0;
+}
+
+double GrowthMap::progress() const noexcept {
+  return sounds_.empty() ? 0 : static_cast<double>(next_) / static_cast<double>(sounds_.size());
+}
+
+bool GrowthMap::advance(std::size_t nodes) noexcept {
+  if (!theory_)
+    return ready_;
+  const std::size_t end = std::min(next_ + nodes, sounds_.size());
+  for (; next_ < end; ++next_) {
+    const std::size_t i = next_ % working_.columns(), k = next_ / working_.columns();
+    const double pressure = range_.pressure(working_.y_of(i));
+    const double frequency = range_.frequency(working_.z_of(k));
+    const Mode mode = theory_->dominant_mode(pressure, frequency);
+    const bool free = theory_->equilibrium(pressure, frequency).free;
+    working_.node(i, k) = mode.found ? mode.growth_rate : -1e3;
+    sounds_[next_] = free && mode.found && mode.growth_rate > 0;
+  }
+  if (next_ < sounds_.size())
+    return false;
+  finish();
+  return true;
+}
+
+void GrowthMap::finish() noexcept {
+  const std::size_t columns = working_.columns(), rows = working_.rows();
+  constexpr double kFar = 1e6;
+  bool any = false;
+  for (std::size_t n = 0; n < sounds_.size(); ++n) {
+    any = any || sounds_[n];
+    squares_[n] = sounds_[n] ? 0 : kFar;
+  }
+  for (std::size_t k = 0; k < rows; ++k)
+    spread(squares_, k * columns, 1, columns, working_.y_of(1), line_);
+  for (std::size_t i = 0; i < columns; ++i)
+    spread(squares_, i, columns, rows, working_.z_of(1), line_);
+  for (std::size_t k = 0; k < rows; ++k)
+    for (std::size_t i = 0; i < columns; ++i) {
+      const std::size_t n = k * columns + i;
+      const double g = working_.node(i, k);
+      height_.node(i, k) =
+          (sounds_[n] ? g / (g + kGrowthScale) : -(any ? std::sqrt(squares_[n]) : 0));
+      growth_.node(i, k) = g;
+    }
+  height_.differentiate();
+  growth_.differentiate();
+  theory_.reset();
+  ready_ = true;
+}
+
+} // namespace tactus::reed
