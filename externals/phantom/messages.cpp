@@ -152,6 +152,7 @@ void Phantom::on_stats(Words words, Host& host) {
   count("braked", r.counters.braked);
   count("refused", r.counters.refused);
   count("events_lost", servo_.exchange().events.dropped());
+  count("trace_lost", servo_.exchange().trace.dropped());
   line("energy_j", r.energy_j);
   line("lowest_energy_j", r.lowest_energy_j);
 }
@@ -210,6 +211,7 @@ void Phantom::on_hand(Words words, Host& host) {
 void Phantom::on_path(Words words, Host& host) {
   PathChoice choice = choose_path(words, host);
   if (!choice.refusal.empty()) return host.error(choice.refusal);
+  path_name_ = words[0].word;
   with_device([this, &choice] { simulated_.follow(std::move(choice.path)); });
 }
 
@@ -218,6 +220,7 @@ void Phantom::on_target(Words words, Host& host) {
   double mm[3];
   const std::string refusal = read_numbers(words, ranges, mm);
   if (!refusal.empty()) return host.error("target: " + refusal);
+  path_name_ = "target";
   with_device([this, &mm] { simulated_.reach_for(metres(mm)); });
 }
 
@@ -255,6 +258,7 @@ void Phantom::dump(Host& host) {
   else
     host.info({"interp", chain.interpolation == Interpolation::kAuto ? "auto" : "off"});
   host.info({"watchdog", chain.hold_s * 1e3, chain.ramp_s * 1e3});
+  host.info({"path", std::string_view(path_name_)});
   const auto& hand = simulation_.hand;
   switch (hand.hold) {
   case Hold::kFree: host.info({"hand", "free"}); break;

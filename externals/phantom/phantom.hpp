@@ -107,6 +107,7 @@ private:
   haptic::Vec3 asked_{};  // inlets, in the chosen units
   bool refused_now_ = false, changed_now_ = false;
 
+  std::string path_name_ = "still";
   ClockChoice clock_ = ClockChoice::kLogical;
   bool created_ = false, open_ = false, learning_ = false, new_grids_ = false;
   double origin_ms_ = 0, output_origin_ms_ = 0;  // of the two grids

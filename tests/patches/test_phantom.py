@@ -1,7 +1,11 @@
 """[phantom] with its simulated device in a headless Pd."""
 
 import csv
+import os
+import random
 import re
+import subprocess
+import time
 
 import pytest
 
@@ -37,15 +41,21 @@ class DevicePatch:
             self.cord(box, 0, self.box, inlet)
         return box
 
-    def run(self, folder, *flags):
+    def run(self, folder, *flags, batch=True):
         file = folder / "patch.pd"
         file.write_text("\n".join(self.lines + self.cords) + "\n")
-        return Result(run_pd([file], path=[stage_folder()], arguments=flags))
+        if batch:
+            return Result(run_pd([file], path=[stage_folder()], arguments=flags))
+        begun = time.monotonic()
+        live = subprocess.run([os.environ.get("TACTUS_PD", "pd"), "-nogui", "-nosound", "-noprefs",
+                               "-stderr", "-path", str(stage_folder()), "-open", str(file)],
+                              capture_output=True, text=True, timeout=60, check=True)
+        return Result(live.stderr, time.monotonic() - begun)
 
 
 class Result:
-    def __init__(self, text):
-        self.text = text
+    def __init__(self, text, wall_seconds=0):
+        self.text, self.wall_seconds = text, wall_seconds
         self.errors = re.findall(r"^error: (.*)$", text, re.M)
         self.info = [line.split() for line in re.findall(r"^info: (.*)$", text, re.M)]
 
@@ -385,3 +395,47 @@ def test_a_path_file_that_is_wrong_names_the_line(tmp_path):
     patch.at(10, "path bad.txt")
     assert patch.run(tmp_path).errors == [
         "phantom: path bad.txt: line 2: expected ms x y z [buttonmask]"]
+
+
+# ---- anything goes ---------------------------------------------------------------------------------
+
+NAMES = ("bang list backend open close devices workspace map interp watchdog estop report stats "
+         "hand path target seek button rate outrate repeat units forcemax slew extrap strict "
+         "passivity tank allowance damp walls motors mass viscous stops resolution noise seed get "
+         "dump trace").split()
+WORDS = ("sim device learn auto off zxy xyz reset free rigid spring person line circle lissajous "
+         "array mm vel force button norm newton logical stop yz nonsense").split()
+NUMBERS = (0, 1, -1, 0.001, 2, 5, 10, 50, 200, 999, 4000, -300, 1e6, 1e30, -1e30, 1e-30, 0.5)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_any_messages_leave_it_alive_and_its_positions_in_range(tmp_path, seed):
+    rng = random.Random(seed)
+    patch = DevicePatch("-hand person", 4000)
+    for index in range(1500):
+        if rng.random() < 0.3:
+            patch.at(rng.uniform(0, 3900), f"{rng.choice(NUMBERS):g}", rng.randrange(3))
+        else:
+            arguments = [str(rng.choice(WORDS)) if rng.random() < 0.4 else f"{rng.choice(NUMBERS):g}"
+                         for _ in range(rng.choice((0, 1, 1, 1, 2, 3, 6, 7, 9)))]
+            patch.at(rng.uniform(0, 3900), " ".join([rng.choice(NAMES), *arguments]))
+    for ms in (3950, 3990):
+        patch.at(ms, "open")
+    patch.at(3995, "bang")
+    result = patch.run(tmp_path)
+    assert result.positions()
+    assert all(0 <= p <= 1 for triple in result.positions() for p in triple)
+    assert result.tagged("mm")[-1] == pytest.approx(result.tagged("mm")[-1])  # no NaN
+    assert all(abs(f) <= 40 * (1 + 1e-6) for row in result.tagged("force") for f in row)
+
+
+def test_the_wall_clock_steps_the_simulated_device_too(tmp_path):
+    """Live Pd: time is real, so only counts are checked, not lateness."""
+    patch = DevicePatch("-clock wall -path lissajous 0 0 0 20 10 5 1 1 1", 600)
+    patch.at(500, "stats")
+    result = patch.run(tmp_path, batch=False)
+    assert ["status", "sched"] in [row[:2] for row in result.info]
+    ran, skipped = result.stat("ticks"), result.stat("skipped")
+    assert ran >= 128 and ran % 128 == 0  # reported every 128 ticks
+    assert ran + skipped <= 1000 * result.wall_seconds
+    assert len(result.positions()) > 50
