@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <memory>
 #include <new>
 
 namespace {
@@ -22,6 +23,10 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 using namespace tactus::haptic;
 
 TEST_CASE("ten thousand servo ticks allocate nothing, whatever hand and orders") {
+  const long none = allocations;
+  CHECK(std::make_unique<int>(1) != nullptr);
+  CHECK(allocations == none + 1);  // the counter counts
+
   SimulatedDevice device;
   SimulatedDevice::Settings simulation;
   simulation.noise_m = 1e-5;
