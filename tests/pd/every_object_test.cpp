@@ -1,0 +1,236 @@
+#include "tests/pd/host.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+// What holds for every object of the package, from its own declaration.
+
+using namespace tactus;
+using namespace tactus::test;
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kSamples = 8192;  // of every comparison
+
+/// The one answer to `get name`.
+Words value_of(Box& box, std::string_view name) {
+  static_cast<void>(sent());
+  box.send("get", {Word(std::string(name))});
+  for (const Sent& answer : sent())
+    if (answer.selector == name) return answer.atoms;
+  return {};
+}
+
+void check_finite(const Buffers& outputs, const Declaration& declaration) {
+  std::size_t port = 0;
+  for (const Port& outlet : declaration.outlets) {
+    if (outlet.kind != Port::Kind::kSignal) continue;
+    const std::vector<double>& signal = outputs.at(port++);
+    const bool sound = outlet.name == "sound";
+    const auto bad = std::count_if(signal.begin(), signal.end(), [sound](double x) {
+      return !std::isfinite(x) || (sound && std::abs(x) > 1);
+    });
+    CAPTURE(outlet.name);
+    CHECK_MESSAGE(bad == 0, "samples that are not finite, or sound beyond 1");
+  }
+}
+
+/// A sounding instance: words that its creation arguments need, none for most objects.
+Buffers render(const Declaration& declaration, int frames, int rebuild_every = 0,
+               bool alias = false) {
+  Box box(declaration.name);
+  REQUIRE(box.made());
+  const double rate = 48000;
+  const Buffers inputs = plausible_inputs(declaration, rate, kSamples);
+  box.dsp(rate, frames, 1, alias);
+  const std::size_t step =
+      rebuild_every ? static_cast<std::size_t>(rebuild_every * frames) : kSamples;
+  Buffers whole(static_cast<std::size_t>(host_outlets(box.get(), 1)));
+  for (std::size_t begin = 0; begin < kSamples; begin += step) {
+    Buffers part;
+    for (const auto& signal : inputs)
+      part.emplace_back(signal.begin() + static_cast<std::ptrdiff_t>(begin),
+                        signal.begin() + static_cast<std::ptrdiff_t>(std::min(begin + step, kSamples)));
+    const Buffers heard = box.run(part, std::min(step, kSamples - begin));
+    for (std::size_t i = 0; i < whole.size(); ++i)
+      whole[i].insert(whole[i].end(), heard[i].begin(), heard[i].end());
+    if (rebuild_every) box.dsp(rate, frames, 1, alias);
+  }
+  return whole;
+}
+
+void check_same(const Buffers& a, const Buffers& b) {
+  REQUIRE(a.size() == b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto n = std::mismatch(a[i].begin(), a[i].end(), b[i].begin()).first - a[i].begin();
+    CAPTURE(i);
+    CHECK_MESSAGE(n == static_cast<std::ptrdiff_t>(a[i].size()), "first differs at sample ", n);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("every object starts with the values it declares and tells them") {
+  for (const Described& described : objects()) {
+    const Declaration& declaration = *described.declaration;
+    CAPTURE(declaration.name);
+    Box box(declaration.name);
+    REQUIRE(box.made());
+    CHECK(errors().empty());
+    box.send("get");
+    std::map<std::string, Words> answers;
+    for (const Sent& answer : sent()) answers[answer.selector] = answer.atoms;
+    CHECK(answers.size() == declaration.parameters.size());
+    for (const Parameter& parameter : declaration.parameters) {
+      CAPTURE(parameter.name);
+      REQUIRE(answers[std::string(parameter.name)].size() == 1);
+      const Word answer = answers[std::string(parameter.name)][0];
+      if (parameter.choices.empty())
+        CHECK(answer.number == doctest::Approx(parameter.initial).epsilon(1e-6));
+      else
+        CHECK(answer.text == parameter.choices[static_cast<std::size_t>(parameter.initial)]);
+    }
+    box.send("dump");
+    CHECK(sent().size() >= declaration.parameters.size());
+    CHECK(errors().empty());
+  }
+}
+
+TEST_CASE("every parameter takes its whole range and refuses, in one sentence, what is outside") {
+  for (const Described& described : objects()) {
+    const Declaration& declaration = *described.declaration;
+    CAPTURE(declaration.name);
+    for (const Parameter& parameter : declaration.parameters) {
+      CAPTURE(parameter.name);
+      Box box(declaration.name);
+      if (!parameter.choices.empty()) {
+        for (const auto choice : parameter.choices) {
+          box.send(parameter.name, {Word(std::string(choice))});
+          CHECK(value_of(box, parameter.name) == Words{Word(std::string(choice))});
+        }
+        CHECK(errors().empty());
+        box.send(parameter.name, {"no-such-choice"});
+        CHECK(errors().size() == 1);
+        continue;
+      }
+      for (const double good : {parameter.lowest, parameter.highest}) {
+        CAPTURE(good);
+        box.send(parameter.name, {good});
+        for (const std::string& sentence : errors()) FAIL_CHECK(sentence);
+        const Words kept = value_of(box, parameter.name);
+        REQUIRE(kept.size() == 1);
+        CHECK(kept[0].number == doctest::Approx(good).epsilon(1e-6));
+      }
+      const double span = std::max(parameter.highest - parameter.lowest, 1e-3);
+      const Words before = value_of(box, parameter.name);
+      for (const Word& bad : {Word(parameter.lowest - 0.01 * span), Word(parameter.highest + 0.01 * span),
+                              Word(kNan), Word(kInfinity), Word(-kInfinity), Word("word")}) {
+        box.send(parameter.name, {bad});
+        const auto said = errors();
+        CAPTURE(bad.number);
+        REQUIRE(said.size() == 1);
+        CHECK(said[0].rfind(std::string(declaration.name) + ": " + std::string(parameter.name), 0) == 0);
+        CHECK(value_of(box, parameter.name) == before);
+      }
+    }
+  }
+}
+
+TEST_CASE("every parameter is a creation flag, and an unknown flag makes no object") {
+  for (const Described& described : objects()) {
+    const Declaration& declaration = *described.declaration;
+    CAPTURE(declaration.name);
+    for (const Parameter& parameter : declaration.parameters) {
+      CAPTURE(parameter.name);
+      const Word value = parameter.choices.empty()
+                             ? Word(parameter.lowest)
+                             : Word(std::string(parameter.choices.back()));
+      Box box(declaration.name, {"-" + std::string(parameter.name), value});
+      for (const std::string& sentence : errors()) FAIL_CHECK(sentence);
+      REQUIRE(box.made());
+      const Words kept = value_of(box, parameter.name);
+      REQUIRE(kept.size() == 1);
+      if (value.is_word) CHECK(kept[0].text == value.text);
+      else CHECK(kept[0].number == doctest::Approx(value.number).epsilon(1e-6));
+    }
+    Box box(declaration.name, {"-no-such-flag", 1});
+    CHECK_FALSE(box.made());
+    CHECK(errors().size() == 1);
+  }
+}
+
+TEST_CASE("the sound is the same bits in blocks of any size") {
+  for (const Described& described : objects()) {
+    if (!described.traits.processes) continue;
+    CAPTURE(described.declaration->name);
+    const Buffers reference = render(*described.declaration, 64);
+    check_finite(reference, *described.declaration);
+    for (const int frames : {1, 2, 32, 512, 4096}) {
+      CAPTURE(frames);
+      check_same(reference, render(*described.declaration, frames));
+    }
+    CHECK(errors().empty());
+    static_cast<void>(sent());
+  }
+}
+
+TEST_CASE("128 rebuilds of the graph while it sounds change no bit, nor do outputs in the inputs' memory") {
+  for (const Described& described : objects()) {
+    if (!described.traits.processes) continue;
+    CAPTURE(described.declaration->name);
+    const Buffers reference = render(*described.declaration, 64);
+    check_same(reference, render(*described.declaration, 64, 1));
+    check_same(reference, render(*described.declaration, 64, 0, true));
+    CHECK(errors().empty());
+    static_cast<void>(sent());
+  }
+}
+
+TEST_CASE("instances do not hear each other") {
+  for (const Described& described : objects()) {
+    if (!described.traits.processes) continue;
+    const Declaration& declaration = *described.declaration;
+    CAPTURE(declaration.name);
+    const Buffers reference = render(declaration, 64);
+    const Buffers inputs = plausible_inputs(declaration, 48000, kSamples);
+    Box one(declaration.name), other(declaration.name);
+    one.dsp(48000, 64);
+    other.dsp(96000, 64);
+    Buffers heard(reference.size());
+    for (std::size_t begin = 0; begin < kSamples; begin += 64) {
+      Buffers part, noise;
+      for (const auto& signal : inputs) {
+        part.emplace_back(signal.begin() + static_cast<std::ptrdiff_t>(begin),
+                          signal.begin() + static_cast<std::ptrdiff_t>(begin + 64));
+        noise.emplace_back(64, 0.3);
+      }
+      const Buffers block = one.run(part, 64);
+      static_cast<void>(other.run(noise, 64));
+      for (std::size_t i = 0; i < heard.size(); ++i)
+        heard[i].insert(heard[i].end(), block[i].begin(), block[i].end());
+    }
+    check_same(reference, heard);
+    static_cast<void>(sent());
+  }
+}
+
+TEST_CASE("all rates from 8 to 384 kHz stay finite, bounded and silent about it") {
+  for (const Described& described : objects()) {
+    if (!described.traits.processes) continue;
+    CAPTURE(described.declaration->name);
+    Box box(described.declaration->name);
+    for (const double rate : {8000.0, 22050.0, 44100.0, 48000.0, 96000.0, 192000.0, 384000.0}) {
+      CAPTURE(rate);
+      box.dsp(rate, 64);
+      check_finite(box.run(plausible_inputs(*described.declaration, rate, 4096), 4096),
+                   *described.declaration);
+    }
+    CHECK(errors().empty());
+    static_cast<void>(sent());
+  }
+}
