@@ -70,4 +70,4 @@ private:
   bool has_spare_ = false;
 };
 
-}  // namespace tactus
+} // namespace tactus

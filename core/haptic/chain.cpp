@@ -21,11 +21,14 @@ Vec3 interpolated(ChainState& state, const ChainSettings& settings) noexcept {
   const std::uint64_t elapsed = state.tick - state.command_tick + 1;
   const double length = static_cast<double>(state.length);
   const Vec3 way = state.target - state.start;
-  if (elapsed < state.length) return state.start + way * (static_cast<double>(elapsed) / length);
-  if (!state.sloped || settings.extrapolation_s <= 0.0) return state.target;
+  if (elapsed < state.length)
+    return state.start + way * (static_cast<double>(elapsed) / length);
+  if (!state.sloped || settings.extrapolation_s <= 0.0)
+    return state.target;
   const std::uint64_t beyond =
       std::min(elapsed - state.length, ticks_of(settings.extrapolation_s, settings.period_s));
-  if (beyond == 0) return state.target;
+  if (beyond == 0)
+    return state.target;
   return limited(state.target + way * (static_cast<double>(beyond) / length),
                  std::max(settings.force_limit_n, norm(state.target)));
 }
@@ -33,8 +36,8 @@ Vec3 interpolated(ChainState& state, const ChainSettings& settings) noexcept {
 Vec3 soft_walls(const ChainSettings& settings, const Vec3& position) noexcept {
   Vec3 force;
   for (int axis = 0; axis < 3; ++axis) {
-    const double inside = std::clamp(position[axis], settings.workspace.min[axis],
-                                     settings.workspace.max[axis]);
+    const double inside =
+        std::clamp(position[axis], settings.workspace.min[axis], settings.workspace.max[axis]);
     force[axis] = settings.wall_n_per_m * (inside - position[axis]);
   }
   return force;
@@ -43,19 +46,23 @@ Vec3 soft_walls(const ChainSettings& settings, const Vec3& position) noexcept {
 double watchdog_gain(ChainState& state, const ChainSettings& settings, const ChainInput& input,
                      double elapsed_s) noexcept {
   double silence_s = input.time_s - input.heartbeat_s;
-  if (settings.strict) silence_s = std::max(silence_s, input.time_s - state.command_s);
-  if (state.refusing) silence_s = std::max(silence_s, input.time_s - state.refused_since_s);
+  if (settings.strict)
+    silence_s = std::max(silence_s, input.time_s - state.command_s);
+  if (state.refusing)
+    silence_s = std::max(silence_s, input.time_s - state.refused_since_s);
   const double overdue_s = silence_s - settings.hold_s;
   const double ramp_s = std::max(settings.ramp_s, 1e-9);
   if (overdue_s > 1e-9) {
     state.alive_gain -= std::min(elapsed_s, overdue_s) / ramp_s;
-    if (!state.tripped) ++state.counters.watchdog_trips;
+    if (!state.tripped)
+      ++state.counters.watchdog_trips;
     state.tripped = true;
   } else {
     state.alive_gain += elapsed_s / ramp_s;
     state.tripped = false;
   }
-  if (state.alive_gain < 1e-12) state.alive_gain = 0.0;  // rounding of the sum
+  if (state.alive_gain < 1e-12)
+    state.alive_gain = 0.0; // rounding of the sum
   return state.alive_gain = std::min(state.alive_gain, 1.0);
 }
 
@@ -74,15 +81,17 @@ Vec3 braked(ChainState& state, const ChainSettings& settings, const ChainInput& 
   state.energy_j -= given_j - std::max(forgiven_j, 0.0);
   state.energy_j = std::clamp(state.energy_j, -1e6, settings.tank_j);
   state.lowest_energy_j = std::min(state.lowest_energy_j, state.energy_j);
-  if (!settings.passivity || state.energy_j >= 0.0) return force;
+  if (!settings.passivity || state.energy_j >= 0.0)
+    return force;
   const double speed = norm(input.velocity);
-  if (speed <= kSlowestBraked_m_per_s) return force;
+  if (speed <= kSlowestBraked_m_per_s)
+    return force;
   ++state.counters.braked;
   const double damping = -state.energy_j / (settings.period_s * speed * speed);
   return force - input.velocity * (damping * gain);
 }
 
-}  // namespace
+} // namespace
 
 bool command(ChainState& state, const ChainSettings& settings, const Vec3& force_n,
              double time_s) noexcept {
@@ -95,10 +104,14 @@ bool command(ChainState& state, const ChainSettings& settings, const Vec3& force
   using Interpolation = ChainSettings::Interpolation;
   switch (settings.interpolation) {
   case Interpolation::kAuto:
-    if (first) state.length = 1;
-    else if (since > 0) state.length = std::min(since, kLongestAuto_ticks);  // else one more this tick
+    if (first)
+      state.length = 1;
+    else if (since > 0)
+      state.length = std::min(since, kLongestAuto_ticks); // else one more this tick
     break;
-  case Interpolation::kOff: state.length = 1; break;
+  case Interpolation::kOff:
+    state.length = 1;
+    break;
   case Interpolation::kFixed:
     state.length =
         std::max<std::uint64_t>(1, ticks_of(settings.interpolation_s, settings.period_s));
@@ -117,13 +130,16 @@ bool command(ChainState& state, const ChainSettings& settings, const Vec3& force
 
 void refuse(ChainState& state, double time_s) noexcept {
   ++state.counters.refused;
-  if (!state.refusing) state.refused_since_s = time_s;
+  if (!state.refusing)
+    state.refused_since_s = time_s;
   state.refusing = true;
 }
 
 void motors(ChainState& state, bool on) noexcept {
-  if (on && (!state.motors || state.latched)) state.enable_gain = 0.0;
-  if (on) state.latched = false;
+  if (on && (!state.motors || state.latched))
+    state.enable_gain = 0.0;
+  if (on)
+    state.latched = false;
   state.motors = on;
 }
 
@@ -141,7 +157,8 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
     state.started = true;
     state.previous_s = input.time_s - settings.period_s;
     state.position = input.position;
-    if (!state.commanded_before) state.command_s = input.time_s;
+    if (!state.commanded_before)
+      state.command_s = input.time_s;
   }
   const double elapsed_s = std::clamp(input.time_s - state.previous_s, 0.0, 10.0);
   state.previous_s = input.time_s;
@@ -153,7 +170,8 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
   if (settings.wall_n_per_m > 0.0)
     force += limited(soft_walls(settings, input.position), kLongestLocal_n);
 
-  if (norm(force) > settings.force_limit_n) ++state.counters.clamped;
+  if (norm(force) > settings.force_limit_n)
+    ++state.counters.clamped;
   force = limited(force, settings.force_limit_n);
 
   state.enable_gain =
@@ -185,4 +203,4 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
   return force;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

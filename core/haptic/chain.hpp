@@ -21,32 +21,32 @@ struct ChainSettings {
   double force_limit_n = 8;
   double slew_n_per_s = 2000;
   Interpolation interpolation = Interpolation::kAuto;
-  double interpolation_s = 0.01;  ///< of kFixed
-  double extrapolation_s = 0;     ///< goes on along the slope this long after a target is reached
-  double hold_s = 0.1;            ///< without a sign of life before the force falls
-  double ramp_s = 0.05;           ///< from full force to none, and back
-  bool strict = false;            ///< force messages too must keep coming
-  double enable_s = 0.5;          ///< from none to full force after motors(true)
+  double interpolation_s = 0.01; ///< of kFixed
+  double extrapolation_s = 0;    ///< goes on along the slope this long after a target is reached
+  double hold_s = 0.1;           ///< without a sign of life before the force falls
+  double ramp_s = 0.05;          ///< from full force to none, and back
+  bool strict = false;           ///< force messages too must keep coming
+  double enable_s = 0.5;         ///< from none to full force after motors(true)
   bool passivity = true;
-  double tank_j = 5e-3;           ///< most energy the observer remembers to the patch's credit
-  double allowance_w = 0;         ///< power that targets, not local models, may put into the hand
+  double tank_j = 5e-3;   ///< most energy the observer remembers to the patch's credit
+  double allowance_w = 0; ///< power that targets, not local models, may put into the hand
   double damping_n_s_per_m = 0;
-  double wall_n_per_m = 0;        ///< stiffness of soft walls at the workspace's faces
+  double wall_n_per_m = 0; ///< stiffness of soft walls at the workspace's faces
   Workspace workspace{};
 };
 
 /// What one tick brings.
 struct ChainInput {
-  double time_s = 0;       ///< any origin, never decreasing
-  double heartbeat_s = 0;  ///< when the host last showed that it is alive, same origin
-  Vec3 position{};         ///< m
-  Vec3 velocity{};         ///< m/s
-  Vec3 local_force{};      ///< N, of models that live inside the servo
+  double time_s = 0;      ///< any origin, never decreasing
+  double heartbeat_s = 0; ///< when the host last showed that it is alive, same origin
+  Vec3 position{};        ///< m
+  Vec3 velocity{};        ///< m/s
+  Vec3 local_force{};     ///< N, of models that live inside the servo
 };
 
 struct ChainCounters {
   std::uint64_t ticks = 0, clamped = 0, slewed = 0, watchdog_trips = 0, refused = 0;
-  std::uint64_t braked = 0;  ///< ticks in which the passivity controller acted
+  std::uint64_t braked = 0; ///< ticks in which the passivity controller acted
 };
 
 struct ChainState {
@@ -65,9 +65,9 @@ struct ChainState {
   bool motors = true, latched = false;
   double enable_gain = 1;
 
-  Vec3 asked{};    // the target's share of the last force, before clamp and slew
-  Vec3 slewed{};   // output of the slew stage
-  Vec3 written{};  // what the device holds now
+  Vec3 asked{};   // the target's share of the last force, before clamp and slew
+  Vec3 slewed{};  // output of the slew stage
+  Vec3 written{}; // what the device holds now
   Vec3 position{};
   double energy_j = 0, lowest_energy_j = 0;
   ChainCounters counters{};
@@ -87,4 +87,4 @@ void emergency_stop(ChainState&) noexcept;
 /// One tick; returns the force to write.
 Vec3 step(ChainState&, const ChainSettings&, const ChainInput&) noexcept;
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -22,18 +22,18 @@ struct Caps {
   int axes_in = 3, axes_out = 3;
   double peak_force_n = 0, continuous_force_n = 0;
   double stiffness_limit_n_per_m = 0, damping_limit_n_s_per_m = 0;
-  Vec3 workspace_min{-0.05, -0.05, -0.05}, workspace_max{0.05, 0.05, 0.05};  ///< m
+  Vec3 workspace_min{-0.05, -0.05, -0.05}, workspace_max{0.05, 0.05, 0.05}; ///< m
   double rate_hz = 1000;
-  double position_noise_m = 0;  ///< largest error of one reading, encoder step included
-  bool has_velocity = false;    ///< State::velocity is measured; else the servo estimates it
+  double position_noise_m = 0; ///< largest error of one reading, encoder step included
+  bool has_velocity = false;   ///< State::velocity is measured; else the servo estimates it
   bool has_buttons = false;
   bool needs_home = false;
 };
 
 struct State {
   enum Flags : std::uint32_t { kHomed = 1, kFault = 2, kMotorsHot = 4, kForceLimited = 8 };
-  Vec3 position{};  ///< m, project frame
-  Vec3 velocity{};  ///< m/s
+  Vec3 position{}; ///< m, project frame
+  Vec3 velocity{}; ///< m/s
   std::uint32_t buttons = 0;
   std::uint32_t flags = kHomed;
 };
@@ -55,4 +55,4 @@ public:
   [[nodiscard]] virtual bool owns_thread() const noexcept { return false; }
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -7,7 +7,7 @@ namespace tactus::haptic {
 namespace {
 constexpr double kFollower_s = 0.02;
 constexpr double kFarthestYield_m = 1.0;
-}  // namespace
+} // namespace
 
 void NoiseOscillator::set(double frequency_hz, double damping_ratio, double rms,
                           double period_s) noexcept {
@@ -44,16 +44,20 @@ void Hand::set(const HandSettings& settings, double period_s) noexcept {
   const bool begins = settings.hold == Hold::kPerson &&
                       (settings_.hold != Hold::kPerson || settings_.seed != settings.seed);
   settings_ = settings;
-  follower_ = MassSpringDamperStep::of(1.0, 1.0 / (kFollower_s * kFollower_s), 2.0 / kFollower_s,
-                                       period_s);
+  follower_ =
+      MassSpringDamperStep::of(1.0, 1.0 / (kFollower_s * kFollower_s), 2.0 / kFollower_s, period_s);
   for (auto& axis : tremor_)
     axis.set(settings.tremor_hz, settings.tremor_damping, settings.tremor_m, period_s);
-  for (auto& axis : wander_) axis.set(settings.wander_hz, 1.0, settings.wander_m, period_s);
-  if (!begins) return;
+  for (auto& axis : wander_)
+    axis.set(settings.wander_hz, 1.0, settings.wander_m, period_s);
+  if (!begins)
+    return;
   yielded_ = yielding_ = {};
   random_.seed(settings.seed);
-  for (auto& axis : tremor_) axis.start(random_);
-  for (auto& axis : wander_) axis.start(random_);
+  for (auto& axis : tremor_)
+    axis.start(random_);
+  for (auto& axis : wander_)
+    axis.start(random_);
 }
 
 void Hand::follow(Path path) noexcept {
@@ -64,8 +68,10 @@ void Hand::follow(Path path) noexcept {
 }
 
 void Hand::reach_for(const Vec3& target) noexcept {
-  if (!is_finite(target)) return;
-  if (!reaching_) reached_ = point_at(path_, origin_s_ + static_cast<double>(ticks_) * period_s_);
+  if (!is_finite(target))
+    return;
+  if (!reaching_)
+    reached_ = point_at(path_, origin_s_ + static_cast<double>(ticks_) * period_s_);
   reaching_ = true;
   target_ = target;
 }
@@ -76,13 +82,15 @@ void Hand::seek(double time_s) noexcept {
 }
 
 PathPoint Hand::intended() const noexcept {
-  if (reaching_) return reached_;
+  if (reaching_)
+    return reached_;
   return point_at(path_, origin_s_ + static_cast<double>(ticks_) * period_s_);
 }
 
 PathPoint Hand::point() const noexcept {
   PathPoint point = intended();
-  if (settings_.hold != HandSettings::Hold::kPerson) return point;
+  if (settings_.hold != HandSettings::Hold::kPerson)
+    return point;
   point.position += yielded_;
   point.velocity += yielding_;
   for (int axis = 0; axis < 3; ++axis) {
@@ -103,15 +111,18 @@ void Hand::advance(const Vec3& handle) noexcept {
     } else {
       yielding_ = {};
     }
-    for (auto& axis : tremor_) axis.advance(random_);
-    for (auto& axis : wander_) axis.advance(random_);
+    for (auto& axis : tremor_)
+      axis.advance(random_);
+    for (auto& axis : wander_)
+      axis.advance(random_);
   }
   ++ticks_;
-  if (!reaching_) return;
+  if (!reaching_)
+    return;
   for (int axis = 0; axis < 3; ++axis)
     follower_.advance(reached_.position[axis], reached_.velocity[axis],
                       target_[axis] / (kFollower_s * kFollower_s));
   reached_.buttons = 0;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

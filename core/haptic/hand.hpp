@@ -26,16 +26,16 @@ public:
 private:
   MassSpringDamperStep step_{};
   double rms_x_ = 0, rms_v_ = 0;
-  double noise_xx_ = 0, noise_vx_ = 0, noise_vv_ = 0;  // Cholesky factor
+  double noise_xx_ = 0, noise_vx_ = 0, noise_vv_ = 0; // Cholesky factor
   double x_ = 0, v_ = 0;
 };
 
 struct HandSettings {
   enum class Hold {
-    kFree,    ///< nobody: the handle moves by itself
-    kRigid,   ///< the handle is where the path is, whatever the force
-    kSpring,  ///< a spring and a damper between the handle and the path
-    kPerson,  ///< the same with tremor and wander, and yielding to a lasting force
+    kFree,   ///< nobody: the handle moves by itself
+    kRigid,  ///< the handle is where the path is, whatever the force
+    kSpring, ///< a spring and a damper between the handle and the path
+    kPerson, ///< the same with tremor and wander, and yielding to a lasting force
   };
   Hold hold = Hold::kSpring;
   double stiffness_n_per_m = 200;
@@ -47,7 +47,7 @@ struct HandSettings {
   double tremor_damping = 0.2; ///< ratio; half-power width 4 Hz
   double wander_m = 1e-3;      ///< RMS an axis
   double wander_hz = 0.2;
-  double yield_s = 1;          ///< a lasting force F moves the intention at F/(K yield_s)
+  double yield_s = 1; ///< a lasting force F moves the intention at F/(K yield_s)
   std::uint64_t seed = 1;
 };
 
@@ -73,7 +73,7 @@ private:
   HandSettings settings_{};
   double period_s_ = 1e-3;
   Path path_ = LinePath{};
-  double origin_s_ = 0;  // path time when ticks_ was 0
+  double origin_s_ = 0; // path time when ticks_ was 0
   std::uint64_t ticks_ = 0;
   bool reaching_ = false;
   Vec3 target_{};
@@ -84,4 +84,4 @@ private:
   Random random_{1};
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

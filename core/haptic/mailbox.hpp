@@ -17,7 +17,8 @@ public:
 
   /// True when something was written since the last read; latest() is then that value.
   bool read() noexcept {
-    if (!(middle_.load(std::memory_order_relaxed) & kFresh)) return false;
+    if (!(middle_.load(std::memory_order_relaxed) & kFresh))
+      return false;
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
     return true;
   }
@@ -31,4 +32,4 @@ private:
   std::atomic<std::uint32_t> middle_{1};
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

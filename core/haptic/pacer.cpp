@@ -19,4 +19,4 @@ Pacer::Wake Pacer::wake(double now_s) noexcept {
   return wake;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -27,4 +27,4 @@ private:
   std::uint64_t next_ = 0;
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

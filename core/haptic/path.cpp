@@ -23,29 +23,38 @@ int numbers_of(std::string_view line, std::array<double, 5>& values) noexcept {
   int count = 0;
   std::size_t place = 0;
   while (true) {
-    while (place < line.size() && is_blank(line[place])) ++place;
-    if (place == line.size()) return count;
-    if (count == 5) return -1;
-    if (line[place] == '+') ++place;
+    while (place < line.size() && is_blank(line[place]))
+      ++place;
+    if (place == line.size())
+      return count;
+    if (count == 5)
+      return -1;
+    if (line[place] == '+')
+      ++place;
     double value = 0;
     const auto [end, problem] =
         std::from_chars(line.data() + place, line.data() + line.size(), value);
-    if (problem != std::errc{} || !std::isfinite(value)) return -1;
+    if (problem != std::errc{} || !std::isfinite(value))
+      return -1;
     place = static_cast<std::size_t>(end - line.data());
-    if (place < line.size() && !is_blank(line[place])) return -1;
+    if (place < line.size() && !is_blank(line[place]))
+      return -1;
     values[static_cast<std::size_t>(count++)] = value;
   }
 }
 
-}  // namespace
+} // namespace
 
 PathPoint RowPath::at(double time_s) const noexcept {
-  if (rows_.empty()) return {};
+  if (rows_.empty())
+    return {};
   const auto after = std::upper_bound(rows_.begin(), rows_.end(), time_s,
                                       [](double t, const PathRow& row) { return t < row.time_s; });
-  if (after == rows_.begin()) return {after->position, {}, after->buttons};
+  if (after == rows_.begin())
+    return {after->position, {}, after->buttons};
   const auto before = std::prev(after);
-  if (after == rows_.end()) return {before->position, {}, before->buttons};
+  if (after == rows_.end())
+    return {before->position, {}, before->buttons};
   const double span_s = after->time_s - before->time_s;
   const Vec3 way = after->position - before->position;
   const double share = (time_s - before->time_s) / span_s;
@@ -96,7 +105,8 @@ ParsedPath parse_path(std::string_view text) {
     line = line.substr(0, std::min(line.find('#'), line.size()));
     std::array<double, 5> values{};
     const int count = numbers_of(line, values);
-    if (count == 0) continue;
+    if (count == 0)
+      continue;
     if (count != 4 && count != 5) {
       refuse(number, "expected ms x y z [buttonmask]");
       return result;
@@ -123,8 +133,9 @@ ParsedPath parse_path(std::string_view text) {
                            {values[1] * 1e-3, values[2] * 1e-3, values[3] * 1e-3},
                            static_cast<std::uint32_t>(values[4])});
   }
-  if (result.rows.empty()) result.error = "no row of the form ms x y z [buttonmask]";
+  if (result.rows.empty())
+    result.error = "no row of the form ms x y z [buttonmask]";
   return result;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

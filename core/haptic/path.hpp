@@ -12,8 +12,8 @@
 namespace tactus::haptic {
 
 struct PathPoint {
-  Vec3 position{};  ///< m
-  Vec3 velocity{};  ///< m/s
+  Vec3 position{}; ///< m
+  Vec3 velocity{}; ///< m/s
   std::uint32_t buttons = 0;
 };
 
@@ -31,7 +31,9 @@ public:
   explicit RowPath(std::vector<PathRow> rows) : rows_(std::move(rows)) {}
   [[nodiscard]] PathPoint at(double time_s) const noexcept;
   [[nodiscard]] std::size_t size() const noexcept { return rows_.size(); }
-  [[nodiscard]] double duration_s() const noexcept { return rows_.empty() ? 0 : rows_.back().time_s; }
+  [[nodiscard]] double duration_s() const noexcept {
+    return rows_.empty() ? 0 : rows_.back().time_s;
+  }
 
 private:
   std::vector<PathRow> rows_;
@@ -72,4 +74,4 @@ struct ParsedPath {
 };
 [[nodiscard]] ParsedPath parse_path(std::string_view text);
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -26,7 +26,8 @@ public:
 
   bool pop(T& value) noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
-    if (begin == end_.load(std::memory_order_acquire)) return false;
+    if (begin == end_.load(std::memory_order_acquire))
+      return false;
     value = slots_[begin % Capacity];
     begin_.store(begin + 1, std::memory_order_release);
     return true;
@@ -42,4 +43,4 @@ private:
   std::atomic<std::uint64_t> dropped_{0};
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -2,9 +2,9 @@
 
 namespace tactus::haptic {
 namespace {
-constexpr double kDeaf_s = 0.02;  // a device silent for this long has failed
+constexpr double kDeaf_s = 0.02; // a device silent for this long has failed
 constexpr int kActionsPerTick = 64;
-}
+} // namespace
 
 void Servo::attach(Backend& device, LocalModel* model) noexcept {
   device_ = &device;
@@ -20,24 +20,31 @@ void Servo::attach(Backend& device, LocalModel* model) noexcept {
 }
 
 void Servo::refresh_caps() noexcept {
-  if (!device_) return;
+  if (!device_)
+    return;
   caps_ = device_->caps();
   estimator_.reset();
   estimator_.set_bound(caps_.position_noise_m);
 }
 
 void Servo::take_orders(const Tick& tick) noexcept {
-  if (exchange_.settings.read()) settings_ = exchange_.settings.latest();
+  if (exchange_.settings.read())
+    settings_ = exchange_.settings.latest();
   settings_.chain.period_s = tick.period_s;
   Action action;
-  for (int taken = 0; taken < kActionsPerTick && exchange_.actions.pop(action); ++taken) obey(action);
-  if (!exchange_.commands.read()) return;
+  for (int taken = 0; taken < kActionsPerTick && exchange_.actions.pop(action); ++taken)
+    obey(action);
+  if (!exchange_.commands.read())
+    return;
   const Command& newest = exchange_.commands.latest();
   const bool fresh = newest.number != command_.number;
   const bool refused = newest.refused != command_.refused;
-  if (refused && !newest.last_refused) refuse(chain_, newest.heartbeat_s);
-  if (fresh) command(chain_, settings_.chain, newest.force_n, newest.heartbeat_s);
-  if (refused && newest.last_refused) refuse(chain_, newest.heartbeat_s);
+  if (refused && !newest.last_refused)
+    refuse(chain_, newest.heartbeat_s);
+  if (fresh)
+    command(chain_, settings_.chain, newest.force_n, newest.heartbeat_s);
+  if (refused && newest.last_refused)
+    refuse(chain_, newest.heartbeat_s);
   command_ = newest;
   has_heartbeat_ = true;
 }
@@ -49,8 +56,12 @@ void Servo::obey(Action action) noexcept {
     failed_ = false;
     unread_ = unwritten_ = 0;
     break;
-  case Action::kMotorsOff: motors(chain_, false); break;
-  case Action::kEmergencyStop: emergency_stop(chain_); break;
+  case Action::kMotorsOff:
+    motors(chain_, false);
+    break;
+  case Action::kEmergencyStop:
+    emergency_stop(chain_);
+    break;
   case Action::kResetStatistics:
     statistics_ = {};
     chain_.counters = {};
@@ -63,11 +74,13 @@ State Servo::sense(const Tick& tick) noexcept {
   State raw;
   if (!device_->read(tick, raw) || !is_finite(raw.position)) {
     ++statistics_.device_errors;
-    if (++unread_ * tick.period_s >= kDeaf_s) fail(tick);
+    if (++unread_ * tick.period_s >= kDeaf_s)
+      fail(tick);
     return state_;
   }
   unread_ = 0;
-  if (raw.flags & State::kFault) fail(tick);
+  if (raw.flags & State::kFault)
+    fail(tick);
   State state = raw;
   state.position = settings_.map.to_project(raw.position);
   state.velocity = caps_.has_velocity && is_finite(raw.velocity)
@@ -77,7 +90,8 @@ State Servo::sense(const Tick& tick) noexcept {
 }
 
 void Servo::fail(const Tick& tick) noexcept {
-  if (failed_) return;
+  if (failed_)
+    return;
   failed_ = true;
   emergency_stop(chain_);
   exchange_.events.push({Event::Kind::kFault, 0, true, tick.time_s});
@@ -86,7 +100,8 @@ void Servo::fail(const Tick& tick) noexcept {
 void Servo::notice(const Tick& tick, const State& state) noexcept {
   for (std::uint32_t changed = state.buttons ^ state_.buttons; changed; changed &= changed - 1) {
     int number = 0;
-    while (!(changed >> number & 1u)) ++number;
+    while (!(changed >> number & 1u))
+      ++number;
     exchange_.events.push(
         {Event::Kind::kButton, number, (state.buttons >> number & 1u) != 0, tick.time_s});
   }
@@ -96,7 +111,8 @@ void Servo::notice(const Tick& tick, const State& state) noexcept {
 }
 
 void Servo::step(const Tick& tick) noexcept {
-  if (!device_) return;
+  if (!device_)
+    return;
   take_orders(tick);
   const State state = sense(tick);
 
@@ -105,13 +121,15 @@ void Servo::step(const Tick& tick) noexcept {
   input.heartbeat_s = has_heartbeat_ ? command_.heartbeat_s : tick.time_s;
   input.position = state.position;
   input.velocity = state.velocity;
-  if (model_) input.local_force = model_->force(tick, state);
+  if (model_)
+    input.local_force = model_->force(tick, state);
   const Vec3 force = haptic::step(chain_, settings_.chain, input);
   if (device_->write(settings_.map.to_device(force))) {
     unwritten_ = 0;
   } else {
     ++statistics_.device_errors;
-    if (++unwritten_ * tick.period_s >= kDeaf_s) fail(tick);
+    if (++unwritten_ * tick.period_s >= kDeaf_s)
+      fail(tick);
   }
 
   notice(tick, state);
@@ -127,18 +145,21 @@ void Servo::step(const Tick& tick) noexcept {
   report.motors = chain_.motors;
   report.latched = chain_.latched;
   exchange_.reports.write(report);
-  if (exchange_.tracing.load(std::memory_order_relaxed)) exchange_.trace.push(report);
-  if (statistics_.ticks % kStatisticsTicks == 0) exchange_.statistics.write(statistics_);
+  if (exchange_.tracing.load(std::memory_order_relaxed))
+    exchange_.trace.push(report);
+  if (statistics_.ticks % kStatisticsTicks == 0)
+    exchange_.statistics.write(statistics_);
 }
 
 void Servo::wake(Clock& clock) noexcept {
   const double now_s = clock.now_s();
   const Pacer::Wake wake = pacer_.wake(now_s);
   statistics_.lateness.add(wake.lateness_s);
-  if (wake.skipped > 0) ++statistics_.overruns;
+  if (wake.skipped > 0)
+    ++statistics_.overruns;
   statistics_.skipped += wake.skipped;
   step(wake.tick);
   statistics_.work.add(clock.now_s() - now_s);
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

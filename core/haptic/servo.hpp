@@ -31,10 +31,10 @@ public:
 /// What the host wants: newest wins.
 struct Command {
   Vec3 force_n{};
-  std::uint64_t number = 0;   ///< counts accepted forces
-  std::uint64_t refused = 0;  ///< counts forces that were not finite
+  std::uint64_t number = 0;  ///< counts accepted forces
+  std::uint64_t refused = 0; ///< counts forces that were not finite
   bool last_refused = false;
-  double heartbeat_s = 0;  ///< when the host wrote this, in the servo's time
+  double heartbeat_s = 0; ///< when the host wrote this, in the servo's time
 };
 
 struct ServoSettings {
@@ -44,7 +44,8 @@ struct ServoSettings {
 
 enum class Action { kMotorsOn, kMotorsOff, kEmergencyStop, kResetStatistics };
 
-/// What the servo saw and did in its newest tick; position, velocity and force in the project frame.
+/// What the servo saw and did in its newest tick; position, velocity and force in the project
+/// frame.
 struct Report {
   Tick tick{};
   State state{};
@@ -74,9 +75,9 @@ struct Exchange {
   Mailbox<ServoSettings> settings;
   Ring<Action, 64> actions;
   Mailbox<Report> reports;
-  Mailbox<ServoStatistics> statistics;  ///< every kStatisticsTicks ticks
+  Mailbox<ServoStatistics> statistics; ///< every kStatisticsTicks ticks
   Ring<Event, 1024> events;
-  std::atomic<bool> tracing{false};  ///< every tick's report goes into trace
+  std::atomic<bool> tracing{false}; ///< every tick's report goes into trace
   Ring<Report, 1024> trace;
 };
 
@@ -127,4 +128,4 @@ private:
   bool failed_ = false, tripped_ = false, has_heartbeat_ = false;
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -9,12 +9,14 @@ constexpr double kPeak_n = 40;
 // A servo that slept longer than this finds the handle where it was that long after falling asleep.
 constexpr std::uint64_t kMostTicks = 1000;
 using Hold = HandSettings::Hold;
-}  // namespace
+} // namespace
 
 void SimulatedDevice::set(const Settings& settings) noexcept {
-  if (settings.seed != settings_.seed) random_.seed(settings.seed);
+  if (settings.seed != settings_.seed)
+    random_.seed(settings.seed);
   settings_ = settings;
-  if (period_s_ > 0.0) prepare(period_s_);
+  if (period_s_ > 0.0)
+    prepare(period_s_);
 }
 
 void SimulatedDevice::prepare(double period_s) noexcept {
@@ -22,11 +24,13 @@ void SimulatedDevice::prepare(double period_s) noexcept {
   hand_.set(settings_.hand, period_s);
   const bool held = settings_.hand.hold == Hold::kSpring || settings_.hand.hold == Hold::kPerson;
   const double spring = held ? settings_.hand.stiffness_n_per_m : 0.0;
-  const double damper = settings_.viscous_n_s_per_m + (held ? settings_.hand.damping_n_s_per_m : 0.0);
+  const double damper =
+      settings_.viscous_n_s_per_m + (held ? settings_.hand.damping_n_s_per_m : 0.0);
   const double mass = settings_.mass_kg;
   stop_damping_ = 2.0 * std::sqrt(kStop_n_per_m * mass);
   moving_ = MassSpringDamperStep::of(mass, spring, damper, period_s);
-  stopped_ = MassSpringDamperStep::of(mass, spring + kStop_n_per_m, damper + stop_damping_, period_s);
+  stopped_ =
+      MassSpringDamperStep::of(mass, spring + kStop_n_per_m, damper + stop_damping_, period_s);
 }
 
 Caps SimulatedDevice::caps() const noexcept {
@@ -42,9 +46,11 @@ Caps SimulatedDevice::caps() const noexcept {
 }
 
 bool SimulatedDevice::read(const Tick& tick, State& state) noexcept {
-  if (tick.period_s != period_s_) prepare(tick.period_s);
+  if (tick.period_s != period_s_)
+    prepare(tick.period_s);
   const std::uint64_t passed = started_ && tick.index > index_ ? tick.index - index_ : 0;
-  for (auto left = std::min(passed, kMostTicks); left > 0; --left) advance();
+  for (auto left = std::min(passed, kMostTicks); left > 0; --left)
+    advance();
   started_ = true;
   index_ = tick.index;
 
@@ -61,13 +67,15 @@ bool SimulatedDevice::read(const Tick& tick, State& state) noexcept {
 }
 
 bool SimulatedDevice::write(const Vec3& force_n) noexcept {
-  if (!is_finite(force_n)) return false;
+  if (!is_finite(force_n))
+    return false;
   force_ = force_n;
   return true;
 }
 
 void SimulatedDevice::press(int button, bool down) noexcept {
-  if (button < 0 || button > 31) return;
+  if (button < 0 || button > 31)
+    return;
   const std::uint32_t bit = std::uint32_t{1} << button;
   buttons_ = down ? buttons_ | bit : buttons_ & ~bit;
 }
@@ -89,8 +97,7 @@ void SimulatedDevice::advance() noexcept {
     const double lowest = settings_.workspace.min[axis] - settings_.stop_m;
     const double highest = settings_.workspace.max[axis] + settings_.stop_m;
     const double edge = std::clamp(position_[axis], lowest, highest);
-    const double push =
-        kStop_n_per_m * (edge - position_[axis]) - stop_damping_ * velocity_[axis];
+    const double push = kStop_n_per_m * (edge - position_[axis]) - stop_damping_ * velocity_[axis];
     const bool inward = (edge - position_[axis]) * push > 0.0;
     if (settings_.stops && inward)
       stopped_.advance(position_[axis], velocity_[axis], force + kStop_n_per_m * edge);
@@ -101,9 +108,10 @@ void SimulatedDevice::advance() noexcept {
 }
 
 double SimulatedDevice::measured(double position) noexcept {
-  if (settings_.noise_m > 0.0) position += settings_.noise_m * (2.0 * random_.uniform() - 1.0);
+  if (settings_.noise_m > 0.0)
+    position += settings_.noise_m * (2.0 * random_.uniform() - 1.0);
   const double step = settings_.resolution_m;
   return step > 0.0 ? step * std::floor(position / step + 0.5) : position;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

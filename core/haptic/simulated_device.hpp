@@ -20,10 +20,10 @@ public:
     double viscous_n_s_per_m = 0.5;
     Workspace workspace{};
     bool stops = true;
-    double stop_m = 5e-3;        ///< from the workspace's face
-    double resolution_m = 0;     ///< of the position reading; 0 is exact
-    double noise_m = 0;          ///< evenly spread within plus or minus this
-    std::uint64_t seed = 1;      ///< of the reading's noise
+    double stop_m = 5e-3;    ///< from the workspace's face
+    double resolution_m = 0; ///< of the position reading; 0 is exact
+    double noise_m = 0;      ///< evenly spread within plus or minus this
+    std::uint64_t seed = 1;  ///< of the reading's noise
     HandSettings hand{};
   };
 
@@ -66,4 +66,4 @@ private:
   Random random_{1};
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -6,11 +6,12 @@
 namespace tactus::haptic {
 namespace {
 constexpr double kShortest_s = 1e-7;
-constexpr double kLogRatio = 0.048790164169432003;  // ln 1.05
-}  // namespace
+constexpr double kLogRatio = 0.048790164169432003; // ln 1.05
+} // namespace
 
 void DurationHistogram::add(double seconds) noexcept {
-  if (std::isnan(seconds)) return;
+  if (std::isnan(seconds))
+    return;
   seconds = std::clamp(seconds, 0.0, 1e9);
   const double place = seconds > kShortest_s ? std::log(seconds / kShortest_s) / kLogRatio : 0.0;
   const auto bin = std::min(static_cast<std::size_t>(place), kBins - 1);
@@ -25,7 +26,8 @@ double DurationHistogram::mean_s() const noexcept {
 }
 
 double DurationHistogram::quantile_s(double share) const noexcept {
-  if (count_ == 0) return 0.0;
+  if (count_ == 0)
+    return 0.0;
   const double wanted = std::clamp(share, 0.0, 1.0) * static_cast<double>(count_);
   double seen = 0;
   for (std::size_t bin = 0; bin < kBins; ++bin) {
@@ -37,4 +39,4 @@ double DurationHistogram::quantile_s(double share) const noexcept {
   return longest_s_;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -20,10 +20,10 @@ public:
   [[nodiscard]] double quantile_s(double share) const noexcept;
 
 private:
-  static constexpr std::size_t kBins = 378;  // ln(1e8) / ln(1.05)
+  static constexpr std::size_t kBins = 378; // ln(1e8) / ln(1.05)
   std::array<std::uint32_t, kBins> bins_{};
   std::uint64_t count_ = 0;
   double sum_s_ = 0, longest_s_ = 0;
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

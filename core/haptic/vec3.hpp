@@ -31,7 +31,8 @@ inline bool is_finite(const Vec3& a) noexcept {
 /// Length without overflow or underflow of the squares.
 inline double norm(const Vec3& a) noexcept {
   const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
-  if (!(largest > 0.0) || !std::isfinite(largest)) return largest;
+  if (!(largest > 0.0) || !std::isfinite(largest))
+    return largest;
   const Vec3 scaled{a.x / largest, a.y / largest, a.z / largest};
   return largest * std::sqrt(dot(scaled, scaled));
 }
@@ -40,11 +41,13 @@ inline double norm(const Vec3& a) noexcept {
 /// is not finite.
 inline Vec3 limited(const Vec3& a, double longest) noexcept {
   const double largest = std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});
-  if (!is_finite(a)) return {};
-  if (largest == 0.0) return a;
+  if (!is_finite(a))
+    return {};
+  if (largest == 0.0)
+    return a;
   const Vec3 scaled{a.x / largest, a.y / largest, a.z / largest};
   const double length = std::sqrt(dot(scaled, scaled));
   return largest * length > longest ? scaled * (longest / length) : a;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

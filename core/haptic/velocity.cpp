@@ -3,8 +3,10 @@
 namespace tactus::haptic {
 
 Vec3 VelocityEstimator::update(const Vec3& position, double time_s) noexcept {
-  if (!is_finite(position) || !std::isfinite(time_s)) return velocity_;
-  if (count_ > 0 && !(time_s > before(0).time_s)) return velocity_;
+  if (!is_finite(position) || !std::isfinite(time_s))
+    return velocity_;
+  if (count_ > 0 && !(time_s > before(0).time_s))
+    return velocity_;
   samples_[next_] = {position, time_s};
   next_ = (next_ + 1) % samples_.size();
   count_ = std::min(count_ + 1, samples_.size());
@@ -13,7 +15,8 @@ Vec3 VelocityEstimator::update(const Vec3& position, double time_s) noexcept {
 }
 
 double VelocityEstimator::slope(int axis) const noexcept {
-  if (count_ < 2) return 0.0;
+  if (count_ < 2)
+    return 0.0;
   // Times and positions are taken relative to the newest sample: nothing large cancels.
   const Sample& newest = before(0);
   double best = 0.0;
@@ -27,7 +30,8 @@ double VelocityEstimator::slope(int axis) const noexcept {
     sum_tx += t * x;
     const double points = static_cast<double>(length + 1);
     const double spread = points * sum_tt - sum_t * sum_t;
-    if (!(spread > 0.0)) break;
+    if (!(spread > 0.0))
+      break;
     const double gradient = (points * sum_tx - sum_t * sum_x) / spread;
     const double offset = (sum_x - gradient * sum_t) / points;
     bool fits = true;
@@ -36,10 +40,11 @@ double VelocityEstimator::slope(int axis) const noexcept {
       const double error = before(age).position[axis] - newest.position[axis] - expected;
       fits = std::abs(error) <= bound_m_ + 1e-15;
     }
-    if (!fits && length > 1) break;
+    if (!fits && length > 1)
+      break;
     best = gradient;
   }
   return std::isfinite(best) ? best : 0.0;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

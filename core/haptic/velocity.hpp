@@ -40,4 +40,4 @@ private:
   Vec3 velocity_{};
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -13,7 +13,8 @@ Vec3 Workspace::normalised(const Vec3& position) const noexcept {
 }
 
 void Workspace::include(const Vec3& position) noexcept {
-  if (!is_finite(position)) return;
+  if (!is_finite(position))
+    return;
   for (int axis = 0; axis < 3; ++axis) {
     min[axis] = std::min(min[axis], position[axis]);
     max[axis] = std::max(max[axis], position[axis]);
@@ -37,12 +38,14 @@ Vec3 AxisMap::to_device(const Vec3& project) const noexcept {
 
 std::optional<AxisMap> AxisMap::parse(std::string_view axes,
                                       const std::array<double, 3>& signs) noexcept {
-  if (axes.size() != 3) return std::nullopt;
+  if (axes.size() != 3)
+    return std::nullopt;
   AxisMap map;
   int seen = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int source = axes[axis] - 'x';
-    if (source < 0 || source > 2 || std::abs(signs[axis]) != 1.0) return std::nullopt;
+    if (source < 0 || source > 2 || std::abs(signs[axis]) != 1.0)
+      return std::nullopt;
     map.source[axis] = source;
     map.sign[axis] = signs[axis];
     seen |= 1 << source;
@@ -50,4 +53,4 @@ std::optional<AxisMap> AxisMap::parse(std::string_view axes,
   return seen == 7 ? std::optional(map) : std::nullopt;
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

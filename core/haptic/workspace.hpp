@@ -35,4 +35,4 @@ struct AxisMap {
                                                     const std::array<double, 3>& signs) noexcept;
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

@@ -14,7 +14,8 @@ Matrix product(const Matrix& a, const Matrix& b) noexcept {
   Matrix c{};
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
-      for (std::size_t k = 0; k < 3; ++k) c[i][j] += a[i][k] * b[k][j];
+      for (std::size_t k = 0; k < 3; ++k)
+        c[i][j] += a[i][k] * b[k][j];
   return c;
 }
 
@@ -31,19 +32,22 @@ Matrix exponential(Matrix a) noexcept {
   }
   const double scale = std::ldexp(1.0, -halvings);
   for (auto& row : a)
-    for (double& entry : row) entry *= scale;
+    for (double& entry : row)
+      entry *= scale;
   const Matrix identity{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   Matrix sum = identity;
-  for (int term = 14; term > 0; --term) {  // Horner: I + A/1 (I + A/2 (I + ...))
+  for (int term = 14; term > 0; --term) { // Horner: I + A/1 (I + A/2 (I + ...))
     sum = product(a, sum);
     for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) sum[i][j] = sum[i][j] / term + identity[i][j];
+      for (std::size_t j = 0; j < 3; ++j)
+        sum[i][j] = sum[i][j] / term + identity[i][j];
   }
-  for (int i = 0; i < halvings; ++i) sum = product(sum, sum);
+  for (int i = 0; i < halvings; ++i)
+    sum = product(sum, sum);
   return sum;
 }
 
-}  // namespace
+} // namespace
 
 MassSpringDamperStep MassSpringDamperStep::of(double mass_kg, double stiffness_n_per_m,
                                               double damping_n_s_per_m, double period_s) noexcept {
@@ -56,4 +60,4 @@ MassSpringDamperStep MassSpringDamperStep::of(double mass_kg, double stiffness_n
   return {e[0][0], e[0][1] * t, e[0][2] * unit_x, e[1][0] / t, e[1][1], e[1][2] * unit_x / t};
 }
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

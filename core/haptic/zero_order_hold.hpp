@@ -19,4 +19,4 @@ struct MassSpringDamperStep {
   }
 };
 
-}  // namespace tactus::haptic
+} // namespace tactus::haptic

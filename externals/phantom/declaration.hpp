@@ -21,7 +21,8 @@ inline constexpr std::array kParameters{
     Parameter{"strict", "", 0, 0, 1, "1: force messages must keep coming"},
     Parameter{"passivity", "", 1, 0, 1, "1: take back energy that the sampled force creates"},
     Parameter{"tank", "J", 5e-3, 0, 1000, "most energy kept to the patch's credit"},
-    Parameter{"allowance", "W", 0.05, 0, 10, "power that forces of the patch may put into the hand"},
+    Parameter{"allowance", "W", 0.05, 0, 10,
+              "power that forces of the patch may put into the hand"},
     Parameter{"damp", "N s/m", 0, 0, 100, "viscous force added to everything"},
     Parameter{"walls", "N/m", 0, 0, 5000, "stiffness of soft walls at the workspace's faces"},
     Parameter{"motors", "", 1, 0, 1, "0: no force; 1: back over half a second, ends an estop"},
@@ -33,8 +34,26 @@ inline constexpr std::array kParameters{
     Parameter{"seed", "", 1, 0, 16777216, "simulated: of noise, tremor and wander"},
 };
 enum ParameterIndex : std::size_t {
-  kRate, kOutRate, kRepeat, kUnitsParameter, kForceMax, kSlew, kExtrap, kStrict, kPassivity, kTank,
-  kAllowance, kDamp, kWalls, kMotors, kMass, kViscous, kStops, kResolution, kNoise, kSeed,
+  kRate,
+  kOutRate,
+  kRepeat,
+  kUnitsParameter,
+  kForceMax,
+  kSlew,
+  kExtrap,
+  kStrict,
+  kPassivity,
+  kTank,
+  kAllowance,
+  kDamp,
+  kWalls,
+  kMotors,
+  kMass,
+  kViscous,
+  kStops,
+  kResolution,
+  kNoise,
+  kSeed,
   kParameterCount
 };
 static_assert(kParameters.size() == kParameterCount);
@@ -65,8 +84,27 @@ inline constexpr std::array kMessages{
     Message{"button", "number 0|1", 2, 2, "simulated: press or let go"},
 };
 enum MessageIndex : std::size_t {
-  kBang, kList, kBackend, kOpen, kClose, kDevices, kClock, kWorkspace, kMap, kInterp, kWatchdog,
-  kEstop, kReport, kStats, kTrace, kHand, kPath, kTarget, kSeek, kButton, kMessageCount
+  kBang,
+  kList,
+  kBackend,
+  kOpen,
+  kClose,
+  kDevices,
+  kClock,
+  kWorkspace,
+  kMap,
+  kInterp,
+  kWatchdog,
+  kEstop,
+  kReport,
+  kStats,
+  kTrace,
+  kHand,
+  kPath,
+  kTarget,
+  kSeek,
+  kButton,
+  kMessageCount
 };
 static_assert(kMessages.size() == kMessageCount);
 
@@ -82,4 +120,4 @@ inline constexpr std::array kOutlets{
 };
 inline constexpr std::array kArguments{CreationArgument{"backend"}};
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

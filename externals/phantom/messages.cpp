@@ -17,25 +17,32 @@ constexpr std::array<std::string_view, 7> kTags{"mm",     "vel",    "force", "bu
 
 Vec3 metres(const double* mm) { return Vec3{mm[0], mm[1], mm[2]} * 1e-3; }
 
-}  // namespace
+} // namespace
 
 void Phantom::on_list(Words words, Host& host) {
   for (const Atom& atom : words)
-    if (atom.is_word) return host.error(expected("list", atom, "three numbers, fx fy fz"));
-  for (std::size_t inlet = 3; inlet-- > 0;) scalar(inlet, words[inlet].number, host);
+    if (atom.is_word)
+      return host.error(expected("list", atom, "three numbers, fx fy fz"));
+  for (std::size_t inlet = 3; inlet-- > 0;)
+    scalar(inlet, words[inlet].number, host);
 }
 
 void Phantom::on_backend(Words words, Host& host) {
   if (!is(words[0], "sim"))
     return host.error(expected("backend", words[0], "sim, the only driver in this build"));
-  if (words.size() > 1) return host.error("backend sim: takes no arguments");
-  if (created_ && !open_) open(host);
+  if (words.size() > 1)
+    return host.error("backend sim: takes no arguments");
+  if (created_ && !open_)
+    open(host);
 }
 
 void Phantom::on_clock(Words words, Host& host) {
-  if (is(words[0], "auto") || is(words[0], "logical")) clock_ = ClockChoice::kLogical;
-  else if (is(words[0], "wall")) clock_ = ClockChoice::kWall;
-  else return host.error(expected("clock", words[0], "auto, logical or wall"));
+  if (is(words[0], "auto") || is(words[0], "logical"))
+    clock_ = ClockChoice::kLogical;
+  else if (is(words[0], "wall"))
+    clock_ = ClockChoice::kWall;
+  else
+    return host.error(expected("clock", words[0], "auto, logical or wall"));
   restart(host);
 }
 
@@ -51,20 +58,24 @@ void Phantom::on_workspace(Words words, Host& host) {
       const Vec3 here = servo_.exchange().reports.latest().state.position;
       workspace = {here, here};
     }
-    if (learning_ && !begin) send_workspace(host);
+    if (learning_ && !begin)
+      send_workspace(host);
     learning_ = begin;
   } else if (words.size() == 6) {
     constexpr Range ranges[] = {millimetres("xmin"), millimetres("ymin"), millimetres("zmin"),
                                 millimetres("xmax"), millimetres("ymax"), millimetres("zmax")};
     double mm[6];
     const std::string refusal = read_numbers(words, ranges, mm);
-    if (!refusal.empty()) return host.error("workspace: " + refusal);
+    if (!refusal.empty())
+      return host.error("workspace: " + refusal);
     const haptic::Workspace wanted{metres(mm), metres(mm + 3)};
-    if (!wanted.valid()) return host.error("workspace: each minimum must not exceed its maximum");
+    if (!wanted.valid())
+      return host.error("workspace: each minimum must not exceed its maximum");
     workspace = wanted;
     learning_ = false;
   } else {
-    return host.error("workspace: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm");
+    return host.error(
+        "workspace: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm");
   }
   settle();
 }
@@ -76,11 +87,13 @@ void Phantom::send_workspace(Host& host) const {
 
 void Phantom::on_map(Words words, Host& host) {
   std::array<double, 3> signs{1, 1, 1};
-  for (std::size_t i = 1; i < words.size() && i < 4; ++i) signs[i - 1] = words[i].number;
+  for (std::size_t i = 1; i < words.size() && i < 4; ++i)
+    signs[i - 1] = words[i].number;
   const auto map = words[0].is_word && (words.size() == 1 || words.size() == 4)
                        ? haptic::AxisMap::parse(words[0].word, signs)
                        : std::nullopt;
-  if (!map) return host.error("map: expected the letters xyz in some order and three signs 1 or -1");
+  if (!map)
+    return host.error("map: expected the letters xyz in some order and three signs 1 or -1");
   settings_.map = *map;
   settle();
 }
@@ -105,7 +118,8 @@ void Phantom::on_watchdog(Words words, Host& host) {
   constexpr Range ranges[] = {{"hold", "ms", 1, 10000}, {"ramp", "ms", 1, 10000}};
   double ms[2];
   const std::string refusal = read_numbers(words, ranges, ms);
-  if (!refusal.empty()) return host.error("watchdog: " + refusal);
+  if (!refusal.empty())
+    return host.error("watchdog: " + refusal);
   settings_.chain.hold_s = ms[0] * 1e-3;
   settings_.chain.ramp_s = ms[1] * 1e-3;
   settle();
@@ -114,7 +128,8 @@ void Phantom::on_watchdog(Words words, Host& host) {
 void Phantom::on_report(Words words, Host& host) {
   for (std::size_t i = 0; i < kTags.size(); ++i)
     if (is(words[0], kTags[i])) {
-      if (words[1].is_word) return host.error(expected("report", words[1], "0 or 1"));
+      if (words[1].is_word)
+        return host.error(expected("report", words[1], "0 or 1"));
       reported_[i] = words[1].number != 0;
       return;
     }
@@ -122,7 +137,8 @@ void Phantom::on_report(Words words, Host& host) {
 }
 
 void Phantom::on_stats(Words words, Host& host) {
-  if (!words.empty() && !is(words[0], "reset")) return host.error(expected("stats", words[0], "reset"));
+  if (!words.empty() && !is(words[0], "reset"))
+    return host.error(expected("stats", words[0], "reset"));
   if (!words.empty()) {
     servo_.exchange().actions.push(haptic::Action::kResetStatistics);
     return;
@@ -158,12 +174,15 @@ void Phantom::on_stats(Words words, Host& host) {
 }
 
 void Phantom::on_trace(Words words, Host& host) {
-  if (!words[0].is_word) return host.error(expected("trace", words[0], "a file name or stop"));
+  if (!words[0].is_word)
+    return host.error(expected("trace", words[0], "a file name or stop"));
   drain_trace();
   servo_.exchange().tracing = false;
   const std::string rest = trace_.close();
-  if (!rest.empty()) host.error("trace: " + rest);
-  if (is(words[0], "stop")) return;
+  if (!rest.empty())
+    host.error("trace: " + rest);
+  if (is(words[0], "stop"))
+    return;
   const std::string path = host.new_file(words[0].word);
   const std::string refusal = trace_.open(path);
   if (!refusal.empty())
@@ -174,11 +193,16 @@ void Phantom::on_trace(Words words, Host& host) {
 void Phantom::on_hand(Words words, Host& host) {
   using Hold = haptic::HandSettings::Hold;
   haptic::HandSettings hand = simulation_.hand;
-  if (is(words[0], "free")) hand.hold = Hold::kFree;
-  else if (is(words[0], "rigid")) hand.hold = Hold::kRigid;
-  else if (is(words[0], "spring")) hand.hold = Hold::kSpring;
-  else if (is(words[0], "person")) hand.hold = Hold::kPerson;
-  else return host.error(expected("hand", words[0], "free, rigid, spring or person"));
+  if (is(words[0], "free"))
+    hand.hold = Hold::kFree;
+  else if (is(words[0], "rigid"))
+    hand.hold = Hold::kRigid;
+  else if (is(words[0], "spring"))
+    hand.hold = Hold::kSpring;
+  else if (is(words[0], "person"))
+    hand.hold = Hold::kPerson;
+  else
+    return host.error(expected("hand", words[0], "free, rigid, spring or person"));
 
   constexpr Range ranges[] = {{"K", "N/m", 0, 20000},
                               {"B", "N s/m", 0, 1000},
@@ -194,7 +218,8 @@ void Phantom::on_hand(Words words, Host& host) {
                                 : ": takes no numbers"));
   double values[5] = {};
   const std::string refusal = read_numbers(words.subspan(1), std::span(ranges, given), values);
-  if (!refusal.empty()) return host.error("hand: " + refusal);
+  if (!refusal.empty())
+    return host.error("hand: " + refusal);
   if (given >= 2) {
     hand.stiffness_n_per_m = values[0];
     hand.damping_n_s_per_m = values[1];
@@ -210,7 +235,8 @@ void Phantom::on_hand(Words words, Host& host) {
 
 void Phantom::on_path(Words words, Host& host) {
   PathChoice choice = choose_path(words, host);
-  if (!choice.refusal.empty()) return host.error(choice.refusal);
+  if (!choice.refusal.empty())
+    return host.error(choice.refusal);
   path_name_ = words[0].word;
   with_device([this, &choice] { simulated_.follow(std::move(choice.path)); });
 }
@@ -219,7 +245,8 @@ void Phantom::on_target(Words words, Host& host) {
   constexpr Range ranges[] = {millimetres("x"), millimetres("y"), millimetres("z")};
   double mm[3];
   const std::string refusal = read_numbers(words, ranges, mm);
-  if (!refusal.empty()) return host.error("target: " + refusal);
+  if (!refusal.empty())
+    return host.error("target: " + refusal);
   path_name_ = "target";
   with_device([this, &mm] { simulated_.reach_for(metres(mm)); });
 }
@@ -228,7 +255,8 @@ void Phantom::on_seek(Words words, Host& host) {
   constexpr Range ranges[] = {{"time", "ms", -1e9, 1e9}};
   double ms = 0;
   const std::string refusal = read_numbers(words, ranges, &ms);
-  if (!refusal.empty()) return host.error("seek: " + refusal);
+  if (!refusal.empty())
+    return host.error("seek: " + refusal);
   with_device([this, ms] { simulated_.seek(ms * 1e-3); });
 }
 
@@ -236,10 +264,9 @@ void Phantom::on_button(Words words, Host& host) {
   constexpr Range ranges[] = {{"number", "", 0, 31}, {"state", "", 0, 1}};
   double values[2];
   const std::string refusal = read_numbers(words, ranges, values);
-  if (!refusal.empty()) return host.error("button: " + refusal);
-  with_device([this, &values] {
-    simulated_.press(static_cast<int>(values[0]), values[1] != 0);
-  });
+  if (!refusal.empty())
+    return host.error("button: " + refusal);
+  with_device([this, &values] { simulated_.press(static_cast<int>(values[0]), values[1] != 0); });
 }
 
 void Phantom::dump(Host& host) {
@@ -250,7 +277,8 @@ void Phantom::dump(Host& host) {
   host.info({"clock", wall() ? "wall" : "logical"});
   send_workspace(host);
   std::string axes;
-  for (const int source : settings_.map.source) axes += static_cast<char>('x' + source);
+  for (const int source : settings_.map.source)
+    axes += static_cast<char>('x' + source);
   const auto& sign = settings_.map.sign;
   host.info({"map", std::string_view(axes), sign[0], sign[1], sign[2]});
   if (chain.interpolation == Interpolation::kFixed)
@@ -261,8 +289,12 @@ void Phantom::dump(Host& host) {
   host.info({"path", std::string_view(path_name_)});
   const auto& hand = simulation_.hand;
   switch (hand.hold) {
-  case Hold::kFree: host.info({"hand", "free"}); break;
-  case Hold::kRigid: host.info({"hand", "rigid"}); break;
+  case Hold::kFree:
+    host.info({"hand", "free"});
+    break;
+  case Hold::kRigid:
+    host.info({"hand", "rigid"});
+    break;
   case Hold::kSpring:
     host.info({"hand", "spring", hand.stiffness_n_per_m, hand.damping_n_s_per_m});
     break;
@@ -273,4 +305,4 @@ void Phantom::dump(Host& host) {
   }
 }
 
-}  // namespace tactus
+} // namespace tactus

@@ -11,7 +11,8 @@ std::string read_numbers(std::span<const Atom> words, std::span<const Range> ran
     const std::string unit = range.unit.empty() ? "" : " " + std::string(range.unit);
     const std::string wanted =
         "expected " + number_text(range.lowest) + ".." + number_text(range.highest) + unit;
-    if (i >= words.size()) return std::string(range.name) + " is missing: " + wanted;
+    if (i >= words.size())
+      return std::string(range.name) + " is missing: " + wanted;
     if (words[i].is_word)
       return std::string(range.name) + " " + std::string(words[i].word) + ": " + wanted;
     if (!(words[i].number >= range.lowest && words[i].number <= range.highest))
@@ -27,4 +28,4 @@ std::string expected(std::string_view message, const Atom& given, std::string_vi
          std::string(choices);
 }
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

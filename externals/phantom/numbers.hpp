@@ -29,6 +29,8 @@ constexpr Range millimetres(std::string_view name) {
 [[nodiscard]] std::string expected(std::string_view message, const Atom& given,
                                    std::string_view choices);
 
-inline bool is(const Atom& atom, std::string_view word) { return atom.is_word && atom.word == word; }
+inline bool is(const Atom& atom, std::string_view word) {
+  return atom.is_word && atom.word == word;
+}
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

@@ -19,30 +19,41 @@ constexpr Range kPeriod{"period", "ms", 1, 1e6};
 Vec3 metres(const double* mm) { return Vec3{mm[0], mm[1], mm[2]} * 1e-3; }
 
 PathChoice line(Words words) {
-  constexpr Range ranges[] = {millimetres("x1"), millimetres("y1"), millimetres("z1"),
-                              millimetres("x2"), millimetres("y2"), millimetres("z2"), kPeriod};
+  constexpr Range ranges[] = {millimetres("x1"),
+                              millimetres("y1"),
+                              millimetres("z1"),
+                              millimetres("x2"),
+                              millimetres("y2"),
+                              millimetres("z2"),
+                              kPeriod};
   double v[7] = {};
   std::string refusal = read_numbers(words, ranges, v);
   return {haptic::LinePath{metres(v), metres(v + 3), v[6] * 1e-3}, std::move(refusal)};
 }
 
 PathChoice circle(Words words) {
-  constexpr Range ranges[] = {millimetres("cx"), millimetres("cy"), millimetres("cz"),
-                              {"radius", "mm", 0, kFarthest_mm}, kPeriod};
+  constexpr Range ranges[] = {millimetres("cx"),
+                              millimetres("cy"),
+                              millimetres("cz"),
+                              {"radius", "mm", 0, kFarthest_mm},
+                              kPeriod};
   double v[5] = {};
   std::string refusal = read_numbers(words, ranges, v);
   haptic::CirclePath path{metres(v), v[3] * 1e-3, v[4] * 1e-3, 0, 1};
   if (words.size() > 5) {
-    if (is(words[5], "yz")) path.first = 1, path.second = 2;
-    else if (is(words[5], "xz")) path.second = 2;
-    else if (!is(words[5], "xy")) refusal = expected("plane", words[5], "xy, yz or xz");
+    if (is(words[5], "yz"))
+      path.first = 1, path.second = 2;
+    else if (is(words[5], "xz"))
+      path.second = 2;
+    else if (!is(words[5], "xy"))
+      refusal = expected("plane", words[5], "xy, yz or xz");
   }
   return {path, std::move(refusal)};
 }
 
 PathChoice lissajous(Words words) {
-  constexpr Range ranges[] = {millimetres("cx"), millimetres("cy"), millimetres("cz"),
-                              millimetres("ax"), millimetres("ay"), millimetres("az"),
+  constexpr Range ranges[] = {millimetres("cx"),    millimetres("cy"),    millimetres("cz"),
+                              millimetres("ax"),    millimetres("ay"),    millimetres("az"),
                               {"fx", "Hz", 0, 100}, {"fy", "Hz", 0, 100}, {"fz", "Hz", 0, 100}};
   double v[9] = {};
   std::string refusal = read_numbers(words, ranges, v);
@@ -83,11 +94,12 @@ PathChoice file(std::string_view name, const Host& host) {
   std::ostringstream text;
   text << stream.rdbuf();
   haptic::ParsedPath parsed = haptic::parse_path(text.str());
-  if (!parsed.error.empty()) return {{}, std::move(parsed.error)};
+  if (!parsed.error.empty())
+    return {{}, std::move(parsed.error)};
   return {haptic::RowPath(std::move(parsed.rows)), {}};
 }
 
-}  // namespace
+} // namespace
 
 PathChoice choose_path(Words words, const Host& host) {
   if (!words[0].is_word)
@@ -99,8 +111,9 @@ PathChoice choose_path(Words words, const Host& host) {
                       : kind == "lissajous" ? lissajous(rest)
                       : kind == "array"     ? arrays(rest, host)
                                             : file(kind, host);
-  if (!choice.refusal.empty()) choice.refusal = "path " + std::string(kind) + ": " + choice.refusal;
+  if (!choice.refusal.empty())
+    choice.refusal = "path " + std::string(kind) + ": " + choice.refusal;
   return choice;
 }
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

@@ -15,4 +15,4 @@ struct PathChoice {
 };
 [[nodiscard]] PathChoice choose_path(std::span<const Atom> words, const Host& host);
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

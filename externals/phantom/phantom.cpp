@@ -18,26 +18,32 @@ constexpr double kGraceful_s = 0.2;
 
 enum Tag : std::size_t { kMm, kVel, kForce, kButtonTag, kStatus, kJitter, kError };
 
-}  // namespace
+} // namespace
 
 using namespace phantom;
 using haptic::Action;
 
 Phantom::Phantom() {
-  for (std::size_t i = 0; i < kParameters.size(); ++i) values_[i] = kParameters[i].initial;
+  for (std::size_t i = 0; i < kParameters.size(); ++i)
+    values_[i] = kParameters[i].initial;
   settle();
   settle_device();
 }
 
-Phantom::~Phantom() {
-  if (runner_.running()) {
-    servo_.exchange().actions.push(Action::kMotorsOff);
-    const double give_up_s = WallRunner::now_s() + kGraceful_s;
-    while (WallRunner::now_s() < give_up_s) {
-      servo_.exchange().reports.read();
-      if (norm(servo_.exchange().reports.latest().force_n) == 0.0) break;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+Phantom::~Phantom() { fade_out(); }
+
+/// Ends a servo thread with the force down by its slew, or after 200 ms whatever it does.
+void Phantom::fade_out() noexcept {
+  if (!runner_.running())
+    return;
+  servo_.exchange().actions.push(Action::kMotorsOff);
+  const double give_up_s = WallRunner::now_s() + kGraceful_s;
+  while (WallRunner::now_s() < give_up_s) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    servo_.exchange().reports.read();
+    const haptic::Report& report = servo_.exchange().reports.latest();
+    if (!report.motors && norm(report.force_n) == 0.0)
+      break;
   }
   runner_.stop();
 }
@@ -46,9 +52,12 @@ void Phantom::set(std::size_t parameter, double value) noexcept {
   values_[parameter] = value;
   if (parameter == kMotors)
     servo_.exchange().actions.push(on(kMotors) ? Action::kMotorsOn : Action::kMotorsOff);
-  if (parameter == kRate || parameter == kOutRate) new_grids_ = true;
-  if (parameter == kRate || parameter >= kMass) settle_device();
-  else settle();
+  if (parameter == kRate || parameter == kOutRate)
+    new_grids_ = true;
+  if (parameter == kRate || parameter >= kMass)
+    settle_device();
+  else
+    settle();
 }
 
 /// Carries the chain's parameters to the servo.
@@ -56,7 +65,8 @@ void Phantom::settle() noexcept {
   auto& chain = settings_.chain;
   chain.force_limit_n = values_[kForceMax];
   const double peak_n = simulated_.caps().peak_force_n;
-  if (peak_n > 0) chain.force_limit_n = std::min(chain.force_limit_n, peak_n);
+  if (peak_n > 0)
+    chain.force_limit_n = std::min(chain.force_limit_n, peak_n);
   chain.slew_n_per_s = values_[kSlew] * 1e3;
   chain.extrapolation_s = values_[kExtrap] * 1e-3;
   chain.strict = on(kStrict);
@@ -79,7 +89,8 @@ void Phantom::settle_device() noexcept {
   with_device([this] {
     const double before = simulated_.caps().position_noise_m;
     simulated_.set(simulation_);
-    if (simulated_.caps().position_noise_m != before) servo_.refresh_caps();
+    if (simulated_.caps().position_noise_m != before)
+      servo_.refresh_caps();
   });
 }
 
@@ -89,23 +100,29 @@ void Phantom::created(Host& host) {
 }
 
 void Phantom::open(Host& host) {
-  if (open_) return close(host), open(host);
-  if (const std::string refusal = simulated_.open(); !refusal.empty()) return host.error(refusal);
+  if (open_)
+    return close(host), open(host);
+  if (const std::string refusal = simulated_.open(); !refusal.empty())
+    return host.error(refusal);
   open_ = true;
   servo_.attach(simulated_);
-  if (!on(kMotors)) servo_.exchange().actions.push(Action::kMotorsOff);
+  if (!on(kMotors))
+    servo_.exchange().actions.push(Action::kMotorsOff);
   begin(host);
-  if (reported_[kStatus]) host.info({"status", "open", "sim"});
+  if (reported_[kStatus])
+    host.info({"status", "open", "sim"});
 }
 
 void Phantom::close(Host& host) {
-  if (!open_) return;
+  if (!open_)
+    return;
   open_ = false;
-  runner_.stop();
+  fade_out();
   servo_.detach();
   static_cast<void>(simulated_.write({}));
   simulated_.close();
-  if (reported_[kStatus]) host.info({"status", "closed", "sim"});
+  if (reported_[kStatus])
+    host.info({"status", "closed", "sim"});
 }
 
 /// A fresh grid of servo ticks and one of outputs, both from now on.
@@ -121,10 +138,12 @@ void Phantom::begin(Host& host) {
 }
 
 void Phantom::restart(Host& host) {
-  if (!created_ || !open_) return;
-  runner_.stop();
+  if (!created_ || !open_)
+    return;
+  fade_out();
   servo_.attach(simulated_);
-  if (!on(kMotors)) servo_.exchange().actions.push(Action::kMotorsOff);
+  if (!on(kMotors))
+    servo_.exchange().actions.push(Action::kMotorsOff);
   begin(host);
 }
 
@@ -151,7 +170,8 @@ void Phantom::tick(std::size_t timer, Host& host) {
       if (host.now_ms() - last_error_ms_ >= 1000) {
         last_error_ms_ = host.now_ms();
         host.error("force: not a finite number; the last good force stays for the watchdog's time");
-        if (reported_[kError]) host.info({"error", "nan", "force", "refused"});
+        if (reported_[kError])
+          host.info({"error", "nan", "force", "refused"});
       }
     } else if (changed_now_) {
       const double unit_n = on(kUnitsParameter) ? settings_.chain.force_limit_n : 1.0;
@@ -167,7 +187,8 @@ void Phantom::tick(std::size_t timer, Host& host) {
     origin_ms_ = output_origin_ms_ = host.now_ms();
     steps_ = outputs_ = 0;
   }
-  if (!open_) return;
+  if (!open_)
+    return;
   const double now = host.now_ms() + kSameInstant_ms;
   const double period_ms = 1e3 * period_s();
   if (!wall()) {
@@ -190,7 +211,8 @@ void Phantom::tick(std::size_t timer, Host& host) {
 }
 
 void Phantom::schedule(Host& host) {
-  if (!open_) return;  // opening starts the grids anew
+  if (!open_)
+    return; // opening starts the grids anew
   const double now = host.now_ms(), rate = values_[kOutRate], period_ms = 1e3 * period_s();
   double next = now + kHeartbeat_ms;
   if (!wall()) {
@@ -224,17 +246,21 @@ void Phantom::collect(Host& host) {
   if (learning_ && has_report_) {
     const auto before = settings_.chain.workspace;
     settings_.chain.workspace.include(servo_.exchange().reports.latest().state.position);
-    if (!(before == settings_.chain.workspace)) servo_.exchange().settings.write(settings_);
+    if (!(before == settings_.chain.workspace))
+      servo_.exchange().settings.write(settings_);
   }
   haptic::Event event;
   for (int taken = 0; taken < 256 && servo_.exchange().events.pop(event); ++taken)
     send_event(event, host);
-  if (!wall()) return;
+  if (!wall())
+    return;
   if (!scheduling_told_ && !runner_.scheduling().empty()) {
     scheduling_told_ = true;
-    if (reported_[kStatus]) host.info({"status", "sched", runner_.scheduling()});
+    if (reported_[kStatus])
+      host.info({"status", "sched", runner_.scheduling()});
   }
-  if (reported_[kJitter] && host.now_ms() - last_timing_ms_ >= 1000) send_timing(host);
+  if (reported_[kJitter] && host.now_ms() - last_timing_ms_ >= 1000)
+    send_timing(host);
 }
 
 void Phantom::drain_trace() {
@@ -251,20 +277,24 @@ void Phantom::send_event(const haptic::Event& event, Host& host) {
       host.info({"button", static_cast<double>(event.number), event.on ? 1.0 : 0.0});
     break;
   case Kind::kWatchdog:
-    if (reported_[kStatus]) host.info({"status", "watchdog", event.on ? 1.0 : 0.0});
+    if (reported_[kStatus])
+      host.info({"status", "watchdog", event.on ? 1.0 : 0.0});
     break;
   case Kind::kFault:
     host.error("the device has failed and its motors are off; check it, then send motors 1");
-    if (reported_[kStatus]) host.info({"status", "fault", 1.0});
+    if (reported_[kStatus])
+      host.info({"status", "fault", 1.0});
     break;
   }
 }
 
 void Phantom::send_position(Host& host, bool always) {
-  if (!has_report_) return;
-  const auto position = settings_.chain.workspace.normalised(
-      servo_.exchange().reports.latest().state.position);
-  if (!always && sent_ && *sent_ == position) return;
+  if (!has_report_)
+    return;
+  const auto position =
+      settings_.chain.workspace.normalised(servo_.exchange().reports.latest().state.position);
+  if (!always && sent_ && *sent_ == position)
+    return;
   sent_ = position;
   host.send(2, {position.z});
   host.send(1, {position.y});
@@ -272,18 +302,23 @@ void Phantom::send_position(Host& host, bool always) {
 }
 
 void Phantom::send_values(Host& host, bool all) {
-  if (!has_report_) return;
+  if (!has_report_)
+    return;
   const haptic::Report report = servo_.exchange().reports.latest();
   const auto triple = [&host](std::string_view tag, const haptic::Vec3& v) {
     host.info({tag, v.x, v.y, v.z});
   };
-  if (all || reported_[kMm]) triple("mm", report.state.position * 1e3);
-  if (all || reported_[kVel]) triple("vel", report.state.velocity);
-  if (all || reported_[kForce]) triple("force", report.force_n);
+  if (all || reported_[kMm])
+    triple("mm", report.state.position * 1e3);
+  if (all || reported_[kVel])
+    triple("vel", report.state.velocity);
+  if (all || reported_[kForce])
+    triple("force", report.force_n);
 }
 
 haptic::ServoStatistics Phantom::statistics() noexcept {
-  if (!runner_.running()) return servo_.statistics();
+  if (!runner_.running())
+    return servo_.statistics();
   servo_.exchange().statistics.read();
   return servo_.exchange().statistics.latest();
 }
@@ -302,31 +337,50 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
     collect(host);
     send_values(host, true);
     return send_position(host, true);
-  case kList: return on_list(arguments, host);
-  case kBackend: return on_backend(arguments, host);
-  case kOpen: return open(host);
-  case kClose: return close(host);
+  case kList:
+    return on_list(arguments, host);
+  case kBackend:
+    return on_backend(arguments, host);
+  case kOpen:
+    return open(host);
+  case kClose:
+    return close(host);
   case kDevices:
     return host.info({"device", "sim", 0.0, "tactus", "simulated", "-", open_ ? "open" : "closed"});
-  case kClock: return on_clock(arguments, host);
-  case kWorkspace: return on_workspace(arguments, host);
-  case kMap: return on_map(arguments, host);
-  case kInterp: return on_interp(arguments, host);
-  case kWatchdog: return on_watchdog(arguments, host);
+  case kClock:
+    return on_clock(arguments, host);
+  case kWorkspace:
+    return on_workspace(arguments, host);
+  case kMap:
+    return on_map(arguments, host);
+  case kInterp:
+    return on_interp(arguments, host);
+  case kWatchdog:
+    return on_watchdog(arguments, host);
   case kEstop:
     servo_.exchange().actions.push(Action::kEmergencyStop);
-    if (reported_[kStatus]) host.info({"status", "estop", 1.0});
+    if (reported_[kStatus])
+      host.info({"status", "estop", 1.0});
     return;
-  case kReport: return on_report(arguments, host);
-  case kStats: return on_stats(arguments, host);
-  case kTrace: return on_trace(arguments, host);
-  case kHand: return on_hand(arguments, host);
-  case kPath: return on_path(arguments, host);
-  case kTarget: return on_target(arguments, host);
-  case kSeek: return on_seek(arguments, host);
-  case kButton: return on_button(arguments, host);
-  default: return;
+  case kReport:
+    return on_report(arguments, host);
+  case kStats:
+    return on_stats(arguments, host);
+  case kTrace:
+    return on_trace(arguments, host);
+  case kHand:
+    return on_hand(arguments, host);
+  case kPath:
+    return on_path(arguments, host);
+  case kTarget:
+    return on_target(arguments, host);
+  case kSeek:
+    return on_seek(arguments, host);
+  case kButton:
+    return on_button(arguments, host);
+  default:
+    return;
   }
 }
 
-}  // namespace tactus
+} // namespace tactus

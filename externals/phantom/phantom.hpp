@@ -62,12 +62,14 @@ private:
   void open(Host& host);
   void close(Host& host);
   void restart(Host& host);
+  void fade_out() noexcept;
   /// Changes the device between two ticks, whoever steps it.
   template <class Change> void with_device(Change&& change) {
     const bool was_running = runner_.running();
     runner_.stop();
     change();
-    if (was_running) runner_.start(servo_, period_s());
+    if (was_running)
+      runner_.start(servo_, period_s());
   }
   void collect(Host& host);
   void send_position(Host& host, bool always);
@@ -104,15 +106,15 @@ private:
   haptic::ServoSettings settings_{};
   haptic::SimulatedDevice::Settings simulation_{};
   haptic::Command command_{};
-  haptic::Vec3 asked_{};  // inlets, in the chosen units
+  haptic::Vec3 asked_{}; // inlets, in the chosen units
   bool refused_now_ = false, changed_now_ = false;
 
   std::string path_name_ = "still";
   ClockChoice clock_ = ClockChoice::kLogical;
   bool created_ = false, open_ = false, learning_ = false, new_grids_ = false;
-  double origin_ms_ = 0, output_origin_ms_ = 0;  // of the two grids
-  std::uint64_t steps_ = 0, outputs_ = 0;        // grid points since their origins
-  std::uint64_t index_ = 0;                      // servo ticks in logical time
+  double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
+  std::uint64_t steps_ = 0, outputs_ = 0;       // grid points since their origins
+  std::uint64_t index_ = 0;                     // servo ticks in logical time
 
   std::optional<haptic::Vec3> sent_{};
   bool has_report_ = false;
@@ -121,4 +123,4 @@ private:
   bool scheduling_told_ = false;
 };
 
-}  // namespace tactus
+} // namespace tactus

@@ -7,7 +7,8 @@ namespace tactus::phantom {
 
 std::string Trace::open(const std::string& path) {
   file_.reset(std::fopen(path.c_str(), "w"));
-  if (!file_) return std::strerror(errno);
+  if (!file_)
+    return std::strerror(errno);
   std::fputs("tick,ms,x_mm,y_mm,z_mm,vx_m_per_s,vy_m_per_s,vz_m_per_s,fx_n,fy_n,fz_n,energy_j,"
              "buttons\n",
              file_.get());
@@ -15,14 +16,16 @@ std::string Trace::open(const std::string& path) {
 }
 
 std::string Trace::close() {
-  if (!file_) return {};
+  if (!file_)
+    return {};
   const bool failed = std::ferror(file_.get()) != 0 || std::fflush(file_.get()) != 0;
   file_.reset();
   return failed ? "not every row could be written; is the disk full?" : std::string();
 }
 
 void Trace::write(const haptic::Report& r) {
-  if (!file_) return;
+  if (!file_)
+    return;
   const auto mm = r.state.position * 1e3;
   const auto& v = r.state.velocity;
   std::fprintf(file_.get(), "%llu,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%lu\n",
@@ -31,4 +34,4 @@ void Trace::write(const haptic::Report& r) {
                static_cast<unsigned long>(r.state.buttons));
 }
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

@@ -26,4 +26,4 @@ private:
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

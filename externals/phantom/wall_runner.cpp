@@ -31,17 +31,20 @@ int raise_priority() noexcept {
 #ifdef __linux__
   sched_param parameters{};
   parameters.sched_priority = 60;
-  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0) return 0;
-  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // else the normal policy wakes 50 us late
+  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0)
+    return 0;
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); // else the normal policy wakes 50 us late
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));
-  if (setpriority(PRIO_PROCESS, thread, -10) == 0) return 1;
+  if (setpriority(PRIO_PROCESS, thread, -10) == 0)
+    return 1;
 #endif
   return 2;
 }
 
 void sleep_until(double time_s) noexcept {
   const double left_s = time_s - WallRunner::now_s();
-  if (left_s <= 0) return;
+  if (left_s <= 0)
+    return;
 #ifdef __linux__
   timespec until{};
   const double whole = std::floor(time_s);
@@ -54,7 +57,7 @@ void sleep_until(double time_s) noexcept {
 #endif
 }
 
-}  // namespace
+} // namespace
 
 double WallRunner::now_s() noexcept {
   return std::chrono::duration<double>(Steady::now().time_since_epoch()).count();
@@ -73,15 +76,16 @@ void WallRunner::start(haptic::Servo& servo, double period_s) {
 }
 
 void WallRunner::stop() noexcept {
-  if (!thread_.joinable()) return;
+  if (!thread_.joinable())
+    return;
   stopping_ = true;
-  thread_.join();  // within one period: the step is bounded and the sleep ends at the next deadline
+  thread_.join(); // within one period: the step is bounded and the sleep ends at the next deadline
 }
 
 void WallRunner::run(haptic::Servo& servo, double period_s) noexcept {
   scheduling_ = raise_priority();
 #if defined(__SSE2__)
-  _mm_setcsr(_mm_getcsr() | 0x8040);  // denormals are zero
+  _mm_setcsr(_mm_getcsr() | 0x8040); // denormals are zero
 #endif
   MonotonicClock clock;
   servo.start(clock, period_s);
@@ -91,4 +95,4 @@ void WallRunner::run(haptic::Servo& servo, double period_s) noexcept {
   }
 }
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

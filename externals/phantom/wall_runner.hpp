@@ -30,4 +30,4 @@ private:
   std::atomic<int> scheduling_{-1};
 };
 
-}  // namespace tactus::phantom
+} // namespace tactus::phantom

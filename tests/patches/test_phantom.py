@@ -81,8 +81,8 @@ def force_after(result):
 
 def guided_patch():
     """A spring hand on a path, force -6 (x - 0.5) from the patch, every tick traced."""
-    patch = DevicePatch("-hand spring 200 2 -path lissajous 0 0 0 20 10 5 1 1.5 0.7 -trace ticks.csv",
-                  end_ms=2000)
+    patch = DevicePatch("-hand spring 200 2 -path lissajous 0 0 0 20 10 5 1 1.5 0.7 "
+                        "-trace ticks.csv", end_ms=2000)
     expression = patch.obj(r"expr -6*($f1-0.5)")
     patch.cord(patch.box, 0, expression, 0)
     patch.cord(expression, 0, patch.box, 0)
@@ -234,7 +234,8 @@ def test_a_gradient_in_the_patch_becomes_the_force(tmp_path):
     """f = 1 - (y - 0.6)^2 - (z - 0.3)^2 at (0.5, 0.5): central differences give (0.2, -0.4)."""
     patch = DevicePatch("-hand rigid -repeat 1", 100)
     for axis, best in ((1, 0.6), (2, 0.3)):
-        slope = patch.obj(rf"expr ((1-pow($f1+0.01-{best}\, 2))-(1-pow($f1-0.01-{best}\, 2)))/0.02")
+        high, low = (rf"(1-pow($f1{sign}0.01-{best}\, 2))" for sign in "+-")
+        slope = patch.obj(f"expr ({high}-{low})/0.02")
         patch.cord(patch.box, axis, slope, 0)
         patch.cord(slope, 0, patch.box, axis)
     patch.at(90, "bang")
@@ -397,7 +398,7 @@ def test_a_path_file_that_is_wrong_names_the_line(tmp_path):
         "phantom: path bad.txt: line 2: expected ms x y z [buttonmask]"]
 
 
-# ---- anything goes ---------------------------------------------------------------------------------
+# ---- anything goes --------------------------------------------------------------------------------
 
 NAMES = ("bang list backend open close devices workspace map interp watchdog estop report stats "
          "hand path target seek button rate outrate repeat units forcemax slew extrap strict "
@@ -416,7 +417,7 @@ def test_any_messages_leave_it_alive_and_its_positions_in_range(tmp_path, seed):
         if rng.random() < 0.3:
             patch.at(rng.uniform(0, 3900), f"{rng.choice(NUMBERS):g}", rng.randrange(3))
         else:
-            arguments = [str(rng.choice(WORDS)) if rng.random() < 0.4 else f"{rng.choice(NUMBERS):g}"
+            arguments = [rng.choice(WORDS) if rng.random() < 0.4 else f"{rng.choice(NUMBERS):g}"
                          for _ in range(rng.choice((0, 1, 1, 1, 2, 3, 6, 7, 9)))]
             patch.at(rng.uniform(0, 3900), " ".join([rng.choice(NAMES), *arguments]))
     for ms in (3950, 3990):

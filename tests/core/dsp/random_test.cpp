@@ -54,6 +54,7 @@ TEST_CASE("uniform values stay in [0, 1) and fill it evenly") {
     ++bins[static_cast<int>(x * 16)];
   }
   double chi_square = 0;
-  for (const int n : bins) chi_square += (n - 10000.0) * (n - 10000.0) / 10000.0;
-  CHECK(chi_square < 44.3);  // 15 degrees of freedom, chance 1e-4
+  for (const int n : bins)
+    chi_square += (n - 10000.0) * (n - 10000.0) / 10000.0;
+  CHECK(chi_square < 44.3); // 15 degrees of freedom, chance 1e-4
 }

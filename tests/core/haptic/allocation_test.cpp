@@ -14,7 +14,8 @@ std::atomic<long> allocations{0};
 
 void* operator new(std::size_t size) {
   ++allocations;
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  if (void* memory = std::malloc(size ? size : 1))
+    return memory;
   throw std::bad_alloc();
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
@@ -25,7 +26,7 @@ using namespace tactus::haptic;
 TEST_CASE("ten thousand servo ticks allocate nothing, whatever hand and orders") {
   const long none = allocations;
   CHECK(std::make_unique<int>(1) != nullptr);
-  CHECK(allocations == none + 1);  // the counter counts
+  CHECK(allocations == none + 1); // the counter counts
 
   SimulatedDevice device;
   SimulatedDevice::Settings simulation;

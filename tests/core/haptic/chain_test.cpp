@@ -35,11 +35,12 @@ std::vector<double> run(const ChainSettings& settings, const std::map<int, doubl
     input.time_s = input.heartbeat_s = now;
     forces.push_back(step(state, settings, input).x);
   }
-  if (out) *out = state;
+  if (out)
+    *out = state;
   return forces;
 }
 
-}  // namespace
+} // namespace
 
 TEST_CASE("interpolation, clamp, slew and strict watchdog give the reference series") {
   ChainSettings settings;
@@ -51,9 +52,9 @@ TEST_CASE("interpolation, clamp, slew and strict watchdog give the reference ser
   const struct {
     std::size_t tick;
     double force;
-  } reference[] = {
-      {20, 0.05}, {29, 0.5},  {39, 1.0},   {40, 1.1},   {49, 2.0},   {59, 2.5},   {60, 2.5},
-      {69, 0.9},  {79, -1.1}, {100, -2.0}, {160, -2.0}, {161, -1.96}, {185, -1.0}, {210, 0.0}};
+  } reference[] = {{20, 0.05},  {29, 0.5},    {39, 1.0},   {40, 1.1},  {49, 2.0},
+                   {59, 2.5},   {60, 2.5},    {69, 0.9},   {79, -1.1}, {100, -2.0},
+                   {160, -2.0}, {161, -1.96}, {185, -1.0}, {210, 0.0}};
   double worst = 0;
   for (const auto& row : reference) {
     CAPTURE(row.tick);
@@ -91,10 +92,10 @@ TEST_CASE("a target that is not a number is refused, counted and outlived by the
       forces.push_back(step(state, settings, input).y);
     }
     CHECK(forces[0] == 1.5);
-    CHECK(forces[100] == 1.5);                              // held for the hold time of 100 ms
-    CHECK(forces[125] == doctest::Approx(0.75).epsilon(1e-9));  // half way down the ramp
+    CHECK(forces[100] == 1.5);                                 // held for the hold time of 100 ms
+    CHECK(forces[125] == doctest::Approx(0.75).epsilon(1e-9)); // half way down the ramp
     CHECK(forces[150] == 0.0);
-    command(state, settings, {0, 1, 0}, 0.161);  // and a good one brings it back
+    command(state, settings, {0, 1, 0}, 0.161); // and a good one brings it back
     for (int tick = 161; tick <= 215; ++tick) {
       ChainInput input;
       input.time_s = input.heartbeat_s = tick * 1e-3;
@@ -125,7 +126,8 @@ TEST_CASE("a second target in the same tick keeps the way's length") {
   ChainState state;
   std::vector<double> f;
   for (int tick = 0; tick < 40; ++tick) {
-    if (tick == 0) command(state, settings, {0, 0, 0}, 0);
+    if (tick == 0)
+      command(state, settings, {0, 0, 0}, 0);
     if (tick == 20) {
       command(state, settings, {9, 0, 0}, 0.02);
       command(state, settings, {1, 0, 0}, 0.02);
@@ -138,7 +140,8 @@ TEST_CASE("a second target in the same tick keeps the way's length") {
   CHECK(f[39] == 1.0);
 }
 
-TEST_CASE("extrapolation goes on along the slope, stops after its time and never passes the limit") {
+TEST_CASE(
+    "extrapolation goes on along the slope, stops after its time and never passes the limit") {
   ChainSettings settings = plain();
   settings.extrapolation_s = 0.005;
   const std::map<int, double> commands{{0, 0}, {20, 1}};
@@ -166,7 +169,7 @@ TEST_CASE("the slew bounds the change of the vector from tick to tick") {
     input.time_s = input.heartbeat_s = tick * 1e-3;
     const Vec3 force = step(state, settings, input);
     CHECK(norm(force - previous) <= 0.1 * (1 + 1e-12));
-    CHECK(force.y * 3 == doctest::Approx(force.x * 4));  // straight towards the target
+    CHECK(force.y * 3 == doctest::Approx(force.x * 4)); // straight towards the target
     previous = force;
   }
   CHECK(previous.x == doctest::Approx(3));
@@ -184,14 +187,17 @@ TEST_CASE("an emergency stop is at once and stays; motors on comes back over hal
   };
   CHECK(next() == 2.0);
   emergency_stop(state);
-  for (int i = 0; i < 1000; ++i) CHECK(next() == 0.0);
+  for (int i = 0; i < 1000; ++i)
+    CHECK(next() == 0.0);
   command(state, settings, {2, 0, 0}, tick * 1e-3);
-  CHECK(next() == 0.0);  // a new force does not release it
+  CHECK(next() == 0.0); // a new force does not release it
   motors(state, true);
   double force = 0;
-  for (int i = 0; i < 250; ++i) force = next();
+  for (int i = 0; i < 250; ++i)
+    force = next();
   CHECK(force == doctest::Approx(1).epsilon(1e-9));
-  for (int i = 0; i < 250; ++i) force = next();
+  for (int i = 0; i < 250; ++i)
+    force = next();
   CHECK(force == doctest::Approx(2).epsilon(1e-9));
 }
 
@@ -202,12 +208,15 @@ TEST_CASE("motors off lets the force fall by the slew") {
   command(state, settings, {1, 0, 0}, 0);
   double force = 0;
   for (int tick = 0; tick < 40; ++tick) {
-    if (tick == 20) motors(state, false);
+    if (tick == 20)
+      motors(state, false);
     ChainInput input;
     input.time_s = input.heartbeat_s = tick * 1e-3;
     force = step(state, settings, input).x;
-    if (tick == 19) CHECK(force == 1.0);
-    if (tick == 24) CHECK(force == doctest::Approx(0.5));
+    if (tick == 19)
+      CHECK(force == 1.0);
+    if (tick == 24)
+      CHECK(force == doctest::Approx(0.5));
   }
   CHECK(force == 0.0);
 }
@@ -236,7 +245,8 @@ TEST_CASE("the observer keeps the exact energy of a force that is held over the 
   for (int tick = 0; tick < 1000; ++tick) {
     const Vec3 before = position;
     position += Vec3{random.normal(), random.normal(), random.normal()} * 1e-4;
-    if (tick > 0) work -= dot(force, position - before);
+    if (tick > 0)
+      work -= dot(force, position - before);
     command(state, settings, {random.normal(), random.normal(), random.normal()}, tick * 1e-3);
     ChainInput input;
     input.time_s = input.heartbeat_s = tick * 1e-3;
@@ -252,7 +262,7 @@ TEST_CASE("the tank bounds what the observer remembers") {
   ChainState state;
   command(state, settings, {-1, 0, 0}, 0);
   ChainInput input;
-  for (int tick = 0; tick < 50; ++tick) {  // the hand pushes 1 mm a tick against 1 N
+  for (int tick = 0; tick < 50; ++tick) { // the hand pushes 1 mm a tick against 1 N
     input.time_s = input.heartbeat_s = tick * 1e-3;
     input.position.x = tick * 1e-3;
     step(state, settings, input);
@@ -265,10 +275,12 @@ TEST_CASE("targets may put their allowance into the hand, local models nothing")
     ChainSettings settings = plain();
     settings.allowance_w = 0.01;
     ChainState state;
-    if (!local) command(state, settings, {1, 0, 0}, 0);
+    if (!local)
+      command(state, settings, {1, 0, 0}, 0);
     ChainInput input;
-    if (local) input.local_force = {1, 0, 0};
-    for (int tick = 0; tick <= 100; ++tick) {  // 1 N along 40 um a tick: 40 mW for 100 ms
+    if (local)
+      input.local_force = {1, 0, 0};
+    for (int tick = 0; tick <= 100; ++tick) { // 1 N along 40 um a tick: 40 mW for 100 ms
       input.time_s = input.heartbeat_s = tick * 1e-3;
       input.position.x = tick * 4e-5;
       step(state, settings, input);
@@ -279,8 +291,8 @@ TEST_CASE("targets may put their allowance into the hand, local models nothing")
 
 TEST_CASE("whatever comes in, the written force is finite and within the limit") {
   tactus::Random random(2024);
-  const double absurd[] = {0,    -0.0,  1,      -1,   1e-310, 1e-3, 8,     1e6,  -1e30,
-                           1e308, -1e308, 1.7e308, kNan, kInf,   -kInf, 5e-324};
+  const double absurd[] = {0,     -0.0,  1,      -1,      1e-310, 1e-3, 8,     1e6,
+                           -1e30, 1e308, -1e308, 1.7e308, kNan,   kInf, -kInf, 5e-324};
   const auto any = [&] { return absurd[random.next() % std::size(absurd)]; };
   for (int round = 0; round < 200; ++round) {
     ChainSettings settings;
@@ -297,12 +309,16 @@ TEST_CASE("whatever comes in, the written force is finite and within the limit")
     for (int tick = 0; tick < 500; ++tick) {
       const double now = tick * 1e-3;
       const auto draw = random.next() % 16;
-      if (draw < 4) command(state, settings, {any(), any(), any()}, now);
-      if (draw == 5) motors(state, random.next() & 1);
-      if (draw == 6 && random.next() % 8 == 0) emergency_stop(state);
+      if (draw < 4)
+        command(state, settings, {any(), any(), any()}, now);
+      if (draw == 5)
+        motors(state, random.next() & 1);
+      if (draw == 6 && random.next() % 8 == 0)
+        emergency_stop(state);
       ChainInput input;
       input.time_s = draw == 7 ? any() : now;
-      if (!std::isfinite(input.time_s)) input.time_s = now;
+      if (!std::isfinite(input.time_s))
+        input.time_s = now;
       input.heartbeat_s = draw == 8 ? now - 1 : now;
       input.position = {any(), any(), any()};
       input.velocity = {any(), any(), any()};

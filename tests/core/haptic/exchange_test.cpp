@@ -40,9 +40,11 @@ TEST_CASE("between two threads the mailbox never tears a value nor goes back") {
   });
   unsigned previous = 0, torn = 0, backwards = 0;
   while (previous < kLast) {
-    if (!box.read()) continue;
+    if (!box.read())
+      continue;
     const Wide& wide = box.latest();
-    for (const unsigned value : wide.all) torn += value != wide.all[0];
+    for (const unsigned value : wide.all)
+      torn += value != wide.all[0];
     backwards += wide.all[0] <= previous;
     previous = wide.all[0];
   }
@@ -53,7 +55,8 @@ TEST_CASE("between two threads the mailbox never tears a value nor goes back") {
 
 TEST_CASE("a full ring drops and counts, and gives back what it took in order") {
   Ring<int, 4> ring;
-  for (int i = 0; i < 7; ++i) CHECK(ring.push(i) == (i < 4));
+  for (int i = 0; i < 7; ++i)
+    CHECK(ring.push(i) == (i < 4));
   CHECK(ring.dropped() == 3);
   int value = -1;
   for (int i = 0; i < 4; ++i) {
@@ -68,7 +71,8 @@ TEST_CASE("between two threads the ring loses nothing but what it counts") {
   constexpr unsigned kCount = 300000;
   std::atomic<bool> done{false};
   std::thread writer([&] {
-    for (unsigned i = 1; i <= kCount; ++i) ring.push(i);
+    for (unsigned i = 1; i <= kCount; ++i)
+      ring.push(i);
     done = true;
   });
   unsigned got = 0, previous = 0, disorder = 0, value = 0;
@@ -90,7 +94,8 @@ TEST_CASE("between two threads the ring loses nothing but what it counts") {
 TEST_CASE("quantiles of the histogram are right to its bin") {
   DurationHistogram histogram;
   CHECK(histogram.quantile_s(0.5) == 0.0);
-  for (int i = 1; i <= 10000; ++i) histogram.add(i * 1e-6);
+  for (int i = 1; i <= 10000; ++i)
+    histogram.add(i * 1e-6);
   CHECK(histogram.count() == 10000);
   CHECK(histogram.mean_s() == doctest::Approx(5000.5e-6));
   CHECK(histogram.quantile_s(0.5) == doctest::Approx(5e-3).epsilon(0.026));

@@ -71,7 +71,8 @@ Flight fly(double stiffness, bool observer) {
   for (int n = 0; n < 2000 && since_exit < 10; ++n) {
     const double before = rig.v();
     rig.tick();
-    if (since_exit >= 0) ++since_exit;
+    if (since_exit >= 0)
+      ++since_exit;
     if (!inside && rig.x() > 0) {
       flight.arrival = before;
       inside = true;
@@ -99,7 +100,8 @@ Push push(double stiffness, bool observer) {
   Push result;
   for (int n = 0; n < 4000; ++n) {
     rig.tick();
-    if (n < 3000) continue;
+    if (n < 3000)
+      continue;
     low = std::min(low, rig.x());
     high = std::max(high, rig.x());
     result.fastest = std::max(result.fastest, std::abs(rig.v()));
@@ -111,7 +113,7 @@ Push push(double stiffness, bool observer) {
   return result;
 }
 
-}  // namespace
+} // namespace
 
 TEST_CASE("a handle that flies into a wall five times too stiff does not come out faster") {
   const Flight off = fly(5000, false), on = fly(5000, true);
@@ -135,9 +137,10 @@ TEST_CASE("into a soft wall too the observer takes back the energy of the hold")
 
 TEST_CASE("a constant push on a wall five times too stiff: the observer shrinks the limit cycle") {
   const Push off = push(5000, false), on = push(5000, true);
-  MESSAGE("K 5000, push 1 N, last second: off p-p " << off.peak_to_peak_m * 1e3 << " mm, "
-          << off.fastest << " m/s, E " << off.energy << "; on p-p " << on.peak_to_peak_m * 1e3
-          << " mm, " << on.fastest << " m/s, lowest E " << on.lowest);
+  MESSAGE("K 5000, push 1 N, last second: off p-p "
+          << off.peak_to_peak_m * 1e3 << " mm, " << off.fastest << " m/s, E " << off.energy
+          << "; on p-p " << on.peak_to_peak_m * 1e3 << " mm, " << on.fastest << " m/s, lowest E "
+          << on.lowest);
   CHECK(off.peak_to_peak_m > 5e-3);
   CHECK(on.peak_to_peak_m < 1.5e-3);
 }
@@ -145,7 +148,8 @@ TEST_CASE("a constant push on a wall five times too stiff: the observer shrinks 
 TEST_CASE("a constant push on a wall within Colgate's limit rests at F/K") {
   const Push off = push(500, false), on = push(500, true);
   MESSAGE("K 500: off p-p " << off.peak_to_peak_m * 1e3 << " mm about " << off.middle_m * 1e3
-                            << "; on " << on.peak_to_peak_m * 1e3 << " about " << on.middle_m * 1e3);
+                            << "; on " << on.peak_to_peak_m * 1e3 << " about "
+                            << on.middle_m * 1e3);
   CHECK(off.middle_m == doctest::Approx(2e-3).epsilon(0.01));
   CHECK(on.middle_m == doctest::Approx(2e-3).epsilon(0.01));
   CHECK(on.peak_to_peak_m <= off.peak_to_peak_m);
@@ -168,7 +172,8 @@ TEST_CASE("Colgate's bound K < 2(B + b)/T separates decay from growth") {
     for (int n = 0; n < 3000; ++n) {
       rig.tick();
       (n < 1000 ? early : late) = std::max(n < 1000 ? early : late, std::abs(rig.x()));
-      if (n == 1999) late = 0;
+      if (n == 1999)
+        late = 0;
     }
     CAPTURE(stiffness);
     CHECK((late > early) == (stiffness > 1000));
@@ -188,7 +193,8 @@ TEST_CASE("more slots of damping raise the stable stiffness") {
   double low = 1, high = -1;
   for (int n = 0; n < 4000; ++n) {
     rig.tick();
-    if (n < 3000) continue;
+    if (n < 3000)
+      continue;
     low = std::min(low, rig.x());
     high = std::max(high, rig.x());
   }
@@ -240,7 +246,8 @@ TEST_CASE("a stiff wall that a patch renders a tick late stays tame with the def
       c.heartbeat_s = static_cast<double>(rig.index) * 1e-3;
       rig.servo.exchange().commands.write(c);
       rig.tick();
-      if (n < 3000) continue;
+      if (n < 3000)
+        continue;
       low = std::min(low, rig.x());
       high = std::max(high, rig.x());
     }
@@ -249,7 +256,8 @@ TEST_CASE("a stiff wall that a patch renders a tick late stays tame with the def
   const double off = peak_to_peak(false, 0), strict = peak_to_peak(true, 0),
                allowed = peak_to_peak(true, 0.05);
   MESSAGE("patch wall of 2000 N/m, push 1 N: p-p " << off * 1e3 << " mm without observer, "
-          << strict * 1e3 << " with, " << allowed * 1e3 << " with and 50 mW");
+                                                   << strict * 1e3 << " with, " << allowed * 1e3
+                                                   << " with and 50 mW");
   CHECK(strict < off);
   CHECK(allowed < off);
 }

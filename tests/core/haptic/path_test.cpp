@@ -50,10 +50,12 @@ TEST_CASE("random bytes never break the reader") {
   const std::string alphabet = "0123456789+-.eE \t\n,#naif\r\x80";
   for (int round = 0; round < 5000; ++round) {
     std::string text;
-    for (auto left = random.next() % 60; left > 0; --left) text += alphabet[random.next() % alphabet.size()];
+    for (auto left = random.next() % 60; left > 0; --left)
+      text += alphabet[random.next() % alphabet.size()];
     const auto parsed = parse_path(text);
     CHECK(parsed.rows.empty() != parsed.error.empty());
-    if (!parsed.rows.empty()) CHECK(is_finite(RowPath(parsed.rows).at(0.5).position));
+    if (!parsed.rows.empty())
+      CHECK(is_finite(RowPath(parsed.rows).at(0.5).position));
   }
 }
 

@@ -44,7 +44,7 @@ Command force_x(double newtons, double heartbeat_s, std::uint64_t number = 1) {
   return c;
 }
 
-}  // namespace
+} // namespace
 
 TEST_CASE("a wake-up 3.5 ms late runs its tick once, skips three grid points and keeps the phase") {
   FakeClock clock;
@@ -102,7 +102,8 @@ TEST_CASE("a host that stops is noticed: half force after 125 ms, none after 150
   const auto run_to = [&](double until_s, bool beats) {
     while (servo.deadline_s() < until_s + 1e-9) {
       clock.now = servo.deadline_s();
-      if (beats) servo.exchange().commands.write(force_x(2, clock.now));
+      if (beats)
+        servo.exchange().commands.write(force_x(2, clock.now));
       servo.wake(clock);
     }
     return device.forces.back().x;
@@ -135,7 +136,7 @@ TEST_CASE("a servo that itself was late does not ramp faster than time") {
   servo.start(clock, 1e-3);
   servo.exchange().commands.write(force_x(2, 0));
   servo.wake(clock);
-  clock.now = 0.125;  // one wake-up after 125 ms of silence on both sides
+  clock.now = 0.125; // one wake-up after 125 ms of silence on both sides
   servo.wake(clock);
   CHECK(device.forces.back().x == doctest::Approx(1).epsilon(1e-9));
 }
@@ -155,7 +156,7 @@ TEST_CASE("buttons, maps and estimated velocity go through one step") {
   c.number = 1;
   servo.exchange().commands.write(c);
   for (std::uint64_t k = 0; k < 40; ++k) {
-    device.reading.position = {0.001 * static_cast<double>(k), 0, 0};  // 1 m/s along device x
+    device.reading.position = {0.001 * static_cast<double>(k), 0, 0}; // 1 m/s along device x
     device.reading.buttons = k < 20 ? 0 : 5;
     servo.step({k, static_cast<double>(k) * 1e-3, 1e-3});
   }
@@ -195,9 +196,12 @@ TEST_CASE("a device that falls silent for 20 ms, or says it failed, is stopped u
       return device.forces.back().x;
     };
     CHECK(run(50) == 2.0);
-    if (how == 0) device.readable = false;
-    if (how == 1) device.writable = false;
-    if (how == 2) device.reading.flags |= State::kFault;
+    if (how == 0)
+      device.readable = false;
+    if (how == 1)
+      device.writable = false;
+    if (how == 2)
+      device.reading.flags |= State::kFault;
     CHECK(run(how == 2 ? 1 : 19) == (how == 2 ? 0.0 : 2.0));
     CHECK(run(3) == 0.0);
     device.readable = device.writable = true;
@@ -233,13 +237,13 @@ TEST_CASE("refused and good forces that share a mailbox keep their order") {
   c.force_n.x = 1.5;
   c.number = 2;
   c.refused = 3;
-  c.last_refused = true;  // a good one, then a bad one
+  c.last_refused = true; // a good one, then a bad one
   CHECK(run(12, c) == doctest::Approx(1.5));
   CHECK(servo.chain().refusing);
   CHECK(run(200, c) == 0.0);
   c.number = 3;
   c.refused = 4;
-  c.last_refused = false;  // a bad one, then a good one
+  c.last_refused = false; // a bad one, then a good one
   run(1, c);
   CHECK_FALSE(servo.chain().refusing);
 }

@@ -14,8 +14,7 @@ using Hold = HandSettings::Hold;
 namespace {
 
 struct Sim {
-  explicit Sim(const SimulatedDevice::Settings& settings, double period = 1e-3)
-      : period_s(period) {
+  explicit Sim(const SimulatedDevice::Settings& settings, double period = 1e-3) : period_s(period) {
     device.set(settings);
     advance(0);
   }
@@ -24,7 +23,8 @@ struct Sim {
     for (int i = 0; i <= ticks; ++i) {
       REQUIRE(device.read({index, static_cast<double>(index) * period_s, period_s}, state));
       REQUIRE(device.write(force));
-      if (i < ticks) ++index;
+      if (i < ticks)
+        ++index;
     }
     return state;
   }
@@ -60,7 +60,7 @@ XV runge_kutta(double mass, double k, double b, double force, double time, int s
   return {x, v};
 }
 
-}  // namespace
+} // namespace
 
 TEST_CASE("a constant force on the free handle gives the reference series") {
   Sim sim(free_handle());
@@ -77,15 +77,15 @@ TEST_CASE("a constant force on the free handle gives the reference series") {
   for (const auto& row : reference) {
     const State state = sim.advance(row.tick - at, {1, 0, 0});
     at = row.tick;
-    worst = std::max({worst, std::abs(state.position.x / row.x - 1),
-                      std::abs(state.velocity.x / row.v - 1)});
+    worst = std::max(
+        {worst, std::abs(state.position.x / row.x - 1), std::abs(state.velocity.x / row.v - 1)});
     // Closed form: v = F/B (1 - e^(-Bt/M)), x = F/B (t - M/B (1 - e^(-Bt/M))).
     const double t = row.tick * 1e-3, decay = -std::expm1(-5 * t);
     exact = std::max({exact, std::abs(state.velocity.x / (2 * decay) - 1),
                       std::abs(state.position.x / (2 * (t - 0.2 * decay)) - 1)});
   }
-  MESSAGE("free handle: relative error against the printed series " << worst
-          << ", against the closed form " << exact);
+  MESSAGE("free handle: relative error against the printed series "
+          << worst << ", against the closed form " << exact);
   CHECK(worst < 1e-9);
   CHECK(exact < 1e-11);
 }
@@ -121,7 +121,8 @@ TEST_CASE("the exact step agrees with a fine integration over the whole range of
   for (const auto& c : cases) {
     const auto step = MassSpringDamperStep::of(c.mass, c.k, c.b, c.period);
     double x = 0, v = 0;
-    for (int i = 0; i < 20; ++i) step.advance(x, v, 3.0);
+    for (int i = 0; i < 20; ++i)
+      step.advance(x, v, 3.0);
     const XV fine = runge_kutta(c.mass, c.k, c.b, 3.0, 20 * c.period, 200000);
     CAPTURE(c.k);
     CHECK(x == doctest::Approx(fine.x).epsilon(1e-10));
@@ -133,7 +134,8 @@ TEST_CASE("steps compose: one tick of 4 ms equals four of 1 ms") {
   const auto fine = MassSpringDamperStep::of(0.1, 700, 3, 1e-3);
   const auto coarse = MassSpringDamperStep::of(0.1, 700, 3, 4e-3);
   double x = 0.01, v = -0.3, y = 0.01, w = -0.3;
-  for (int i = 0; i < 4; ++i) fine.advance(x, v, 1.7);
+  for (int i = 0; i < 4; ++i)
+    fine.advance(x, v, 1.7);
   coarse.advance(y, w, 1.7);
   CHECK(y == doctest::Approx(x).epsilon(1e-13));
   CHECK(w == doctest::Approx(v).epsilon(1e-13));
@@ -197,9 +199,9 @@ TEST_CASE("hard stops keep the handle, return less than they get and never pull"
     farthest = std::max(farthest, state.position.x);
     back = std::max(back, -state.velocity.x);
   }
-  CHECK(farthest < 0.065);  // workspace 50, stop at 55 mm, entered at 1 m/s
+  CHECK(farthest < 0.065); // workspace 50, stop at 55 mm, entered at 1 m/s
   CHECK(back < 1.0);
-  CHECK(sim.device.position().x < 0.055);  // it comes off again
+  CHECK(sim.device.position().x < 0.055); // it comes off again
   // A lasting push rests at its equilibrium, F / K beyond the stop.
   State state = sim.advance(4000, {8, 0, 0});
   CHECK(state.position.x == doctest::Approx(0.055 + 8.0 / 2e4).epsilon(1e-3));
@@ -247,7 +249,8 @@ TEST_CASE("a target draws the spring hand smoothly and exactly there") {
   Sim sim(settings);
   sim.device.reach_for({0.03, -0.01, 0.02});
   double fastest = 0;
-  for (int i = 0; i < 3000; ++i) fastest = std::max(fastest, norm(sim.advance(1).velocity));
+  for (int i = 0; i < 3000; ++i)
+    fastest = std::max(fastest, norm(sim.advance(1).velocity));
   CHECK(norm(sim.device.position() - Vec3{0.03, -0.01, 0.02}) < 1e-6);
   CHECK(fastest < 1.0);
 }
@@ -274,16 +277,18 @@ TEST_CASE("a person's tremor has its RMS and its 8 to 12 Hz at any tick") {
       }
       for (int f = 1; f <= 40; ++f) {
         std::complex<double> line = 0;
-        for (int i = 0; i < window; i += 4)  // 40 Hz needs no more points
-          line += x[static_cast<std::size_t>(i)] * std::polar(1.0, -2 * std::numbers::pi * f * i / window);
+        for (int i = 0; i < window; i += 4) // 40 Hz needs no more points
+          line += x[static_cast<std::size_t>(i)] *
+                  std::polar(1.0, -2 * std::numbers::pi * f * i / window);
         all += std::norm(line);
-        if (f >= 7 && f <= 13) band += std::norm(line);
+        if (f >= 7 && f <= 13)
+          band += std::norm(line);
       }
     }
     const double rms = std::sqrt(sum / count);
-    MESSAGE("tremor, tick " << period << " s: RMS " << rms * 1e6 << " um, share of power in 7..13 Hz "
-                            << band / all);
-    CHECK(rms == doctest::Approx(1e-4).epsilon(0.05));  // some 2500 independent values: 2 %
+    MESSAGE("tremor, tick " << period << " s: RMS " << rms * 1e6
+                            << " um, share of power in 7..13 Hz " << band / all);
+    CHECK(rms == doctest::Approx(1e-4).epsilon(0.05)); // some 2500 independent values: 2 %
     CHECK(band / all > 0.6);
   }
 }

@@ -30,7 +30,7 @@ TEST_CASE("on a coarse encoder the estimate is many times quieter than a differe
   double adaptive = 0, plain = 0, previous = 0;
   for (int i = 0; i < 2000; ++i) {
     const double t = i * period;
-    const double x = step * std::floor(0.02 * t / step + 0.5);  // 20 mm/s: 0.4 steps a tick
+    const double x = step * std::floor(0.02 * t / step + 0.5); // 20 mm/s: 0.4 steps a tick
     const double v = estimator.update({x, 0, 0}, t).x;
     if (i > 50) {
       adaptive += (v - 0.02) * (v - 0.02);
@@ -51,8 +51,10 @@ TEST_CASE("a sudden stop is followed within a few ticks") {
   for (int i = 0; i < 100; ++i) {
     const double x = i < 50 ? 0.2e-3 * i : 0.2e-3 * 50;
     v = estimator.update({x, 0, 0}, i * 1e-3).x;
-    if (i == 49) CHECK(v == doctest::Approx(0.2).epsilon(1e-6));
-    if (i > 50 && settled < 0 && std::abs(v) < 0.02) settled = i - 50;
+    if (i == 49)
+      CHECK(v == doctest::Approx(0.2).epsilon(1e-6));
+    if (i > 50 && settled < 0 && std::abs(v) < 0.02)
+      settled = i - 50;
   }
   CHECK(settled > 0);
   CHECK(settled <= 3);
@@ -60,7 +62,8 @@ TEST_CASE("a sudden stop is followed within a few ticks") {
 
 TEST_CASE("bad positions and times that stand still change nothing") {
   VelocityEstimator estimator;
-  for (int i = 0; i < 20; ++i) estimator.update({0.001 * i, 0, 0}, i * 1e-3);
+  for (int i = 0; i < 20; ++i)
+    estimator.update({0.001 * i, 0, 0}, i * 1e-3);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(estimator.update({nan, 0, 0}, 1).x == doctest::Approx(1));
   CHECK(estimator.update({5, 0, 0}, 0.019).x == doctest::Approx(1));
