@@ -42,11 +42,25 @@ struct Parameters {
 
   // numerics and voice
   FlowMethod flow = FlowMethod::kImplicit;
-  int oversampling = 1;      // 1, 2 or 4
+  int oversampling = 0;      // 1, 2 or 4; 0: 4 for the swinging valve, else 1
   double breath_noise = 0;   // relative to the mouth pressure
   unsigned seed = 1;
   bool tune = false;         // choose the length so that the linear playing frequency is f_b
   double gain = 2;           // of the sound outlet, 1/Pa at 1 m before the soft clip
 };
+
+/// The nearest parameters with which a model can be computed: finite, within wide physical bounds,
+/// theta_0 on the side that the type wants (closed: below 0, open: above).
+[[nodiscard]] Parameters clamped(const Parameters& parameters) noexcept;
+
+/// How many internal samples an instrument with these parameters computes for each sample.
+[[nodiscard]] int oversampling_of(const Parameters& parameters) noexcept;
+
+/// Pressure P_M = k |x_0|/(w lambda_m) that closes a blown-closed valve at rest, Pa, at the
+/// instrument's own reed frequency; infinite when the mouth has no hold on the valve.
+[[nodiscard]] double closing_pressure(const Parameters& parameters) noexcept;
+
+/// Dimensionless strength zeta = Z_0 w |x_0| sqrt(2/(rho P_M)) of valve against bore.
+[[nodiscard]] double strength(const Parameters& parameters) noexcept;
 
 }  // namespace tactus::reed

@@ -1,0 +1,118 @@
+#include "core/reed/bore_design.hpp"
+
+#include "core/reed/radiation.hpp"
+#include "core/reed/wall_loss.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace tactus::reed {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double kPi = std::numbers::pi;
+constexpr double kShortest = 5e-3; // m
+// A section of more nepers than this is silent behind; keeps gains within single precision.
+constexpr double kMostAttenuation = 8;
+
+/// A section whose continuous form is (1 + s/zero)/(1 + s/pole), s = K (1 - z^-1)/(1 + z^-1).
+struct Section {
+  double gain, pole, excess;
+};
+Section section(double zero_ratio, double pole_ratio) { // K/zero, K/pole
+  const double b0 = 1 + zero_ratio, b1 = 1 - zero_ratio;
+  const double a0 = 1 + pole_ratio, a1 = 1 - pole_ratio;
+  return {b0 / a0, -a1 / a0, b1 / b0 - a1 / a0};
+}
+
+} // namespace
+
+int longest_delay(double internal_rate) noexcept {
+  // The cone's round trip at the lowest frequency is one period; the filters need a little more.
+  return static_cast<int>(internal_rate / BoreDesign::kLowestFrequency * 1.05) + 16;
+}
+
+void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcept {
+  parameters_ = parameters;
+  rate_ = internal_rate;
+  air_ = air_at(parameters.temperature);
+  impedance_ = air_.density * air_.sound_speed /
+               (kPi * parameters.input_radius * parameters.input_radius);
+  const double low = 2 * kPi * 8;
+  const double high = 2 * kPi * std::min(0.4 * rate_, 20000.0);
+  spacing_ = std::log(high / low) / (RoundTrip::kLossSections - 1);
+  for (std::size_t k = 0; k < frequency_.size(); ++k) {
+    const double q = low * std::exp(spacing_ * static_cast<double>(k));
+    frequency_[k] = q;
+    bilinear_[k] = q / std::tan(q / (2 * rate_));
+    weight_[k] = spacing_ / kPi * std::sqrt(q);
+  }
+  weight_[0] *= 1 + 1 / std::expm1(spacing_ / 2);
+
+  const double scale = 2 * rate_ * parameters.end_radius / air_.sound_speed;
+  const Section first = section(scale * OpenEnd::kNumerator, scale / OpenEnd::kFirstPole);
+  const Section second = section(0, scale / OpenEnd::kSecondPole);
+  end_pole_ = {first.pole, second.pole};
+  end_excess_ = {first.excess, second.excess};
+  end_gain_ = -first.gain * second.gain;
+}
+
+double BoreDesign::ideal_frequency(double length) const noexcept {
+  const double acoustic = length + OpenEnd::kLengthCorrection * parameters_.end_radius;
+  return parameters_.shape == BoreShape::kCone
+             ? air_.sound_speed / (2 * (acoustic + parameters_.apex_distance))
+             : air_.sound_speed / (4 * acoustic);
+}
+
+double BoreDesign::length_for(double bore_frequency) const noexcept {
+  const double correction = OpenEnd::kLengthCorrection * parameters_.end_radius;
+  const double length =
+      parameters_.shape == BoreShape::kCone
+          ? air_.sound_speed / (2 * bore_frequency) - parameters_.apex_distance - correction
+          : air_.sound_speed / (4 * bore_frequency) - correction;
+  return std::clamp(length, kShortest, longest());
+}
+
+double BoreDesign::longest() const noexcept {
+  return 0.5 * air_.sound_speed / kLowestFrequency;
+}
+
+RoundTrip BoreDesign::round_trip(double length) const noexcept {
+  RoundTrip trip;
+  const double transit = 2 * length / air_.sound_speed;
+  if (parameters_.scalar_reflection > 0) {
+    trip.returning_gain = -parameters_.scalar_reflection;
+    trip.delay = std::clamp(transit * rate_, 3.0, static_cast<double>(longest_delay(rate_)));
+    return trip;
+  }
+  const double loss = wall_loss(parameters_, length, air_.sound_speed);
+  for (std::size_t k = 0; k < frequency_.size(); ++k) {
+    const double attenuation = std::min(loss * weight_[k], kMostAttenuation);
+    const double spread = std::exp(attenuation / 2);
+    const double ratio = bilinear_[k] / frequency_[k];
+    const Section s = section(ratio / spread, ratio * spread);
+    trip.pole[k] = s.pole;
+    trip.excess[k] = s.excess;
+    trip.arriving_gain *= s.gain;
+  }
+  std::copy(end_pole_.begin(), end_pole_.end(), trip.pole.begin() + RoundTrip::kLossSections);
+  std::copy(end_excess_.begin(), end_excess_.end(), trip.excess.begin() + RoundTrip::kLossSections);
+  trip.returning_gain = trip.arriving_gain * end_gain_;
+
+  // What the filters' phase lacks at the lowest resonance, the delay makes up for.
+  const double omega = 2 * kPi * std::min(ideal_frequency(length), 0.1 * rate_);
+  const Complex s(0, omega), back = std::exp(-s / rate_);
+  Complex filters = trip.returning_gain;
+  for (std::size_t k = 0; k < trip.pole.size(); ++k)
+    filters *= 1.0 + trip.excess[k] * back / (1.0 - trip.pole[k] * back);
+  const Complex wanted = std::exp(-loss * std::sqrt(s)) *
+                         OpenEnd::reflection(s * parameters_.end_radius / air_.sound_speed);
+  const double lead = std::arg(filters / wanted);
+  trip.delay = std::clamp((transit + lead / omega) * rate_, 3.0,
+                          static_cast<double>(longest_delay(rate_)));
+  return trip;
+}
+
+} // namespace tactus::reed

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "core/reed/air.hpp"
+#include "core/reed/parameters.hpp"
+
+#include <array>
+
+namespace tactus::reed {
+
+/// Digital filters of one round trip through the bore: first-order sections
+///   H_k = 1 + c_k z^-1/(1 - p_k z^-1)
+/// in a row, so that a section's state is as small as its effect (single-precision lanes keep
+/// their accuracy), and two gains: behind the wall-loss sections stands what reaches the open end,
+/// behind all of them what comes back.
+struct RoundTrip {
+  static constexpr int kLossSections = 7;
+  static constexpr int kSections = kLossSections + 2;
+  double delay = 3; // D, internal samples, fractional
+  std::array<double, kSections> pole{}, excess{}; // p_k, c_k
+  double arriving_gain = 1;
+  double returning_gain = -1;
+};
+
+/// From the shape of the bore to its filters, at one internal sample rate.
+///
+/// The wall loss exp(-G sqrt(s)) follows from sqrt(s) = 1/pi int_0^inf s/(s + q) q^(-1/2) dq: seven
+/// values q_k spaced by a factor e^h from 2 pi 8 to 2 pi min(0.4 fs, 20000) rad/s, each giving a
+/// pole at q_k e^(-delta/2) and a zero at q_k e^(delta/2), delta_k = G h/pi sqrt(q_k), the lowest
+/// raised for the tail of the integral below it. Bilinear, exact at q_k. Every section has
+/// |H| <= 1, so has the row. The open end is OpenEnd, bilinear. The delay makes the phase of the
+/// whole round trip exact at the lowest resonance.
+class BoreDesign {
+public:
+  /// Lowest bore frequency a line has room for, Hz.
+  static constexpr double kLowestFrequency = 8;
+  static constexpr double kHighestFrequency = 4000;
+
+  void set(const Parameters& parameters, double internal_rate) noexcept;
+
+  [[nodiscard]] RoundTrip round_trip(double length) const noexcept;
+
+  /// L of the bore whose ideal lowest resonance is f_b: c/(4 f_b) - 0.613 r_e for the cylinder,
+  /// c/(2 f_b) - r_0 - 0.613 r_e for the cone, at least 5 mm.
+  [[nodiscard]] double length_for(double bore_frequency) const noexcept;
+  /// The inverse: where the ideal lowest resonance lies.
+  [[nodiscard]] double ideal_frequency(double length) const noexcept;
+  /// The longest bore that the line has room for.
+  [[nodiscard]] double longest() const noexcept;
+
+  [[nodiscard]] const Air& air() const noexcept { return air_; }
+  /// Z_0 = rho c/S, Pa s/m^3.
+  [[nodiscard]] double impedance() const noexcept { return impedance_; }
+
+private:
+  Parameters parameters_{};
+  Air air_ = air_at(20);
+  double rate_ = 48000;
+  double impedance_ = 0;
+  double spacing_ = 0;                                      // h
+  std::array<double, RoundTrip::kLossSections> frequency_{}; // q_k
+  std::array<double, RoundTrip::kLossSections> bilinear_{};  // K_k = q_k/tan(q_k T/2)
+  std::array<double, RoundTrip::kLossSections> weight_{};    // delta_k/G
+  std::array<double, 2> end_pole_{}, end_excess_{};
+  double end_gain_ = 1;
+};
+
+/// Internal samples of delay line that hold the longest bore at that internal rate.
+[[nodiscard]] int longest_delay(double internal_rate) noexcept;
+
+} // namespace tactus::reed

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+
+namespace tactus::reed {
+
+/// Odd coefficients h_1, h_3, ... of a half-band low-pass (Kaiser window, stop band below -70 dB,
+/// unity at DC): y = x_0/2 + sum_j h_(2j+1) (x_-(2j+1) + x_+(2j+1)).
+template <int pairs> [[nodiscard]] std::array<double, pairs> halfband_coefficients() noexcept;
+
+/// Halves the sample rate of one signal, or of several side by side. Linear phase; delays by
+/// 2 pairs - 1 input samples.
+template <class V, int pairs, int longest> class Halfband {
+public:
+  void reset() noexcept { history_.fill(V(0.0)); }
+
+  /// count outputs from 2 count inputs (2 count <= longest); output may be the input.
+  void run(const V* input, V* output, int count) noexcept {
+    for (int i = 0; i < 2 * count; ++i)
+      history_[static_cast<std::size_t>(kKept + i)] = input[i];
+    for (int n = 0; n < count; ++n) {
+      const V* middle = history_.data() + 2 * n + 2 * pairs - 1;
+      V sum = V(0.5) * middle[0];
+      for (int j = 0; j < pairs; ++j)
+        sum += V(coefficients_[static_cast<std::size_t>(j)]) *
+               (middle[-2 * j - 1] + middle[2 * j + 1]);
+      output[n] = sum;
+    }
+    for (int i = 0; i < kKept; ++i)
+      history_[static_cast<std::size_t>(i)] = history_[static_cast<std::size_t>(2 * count + i)];
+  }
+
+private:
+  static constexpr int kKept = 4 * pairs - 2;
+  std::array<double, pairs> coefficients_ = halfband_coefficients<pairs>();
+  std::array<V, kKept + longest> history_{};
+};
+
+} // namespace tactus::reed

@@ -1,0 +1,69 @@
+#include "core/reed/instrument.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::reed {
+namespace {
+
+/// y = x to 1/2, then sign(x) (1 - 1/(4|x|)): continuous in slope, within +-1.
+double soft_clip(double x) noexcept {
+  const double size = std::abs(x);
+  return size <= 0.5 ? x : std::copysign(1 - 0.25 / size, x);
+}
+
+/// Single-precision hosts slow down on denormals, too.
+template <class S> S outgoing(double value) noexcept {
+  return std::abs(value) < 1e-30 ? S(0) : static_cast<S>(value);
+}
+
+} // namespace
+
+void Instrument::prepare(double sample_rate, std::size_t) {
+  bank_.prepare(std::clamp(sample_rate, 1000.0, 1e6));
+}
+
+void Instrument::reset() noexcept {
+  bank_.reset();
+  last_pressure_ = 0;
+}
+
+template <class S>
+void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> reed_frequency,
+                         std::span<const S> bore_frequency, std::span<S> sound,
+                         std::span<S> theta, std::span<S> bore_pressure,
+                         std::span<S> flow) noexcept {
+  std::array<double, kStretch> mouth, radiated, angle, bore, through;
+  const double gain = bank_.parameters().gain;
+  for (std::size_t done = 0; done < mouth_pressure.size();) {
+    if (bank_.until_control() == 0)
+      bank_.control(static_cast<double>(reed_frequency[done]),
+                    static_cast<double>(bore_frequency[done]));
+    const std::size_t count = std::min(mouth_pressure.size() - done,
+                                       static_cast<std::size_t>(bank_.until_control()));
+    for (std::size_t i = 0; i < count; ++i) {
+      const double pressure = static_cast<double>(mouth_pressure[done + i]);
+      if (pressure == pressure)
+        last_pressure_ = std::clamp(pressure, -kHighestPressure, kHighestPressure);
+      mouth[i] = last_pressure_;
+    }
+    bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
+              static_cast<int>(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      sound[done + i] = outgoing<S>(soft_clip(gain * radiated[i]));
+      theta[done + i] = outgoing<S>(angle[i]);
+      bore_pressure[done + i] = outgoing<S>(bore[i]);
+      flow[done + i] = outgoing<S>(through[i]);
+    }
+    done += count;
+  }
+}
+
+template void Instrument::process(std::span<const float>, std::span<const float>,
+                                  std::span<const float>, std::span<float>, std::span<float>,
+                                  std::span<float>, std::span<float>) noexcept;
+template void Instrument::process(std::span<const double>, std::span<const double>,
+                                  std::span<const double>, std::span<double>, std::span<double>,
+                                  std::span<double>, std::span<double>) noexcept;
+
+} // namespace tactus::reed

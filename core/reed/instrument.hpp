@@ -1,0 +1,52 @@
+#pragma once
+
+#include "core/reed/parameters.hpp"
+#include "core/reed/reed_bank.hpp"
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace tactus::reed {
+
+/// A pressure-controlled valve (reed, lips, vocal folds, syrinx) on a bore, played by mouth
+/// pressure, reed frequency and bore frequency. Generalised reed of Smyth, Abel & Smith (2005)
+/// after the equations of docs/greed.md.
+///
+/// prepare() allocates; everything else is bounded and allocates nothing, for any input. The same
+/// input gives the same bits however the stream is cut into blocks.
+class Instrument {
+public:
+  /// Largest mouth pressure taken, Pa; what lies beyond is clamped.
+  static constexpr double kHighestPressure = 50e3;
+
+  /// sample_rate in Hz. Called again with the same rate, the sound goes on; another rate starts the
+  /// air from rest. Blocks of any size are taken, whatever max_block says.
+  void prepare(double sample_rate, std::size_t max_block);
+  /// Takes the nearest usable parameters (see clamped()). Another oversampling stills the air.
+  void set(const Parameters& parameters) noexcept { bank_.set(parameters); }
+  [[nodiscard]] const Parameters& parameters() const noexcept { return bank_.parameters(); }
+  /// Valve at rest, air still, noise from its beginning.
+  void reset() noexcept;
+  /// L in use, m.
+  [[nodiscard]] double length() const noexcept { return bank_.length(); }
+
+  /// One block; all spans of the same length, outputs may be inputs.
+  /// mouth_pressure p_m in Pa: no number counts as the last one.
+  /// reed_frequency f_r in Hz: not above 0 or no number means the parameters' own.
+  /// bore_frequency f_b in Hz: not above 0 or no number means the parameters' length.
+  /// sound: gain times the pressure at 1 m, linear to 0.5, within +-1.
+  /// theta in rad, p_b in Pa, U in m^3/s; with oversampling 2 (4) all four come 7.5 (9.25) samples
+  /// later.
+  template <class S>
+  void process(std::span<const S> mouth_pressure, std::span<const S> reed_frequency,
+               std::span<const S> bore_frequency, std::span<S> sound, std::span<S> theta,
+               std::span<S> bore_pressure, std::span<S> flow) noexcept;
+
+private:
+  static constexpr std::size_t kStretch = ReedBank<double>::kControlPeriod;
+  ReedBank<double> bank_;
+  double last_pressure_ = 0;
+};
+
+} // namespace tactus::reed

@@ -1,0 +1,78 @@
+#include "core/reed/parameters.hpp"
+
+#include "core/reed/air.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace tactus::reed {
+namespace {
+
+/// The value within its bounds; what is no number becomes the fallback.
+double bounded(double value, double low, double high, double fallback) {
+  if (!std::isfinite(value))
+    return fallback;
+  return value < low ? low : value > high ? high : value;
+}
+
+} // namespace
+
+Parameters clamped(const Parameters& parameters) noexcept {
+  constexpr Parameters kInitial;
+  Parameters p = parameters;
+  p.rest_angle = bounded(p.rest_angle, -1.5, 1.5, kInitial.rest_angle);
+  if (p.type == ValveType::kClosed)
+    p.rest_angle = -std::abs(p.rest_angle);
+  else if (p.type == ValveType::kOpen)
+    p.rest_angle = std::abs(p.rest_angle);
+  p.arm_length = bounded(p.arm_length, 1e-4, 0.1, kInitial.arm_length);
+  p.mass = bounded(p.mass, 1e-9, 1, kInitial.mass);
+  p.reed_frequency = bounded(p.reed_frequency, 1, 20000, kInitial.reed_frequency);
+  p.quality = bounded(p.quality, 0.1, 1000, kInitial.quality);
+  p.width = bounded(p.width, 1e-5, 0.1, kInitial.width);
+  p.mouth_length = bounded(p.mouth_length, 0, 0.1, kInitial.mouth_length);
+  p.bore_length = bounded(p.bore_length, 0, 0.1, kInitial.bore_length);
+  p.flow_length = bounded(p.flow_length, 0, 0.1, kInitial.flow_length);
+  p.channel_length = bounded(p.channel_length, 1e-7, 0.1, kInitial.channel_length);
+  p.leak_area = bounded(p.leak_area, 0, 1e-3, kInitial.leak_area);
+  p.restitution = bounded(p.restitution, 0, 1, kInitial.restitution);
+  p.displacement_limit = bounded(p.displacement_limit, 1e-6, 0.05, kInitial.displacement_limit);
+  p.length = bounded(p.length, 0.005, 22, kInitial.length);
+  p.length_override = bounded(p.length_override, 0, 22, kInitial.length_override);
+  p.input_radius = bounded(p.input_radius, 1e-4, 0.2, kInitial.input_radius);
+  p.end_radius = bounded(p.end_radius, 1e-4, 0.5, kInitial.end_radius);
+  p.apex_distance = bounded(p.apex_distance, 1e-3, 100, kInitial.apex_distance);
+  p.cup_volume = bounded(p.cup_volume, 0, 1e-3, kInitial.cup_volume);
+  p.wall_loss = bounded(p.wall_loss, 0, 100, kInitial.wall_loss);
+  p.scalar_reflection = bounded(p.scalar_reflection, 0, 1, kInitial.scalar_reflection);
+  p.temperature = bounded(p.temperature, -50, 100, kInitial.temperature);
+  p.breath_noise = bounded(p.breath_noise, 0, 10, kInitial.breath_noise);
+  p.gain = bounded(p.gain, 0, 1e6, kInitial.gain);
+  return p;
+}
+
+int oversampling_of(const Parameters& p) noexcept {
+  if (p.oversampling >= 4)
+    return 4;
+  if (p.oversampling >= 1)
+    return p.oversampling == 1 ? 1 : 2;
+  return p.type == ValveType::kSwinging ? 4 : 1;
+}
+
+double closing_pressure(const Parameters& p) noexcept {
+  const double omega = 2 * std::numbers::pi * p.reed_frequency;
+  const double force = p.mass * omega * omega * p.arm_length * std::abs(p.rest_angle);
+  const double area = p.width * p.mouth_length;
+  return area > 0 ? force / area : std::numeric_limits<double>::infinity();
+}
+
+double strength(const Parameters& p) noexcept {
+  const Air air = air_at(p.temperature);
+  const double impedance =
+      air.density * air.sound_speed / (std::numbers::pi * p.input_radius * p.input_radius);
+  const double opening = p.width * p.arm_length * std::abs(p.rest_angle);
+  return impedance * opening * std::sqrt(2 / (air.density * closing_pressure(p)));
+}
+
+} // namespace tactus::reed

@@ -1,0 +1,164 @@
+#include "core/reed/presets.hpp"
+
+#include <array>
+#include <numbers>
+
+namespace tactus::reed {
+namespace {
+
+/// Volume of the missing tip of a cone: a mouthpiece of this volume keeps its resonances harmonic.
+constexpr double tip_volume(double radius, double apex_distance) {
+  return std::numbers::pi * radius * radius * apex_distance / 3;
+}
+
+constexpr Parameters clarinet() {
+  return {.type = ValveType::kClosed,
+          .rest_angle = -0.04,
+          .arm_length = 0.01,
+          .mass = 3.376e-6,
+          .reed_frequency = 2500,
+          .quality = 5,
+          .width = 13e-3,
+          .mouth_length = 6.5e-3,
+          .bore_length = 6.5e-3,
+          .channel_length = 1e-3,
+          .displacement_limit = 5e-3,
+          .length = 0.48,
+          .input_radius = 7.5e-3,
+          .end_radius = 7.5e-3};
+}
+
+constexpr Parameters saxophone() {
+  return {.type = ValveType::kClosed,
+          .rest_angle = -0.05,
+          .arm_length = 0.01,
+          .mass = 8e-6,
+          .reed_frequency = 1500,
+          .quality = 3,
+          .width = 14e-3,
+          .mouth_length = 7e-3,
+          .bore_length = 7e-3,
+          .channel_length = 1e-3,
+          .displacement_limit = 5e-3,
+          .shape = BoreShape::kCone,
+          .length = 0.5,
+          .input_radius = 6.2e-3,
+          .end_radius = 25e-3,
+          .apex_distance = 0.2,
+          .cup_volume = tip_volume(6.2e-3, 0.2)};
+}
+
+constexpr Parameters oboe() {
+  return {.type = ValveType::kClosed,
+          .rest_angle = -0.03,
+          .arm_length = 0.008,
+          .mass = 3e-6,
+          .reed_frequency = 2000,
+          .quality = 2,
+          .width = 7e-3,
+          .mouth_length = 4e-3,
+          .bore_length = 4e-3,
+          .channel_length = 2e-3,
+          .displacement_limit = 5e-3,
+          .shape = BoreShape::kCone,
+          .length = 0.4,
+          .input_radius = 3e-3,
+          .end_radius = 25e-3,
+          .apex_distance = 0.1,
+          .cup_volume = tip_volume(3e-3, 0.1)};
+}
+
+constexpr Parameters trumpet() {
+  return {.type = ValveType::kOpen,
+          .rest_angle = 0.01,
+          .arm_length = 0.01,
+          .mass = 8e-5,
+          .reed_frequency = 330,
+          .quality = 4,
+          .width = 8e-3,
+          .mouth_length = 5e-3,
+          .bore_length = 5e-3,
+          .channel_length = 1e-3,
+          .displacement_limit = 2e-3,
+          .shape = BoreShape::kCone,
+          .length = 1.2,
+          .input_radius = 5e-3,
+          .end_radius = 40e-3,
+          .apex_distance = 0.25,
+          .cup_volume = 1.1e-6};
+}
+
+constexpr Parameters trombone() {
+  return {.type = ValveType::kOpen,
+          .rest_angle = 0.02,
+          .arm_length = 0.01,
+          .mass = 2e-4,
+          .reed_frequency = 160,
+          .quality = 4,
+          .width = 12e-3,
+          .mouth_length = 8e-3,
+          .bore_length = 8e-3,
+          .channel_length = 2e-3,
+          .displacement_limit = 4e-3,
+          .length = 2,
+          .input_radius = 6.9e-3,
+          .end_radius = 60e-3,
+          .cup_volume = 5e-6};
+}
+
+constexpr Parameters voice() {
+  return {.type = ValveType::kOpen,
+          .rest_angle = 0.02,
+          .arm_length = 0.01,
+          .mass = 1e-4,
+          .reed_frequency = 120,
+          .quality = 5,
+          .width = 14e-3,
+          .mouth_length = 1e-3,
+          .bore_length = 1e-3,
+          .flow_length = 3e-3,
+          .channel_length = 3e-3,
+          .displacement_limit = 3e-3,
+          .length = 0.17,
+          .input_radius = 8e-3,
+          .end_radius = 8e-3};
+}
+
+constexpr Parameters syrinx() {
+  return {.type = ValveType::kSwinging,
+          .rest_angle = 0.03,
+          .arm_length = 0.003,
+          .mass = 5e-7,
+          .reed_frequency = 1200,
+          .quality = 5,
+          .width = 3e-3,
+          .mouth_length = 0.5e-3,
+          .bore_length = 0.5e-3,
+          .flow_length = 1.5e-3,
+          .channel_length = 1e-3,
+          .displacement_limit = 1.5e-3,
+          .length = 0.05,
+          .input_radius = 1.75e-3,
+          .end_radius = 3e-3};
+}
+
+constexpr std::array<Preset, 7> kPresets{{{"clarinet", clarinet()},
+                                          {"sax", saxophone()},
+                                          {"oboe", oboe()},
+                                          {"trumpet", trumpet()},
+                                          {"trombone", trombone()},
+                                          {"voice", voice()},
+                                          {"syrinx", syrinx()}}};
+
+} // namespace
+
+std::span<const Preset> presets() noexcept { return kPresets; }
+
+std::optional<Parameters> find_preset(std::string_view name) noexcept {
+  for (const Preset& preset : kPresets)
+    if (preset.name == name)
+      return preset.parameters;
+  return std::nullopt;
+}
+
+} // namespace tactus::reed

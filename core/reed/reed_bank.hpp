@@ -1,0 +1,380 @@
+#pragma once
+
+#include "core/dsp/random.hpp"
+#include "core/dsp/simd.hpp"
+#include "core/reed/bore_design.hpp"
+#include "core/reed/halfband.hpp"
+#include "core/reed/parameters.hpp"
+#include "core/reed/tuning.hpp"
+#include "core/reed/valve_bore_step.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+namespace tactus::reed {
+
+/// One reed instrument (V = double), or several copies side by side (V = simd::Lanes) that share
+/// parameters and bore and differ in mouth pressure and reed frequency; see valve_bore_step.hpp.
+///
+/// Controls are looked at once every kControlPeriod samples, counted from reset() whatever the
+/// blocks are, follow with 5 ms and are interpolated for each sample in between:
+///
+///   while samples are left:
+///     if (bank.until_control() == 0) bank.control(reed frequency now, bore frequency now);
+///     bank.run(mouth pressures, outputs, at most bank.until_control());
+///
+/// prepare() allocates; nothing else does.
+template <class V> class ReedBank {
+public:
+  static constexpr int kControlPeriod = 32;
+
+  /// count samples each: radiated pressure at 1 m (Pa), theta (rad), p_b (Pa), U (m^3/s).
+  struct Outputs {
+    V* radiated;
+    V* angle;
+    V* bore_pressure;
+    V* flow;
+  };
+
+  /// Makes room for the longest bore at this rate. The same rate again changes nothing; another
+  /// rate starts the air from rest.
+  void prepare(double sample_rate) {
+    if (sample_rate == sample_rate_)
+      return;
+    sample_rate_ = sample_rate;
+    const int longest = longest_delay(sample_rate * kMostOversampling) + kChunk + 8;
+    std::size_t size = 1;
+    while (size < static_cast<std::size_t>(longest))
+      size *= 2;
+    line_.assign(size, V(0.0));
+    mask_ = static_cast<std::ptrdiff_t>(size) - 1;
+    slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
+    apply(parameters_);
+    reset();
+  }
+
+  /// Takes over clamped parameters; the state goes on, within the new stops.
+  void set(const Parameters& parameters) noexcept { apply(parameters); }
+  [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
+  /// L in use, m.
+  [[nodiscard]] double length() const noexcept { return length_to_; }
+
+  void reset() noexcept {
+    fresh_ = true;
+    phase_ = kControlPeriod;
+    random_.seed(parameters_.seed);
+    state_ = {};
+    mouth_ = V(0.0);
+    still_air();
+  }
+
+  /// Samples that run() may compute before control() is due.
+  [[nodiscard]] int until_control() const noexcept { return kControlPeriod - phase_; }
+
+  /// f_r in Hz for each lane (not above 0: the parameters' own), f_b in Hz (not above 0: the
+  /// parameters' length).
+  void control(const V& reed_frequency, double bore_frequency) noexcept {
+    using simd::absolute, simd::any, simd::select;
+    phase_ = 0;
+    quieten();
+    constexpr double kTwoPi = 2 * std::numbers::pi;
+    const V given = select((reed_frequency > V(0.0)) & (reed_frequency < V(1e9)), reed_frequency,
+                           V(parameters_.reed_frequency));
+    const V target =
+        V(kTwoPi) * simd::minimum(simd::maximum(given, V(1.0)), V(0.45 * sample_rate_));
+    omega_from_ = fresh_ ? target : omega_to_;
+    omega_to_ = omega_from_ + V(slew_) * (target - omega_from_);
+    omega_to_ = select(absolute(target - omega_to_) < V(1e-6) * target, target, omega_to_);
+    const auto moving = (omega_from_ < omega_to_) | (omega_to_ < omega_from_);
+    reed_moves_ = any(moving);
+    if (!reed_moves_)
+      coefficients_[0] = ReedCoefficients<V>::at(constants_, omega_to_);
+
+    if (!(bore_frequency == bore_frequency_)) { // false also for a first NaN
+      bore_frequency_ = bore_frequency > 0 && bore_frequency < 1e9 ? bore_frequency : 0;
+      choose_length(static_cast<double>(simd::lane(given, 0)));
+    } else if (length_due_) {
+      choose_length(static_cast<double>(simd::lane(given, 0)));
+    }
+    const double next = fresh_ ? length_target_ : length_to_ + slew_ * (length_target_ - length_to_);
+    move_bore(std::abs(length_target_ - next) < 1e-7 * length_target_ ? length_target_ : next);
+    if (fresh_)
+      delay_from_ = trip_.delay;
+    fresh_ = false;
+  }
+
+  /// Computes count <= until_control() samples; mouth pressures in Pa, finite, within +-50 kPa.
+  void run(const V* mouth_pressure, const Outputs& out, int count) noexcept {
+    const int most = kChunk / oversampling_;
+    for (int done = 0; done < count;) {
+      const int samples = std::min(count - done, most);
+      chunk(mouth_pressure + done,
+            {out.radiated + done, out.angle + done, out.bore_pressure + done, out.flow + done},
+            samples);
+      done += samples;
+      phase_ += samples;
+    }
+  }
+
+private:
+  static constexpr int kChunk = 64; // internal samples computed in one go
+  static constexpr int kMostOversampling = 4;
+  static constexpr double kSlewTime = 5e-3; // s
+  static constexpr double kSilence = 1e-20; // below, a state is nothing: denormals are dear
+  using Signal = std::array<V, kChunk>;
+  using Stage1 = Halfband<V, 4, kChunk>;
+  using Stage2 = Halfband<V, 8, kChunk>;
+
+  void apply(const Parameters& parameters) noexcept {
+    const int before = oversampling_;
+    parameters_ = clamped(parameters);
+    if (!(sample_rate_ > 0))
+      return;
+    oversampling_ = oversampling_of(parameters_);
+    const double rate = sample_rate_ * oversampling_;
+    design_.set(parameters_, rate);
+    const ValveConstants old = constants_;
+    constants_ = ValveConstants::from(parameters_, design_, rate);
+    place_valve(old);
+    coefficients_[0] = ReedCoefficients<V>::at(constants_, omega_to_);
+    if (oversampling_ != before)
+      still_air();
+    length_due_ = true;
+    length_to_ = std::clamp(length_to_, 5e-3, design_.longest());
+    move_bore(length_to_);
+    delay_from_ = trip_.delay;
+  }
+
+  /// The valve stays where it was, unless the new stops or the new side are in its way.
+  void place_valve(const ValveConstants& old) noexcept {
+    if (fresh_) {
+      state_ = {};
+      return;
+    }
+    const double turn = old.direction * constants_.direction;
+    const V wanted =
+        V(turn) * (state_.deflection + V(old.rest_opening)) - V(constants_.rest_opening);
+    const V low(constants_.lowest), high(constants_.highest);
+    state_.velocity = simd::select((wanted < low) | (wanted > high), V(0.0),
+                                   V(turn) * state_.velocity);
+    state_.deflection = simd::minimum(simd::maximum(wanted, low), high);
+    if (constants_.inertance_rate == 0)
+      state_.inertance_flow = V(0.0);
+    if (constants_.compliance_rate == 0)
+      state_.compliance_flow = V(0.0);
+  }
+
+  void choose_length(double reed_frequency) noexcept {
+    length_due_ = false;
+    if (parameters_.length_override > 0) {
+      length_target_ = parameters_.length_override;
+    } else if (bore_frequency_ > 0) {
+      const double f = std::clamp(bore_frequency_, BoreDesign::kLowestFrequency,
+                                  BoreDesign::kHighestFrequency);
+      length_target_ = parameters_.tune ? tuned_length(parameters_, f, reed_frequency)
+                                        : design_.length_for(f);
+    } else {
+      length_target_ = parameters_.length;
+    }
+    length_target_ = std::clamp(length_target_, 5e-3, design_.longest());
+  }
+
+  void move_bore(double length) noexcept {
+    delay_from_ = trip_.delay;
+    if (length == length_to_ && !trip_due_ && !length_due_)
+      return;
+    length_to_ = length;
+    trip_ = design_.round_trip(length);
+    trip_due_ = false;
+  }
+
+  void still_air() noexcept {
+    std::fill(line_.begin(), line_.end(), V(0.0));
+    filter_ = {};
+    const V deflection = state_.deflection, velocity = state_.velocity;
+    state_ = {};
+    state_.deflection = deflection;
+    state_.velocity = velocity;
+    for (auto& stage : stage1_)
+      stage.reset();
+    for (auto& stage : stage2_)
+      stage.reset();
+  }
+
+  static void quieten(V& value) noexcept {
+    value = simd::select(simd::absolute(value) < V(kSilence), V(0.0), value);
+  }
+  void quieten() noexcept {
+    quieten(state_.deflection);
+    quieten(state_.velocity);
+    quieten(state_.jet_velocity);
+    quieten(state_.flow);
+    quieten(state_.bore_pressure);
+    quieten(state_.inertance_flow);
+    quieten(state_.compliance_flow);
+    for (V& value : filter_.state)
+      quieten(value);
+  }
+
+  void chunk(const V* mouth_pressure, const Outputs& out, int samples) noexcept {
+    const int count = samples * oversampling_;
+    Signal mouth, returning, radiated, outgoing, deflection, bore, flow;
+    std::array<double, kChunk> noise;
+    std::array<ReedCoefficients<V>, kChunk> moving;
+    // The mouth pressure runs straight from sample to sample.
+    const V share(1.0 / oversampling_);
+    for (int n = 0, i = 0; n < samples; ++n) {
+      const V rise = share * (mouth_pressure[n] - mouth_);
+      for (int k = 1; k < oversampling_; ++k)
+        mouth[index(i++)] = mouth_ + V(static_cast<double>(k)) * rise;
+      mouth[index(i++)] = mouth_ = mouth_pressure[n];
+    }
+    const bool noisy = parameters_.breath_noise > 0;
+    if (noisy) {
+      // The same power in each hertz at any rate.
+      const double size = parameters_.breath_noise * std::sqrt(sample_rate_ * oversampling_ / 48e3);
+      for (int i = 0; i < count; ++i)
+        noise[index(i)] = size * random_.normal();
+    }
+    for (int done = 0; done < count;) {
+      const double phase = (phase_ * oversampling_ + done) / period();
+      const double first = delay_from_ + phase * (trip_.delay - delay_from_);
+      const int room = static_cast<int>(std::min(first, trip_.delay)) - 1;
+      const int part = std::min(count - done, room);
+      read_line(returning.data() + done, phase, part);
+      filter_.run(trip_, returning.data() + done, radiated.data() + done, part);
+      if (reed_moves_)
+        for (int i = 0; i < part; ++i)
+          moving[index(i)] = ReedCoefficients<V>::at(
+              constants_, omega_from_ + V(phase + (i + 1) / period()) * (omega_to_ - omega_from_));
+      const ValveSignals<V> signal{mouth.data() + done,
+                                   noisy ? noise.data() + done : nullptr,
+                                   returning.data() + done,
+                                   outgoing.data() + done,
+                                   deflection.data() + done,
+                                   bore.data() + done,
+                                   flow.data() + done};
+      step(reed_moves_ ? moving.data() : coefficients_.data(), reed_moves_ ? 1 : 0, signal, part);
+      for (int i = 0; i < part; ++i)
+        line_[slot(written_ + i)] = outgoing[index(done + i)];
+      written_ = (written_ + part) & mask_;
+      done += part;
+    }
+    const V scale(constants_.angle_scale), rest(constants_.rest_opening);
+    for (int i = 0; i < count; ++i)
+      deflection[index(i)] = (deflection[index(i)] + rest) * scale;
+    differentiate(radiated.data(), count);
+    guard(radiated, deflection, bore, flow, count);
+    decimate(0, radiated.data(), out.radiated, samples);
+    decimate(1, deflection.data(), out.angle, samples);
+    decimate(2, bore.data(), out.bore_pressure, samples);
+    decimate(3, flow.data(), out.flow, samples);
+  }
+
+  void step(const ReedCoefficients<V>* coefficients, int stride, const ValveSignals<V>& signal,
+            int count) noexcept {
+    const auto go = [&](auto swinging, auto paper) {
+      step_valve<decltype(swinging)::value, decltype(paper)::value>(constants_, coefficients,
+                                                                    stride, state_, signal, count);
+    };
+    using Yes = std::true_type;
+    using No = std::false_type;
+    if (constants_.swinging)
+      constants_.paper ? go(Yes{}, Yes{}) : go(Yes{}, No{});
+    else
+      constants_.paper ? go(No{}, Yes{}) : go(No{}, No{});
+  }
+
+  /// Third-order Lagrange interpolation in the middle of its four points, where |H| <= 1.
+  static std::array<double, 4> weights(double d) noexcept { // 1 <= d < 2
+    return {-(d - 1) * (d - 2) * (d - 3) / 6, d * (d - 2) * (d - 3) / 2,
+            -d * (d - 1) * (d - 3) / 2, d * (d - 1) * (d - 2) / 6};
+  }
+
+  void read_line(V* wave, double phase, int count) noexcept {
+    const bool steady = delay_from_ == trip_.delay;
+    double delay = trip_.delay;
+    int whole = static_cast<int>(delay) - 2;
+    std::array<double, 4> h = weights(delay - whole - 1);
+    for (int i = 0; i < count; ++i) {
+      if (!steady) {
+        delay = delay_from_ + (phase + i / period()) * (trip_.delay - delay_from_);
+        whole = static_cast<int>(delay) - 2;
+        h = weights(delay - whole - 1);
+      }
+      const std::ptrdiff_t at = written_ + i - 1 - whole;
+      wave[i] = V(h[0]) * line_[slot(at)] + V(h[1]) * line_[slot(at - 1)] +
+                V(h[2]) * line_[slot(at - 2)] + V(h[3]) * line_[slot(at - 3)];
+    }
+    for (int i = 0; i < count; ++i)
+      quieten(wave[i]);
+  }
+
+  /// p_rad = rho/(4 pi d) d/dt (a - b)/Z_0 at d = 1 m.
+  void differentiate(V* wave, int count) noexcept {
+    const V scale(constants_.density * 0.5 * constants_.wave_admittance * sample_rate_ *
+                  oversampling_ / (4 * std::numbers::pi));
+    for (int i = 0; i < count; ++i) {
+      const V now = wave[i];
+      wave[i] = scale * (now - radiating_);
+      radiating_ = now;
+    }
+  }
+
+  /// No parameter is known to drive the model out of bounds; should one, it starts anew from rest.
+  void guard(Signal& a, Signal& b, Signal& c, Signal& d, int count) noexcept {
+    const auto within = [](const V& value, double limit) {
+      return simd::absolute(value) < V(limit);
+    };
+    const auto good = within(state_.bore_pressure, 1e9) & within(state_.jet_velocity, 1e6) &
+                      within(state_.velocity, 1e9) & within(radiating_, 1e9);
+    if (!simd::any(!good))
+      return;
+    for (Signal* signal : {&a, &b, &c, &d})
+      std::fill_n(signal->begin(), count, V(0.0));
+    state_ = {};
+    radiating_ = V(0.0);
+    still_air();
+  }
+
+  void decimate(std::size_t channel, V* signal, V* out, int samples) noexcept {
+    if (oversampling_ == 4)
+      stage1_[channel].run(signal, signal, 2 * samples);
+    if (oversampling_ > 1)
+      stage2_[channel].run(signal, out, samples);
+    else
+      std::copy_n(signal, samples, out);
+  }
+
+  [[nodiscard]] double period() const noexcept {
+    return static_cast<double>(kControlPeriod * oversampling_);
+  }
+  static std::size_t index(int i) noexcept { return static_cast<std::size_t>(i); }
+  [[nodiscard]] std::size_t slot(std::ptrdiff_t i) const noexcept {
+    return static_cast<std::size_t>(i & mask_);
+  }
+
+  double sample_rate_ = 0, slew_ = 1;
+  int oversampling_ = 1, phase_ = kControlPeriod;
+  bool fresh_ = true, reed_moves_ = false, length_due_ = true, trip_due_ = true;
+  Parameters parameters_{};
+  BoreDesign design_{};
+  ValveConstants constants_{};
+  RoundTrip trip_{};
+  double bore_frequency_ = 0, length_target_ = 0.48, length_to_ = 0.48, delay_from_ = 3;
+  V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0}, radiating_{0.0};
+  std::array<ReedCoefficients<V>, 1> coefficients_{};
+  ValveState<V> state_{};
+  RoundTripFilter<V> filter_{};
+  std::vector<V> line_;
+  std::ptrdiff_t mask_ = 0, written_ = 0;
+  std::array<Stage1, 4> stage1_{};
+  std::array<Stage2, 4> stage2_{};
+  Random random_{};
+};
+
+} // namespace tactus::reed

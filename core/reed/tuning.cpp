@@ -1,0 +1,111 @@
+#include "core/reed/tuning.hpp"
+
+#include "core/reed/bore_design.hpp"
+#include "core/reed/linear_stability.hpp"
+#include "core/reed/radiation.hpp"
+#include "core/reed/wall_loss.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace tactus::reed {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double kPi = std::numbers::pi;
+
+/// At one pressure: the bore that the valve wants to oscillate with at the frequency.
+struct Candidate {
+  double length;
+  double excess; // log of what the valve reflects over what the bore loses; 0 is neutral
+};
+
+/// The equations of one frequency, solved for the round trip the valve asks of the bore.
+class NeutralOscillation {
+public:
+  NeutralOscillation(const Parameters& p, double frequency, double reed_frequency)
+      : parameters_(p), theory_(p, p.length), s_(0, 2 * kPi * frequency),
+        reed_frequency_(reed_frequency) {
+    bore_.set(p, 48000);
+    const double area = kPi * p.input_radius * p.input_radius;
+    const Air& air = bore_.air();
+    lumped_ = s_ * p.cup_volume / (air.density * air.sound_speed * air.sound_speed);
+    if (p.shape == BoreShape::kCone)
+      lumped_ += area / (s_ * air.density * p.apex_distance);
+    end_ = p.scalar_reflection > 0
+               ? Complex(-p.scalar_reflection)
+               : OpenEnd::reflection(s_ * p.end_radius / air.sound_speed);
+    wanted_ = p.type == ValveType::kOpen ? p.length : bore_.length_for(frequency);
+  }
+
+  [[nodiscard]] Candidate at(double mouth_pressure) const {
+    const Equilibrium state = theory_.equilibrium(mouth_pressure, reed_frequency_);
+    const Complex valve = theory_.valve_admittance(s_, state, reed_frequency_);
+    const Complex y = bore_.impedance() * (valve - lumped_);
+    const Complex round_trip = (1.0 - y) / (1.0 + y);
+    const double omega = s_.imag(), speed = bore_.air().sound_speed;
+    // -omega 2L/c - G(L) sqrt(omega/2) = arg(round trip/R) - 2 pi n
+    const double phase = std::arg(round_trip / end_);
+    double length = wanted_, loss = 0;
+    for (int i = 0; i < 3; ++i) {
+      loss = parameters_.scalar_reflection > 0 ? 0 : wall_loss(parameters_, length, speed);
+      const double friction = loss * std::sqrt(omega / 2);
+      const auto of_turn = [&](double n) {
+        return (2 * kPi * n - phase - friction) * speed / (2 * omega);
+      };
+      const double turn = (wanted_ * 2 * omega / speed + phase + friction) / (2 * kPi);
+      length = of_turn(std::round(turn));
+      if (length < 5e-3)
+        length = of_turn(std::round(turn) + 1);
+    }
+    const double loss_db = std::log(std::abs(end_)) - loss * std::sqrt(omega / 2);
+    return {length, loss_db - std::log(std::abs(round_trip))};
+  }
+
+  [[nodiscard]] double highest_pressure() const {
+    return theory_.highest_pressure(reed_frequency_);
+  }
+
+private:
+  const Parameters& parameters_;
+  LinearStability theory_;
+  BoreDesign bore_;
+  Complex s_, lumped_, end_;
+  double reed_frequency_, wanted_;
+};
+
+} // namespace
+
+double tuned_length(const Parameters& parameters, double bore_frequency,
+                    double reed_frequency) noexcept {
+  constexpr int kPressures = 32;
+  constexpr int kBisections = 24;
+  const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency);
+  const double highest = oscillation.highest_pressure();
+  double low = 0;
+  Candidate best{0, -1e300};
+  for (int i = 1; i <= kPressures; ++i) {
+    double high = highest * i / kPressures;
+    Candidate candidate = oscillation.at(high);
+    if (candidate.excess > best.excess)
+      best = candidate;
+    if (candidate.excess < 0) {
+      low = high;
+      continue;
+    }
+    for (int k = 0; k < kBisections; ++k) {
+      const double middle = 0.5 * (low + high);
+      candidate = oscillation.at(middle);
+      (candidate.excess < 0 ? low : high) = middle;
+    }
+    best = candidate;
+    break;
+  }
+  BoreDesign bore;
+  bore.set(parameters, 48000);
+  return std::clamp(best.length, 5e-3, bore.longest());
+}
+
+} // namespace tactus::reed

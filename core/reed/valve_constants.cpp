@@ -1,0 +1,44 @@
+#include "core/reed/valve_constants.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace tactus::reed {
+
+ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
+                                    double internal_rate) noexcept {
+  ValveConstants c;
+  c.period = 1 / internal_rate;
+  c.swinging = p.type == ValveType::kSwinging;
+  c.paper = p.flow == FlowMethod::kPaper;
+  c.direction = !c.swinging && p.rest_angle < 0 ? -1 : 1;
+  const double rest = p.arm_length * p.rest_angle * c.direction;
+  // A valve whose rest lies beyond its own limit is held there.
+  c.rest_opening = std::fmin(std::fmax(rest, -p.displacement_limit), p.displacement_limit);
+  c.lowest = (c.swinging ? -p.displacement_limit : 0) - c.rest_opening;
+  c.highest = p.displacement_limit - c.rest_opening;
+  c.width = p.width;
+  c.leak = p.leak_area;
+  c.mouth_area = c.direction * p.width * p.mouth_length;
+  c.bore_area = c.direction * p.width * p.bore_length;
+  c.swept_area = p.sweep ? c.bore_area : 0;
+  c.flow_area = p.width * p.flow_length;
+  c.mass = p.mass;
+  c.damping = p.mass / p.quality;
+  c.momentum = 2 * p.mass * internal_rate;
+  c.density = bore.air().density;
+  c.channel_length = p.channel_length;
+  c.inertia = c.density * p.channel_length * internal_rate;
+  c.restitution = p.restitution;
+  c.wave_admittance = 2 / bore.impedance();
+  const double area = std::numbers::pi * p.input_radius * p.input_radius;
+  if (p.shape == BoreShape::kCone)
+    c.inertance_rate = c.period * area / (2 * c.density * p.apex_distance);
+  c.compliance_rate = 2 * internal_rate * p.cup_volume /
+                      (c.density * bore.air().sound_speed * bore.air().sound_speed);
+  c.port_admittance = 1 / bore.impedance() + c.inertance_rate + c.compliance_rate;
+  c.angle_scale = c.direction / p.arm_length;
+  return c;
+}
+
+} // namespace tactus::reed
