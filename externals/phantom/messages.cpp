@@ -38,9 +38,9 @@ void Phantom::on_backend(Words words, Host& host) {
 
 void Phantom::on_clock(Words words, Host& host) {
   if (is(words[0], "auto") || is(words[0], "logical"))
-    clock_ = ClockChoice::kLogical;
+    wall_ = false;
   else if (is(words[0], "wall"))
-    clock_ = ClockChoice::kWall;
+    wall_ = true;
   else
     return host.error(expected("clock", words[0], "auto, logical or wall"));
   restart(host);
@@ -274,7 +274,7 @@ void Phantom::dump(Host& host) {
   using Hold = haptic::HandSettings::Hold;
   const auto& chain = settings_.chain;
   host.info({"backend", "sim"});
-  host.info({"clock", wall() ? "wall" : "logical"});
+  host.info({"clock", wall_ ? "wall" : "logical"});
   send_workspace(host);
   std::string axes;
   for (const int source : settings_.map.source)

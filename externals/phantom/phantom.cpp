@@ -130,7 +130,7 @@ void Phantom::begin(Host& host) {
   origin_ms_ = output_origin_ms_ = host.now_ms();
   steps_ = outputs_ = 0;
   scheduling_told_ = false;
-  if (open_ && wall()) {
+  if (open_ && wall_) {
     publish(WallRunner::now_s());
     runner_.start(servo_, period_s());
   }
@@ -180,7 +180,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
       command_.last_refused = false;
     }
     refused_now_ = changed_now_ = false;
-    return publish(wall() ? WallRunner::now_s() : host.now_ms() * 1e-3);
+    return publish(wall_ ? WallRunner::now_s() : host.now_ms() * 1e-3);
   }
   if (new_grids_) {
     new_grids_ = false;
@@ -191,7 +191,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
     return;
   const double now = host.now_ms() + kSameInstant_ms;
   const double period_ms = 1e3 * period_s();
-  if (!wall()) {
+  if (!wall_) {
     // One tick at most: a host that jumps forward gets no burst.
     if (origin_ms_ + static_cast<double>(steps_) * period_ms <= now) {
       step(host);
@@ -215,7 +215,7 @@ void Phantom::schedule(Host& host) {
     return; // opening starts the grids anew
   const double now = host.now_ms(), rate = values_[kOutRate], period_ms = 1e3 * period_s();
   double next = now + kHeartbeat_ms;
-  if (!wall()) {
+  if (!wall_) {
     // After a jump of the host, or another rate, the grid starts anew where it would be late.
     if (origin_ms_ + static_cast<double>(steps_) * period_ms < now - kSameInstant_ms) {
       origin_ms_ = now;
@@ -252,7 +252,7 @@ void Phantom::collect(Host& host) {
   haptic::Event event;
   for (int taken = 0; taken < 256 && servo_.exchange().events.pop(event); ++taken)
     send_event(event, host);
-  if (!wall())
+  if (!wall_)
     return;
   if (!scheduling_told_ && !runner_.scheduling().empty()) {
     scheduling_told_ = true;

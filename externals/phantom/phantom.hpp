@@ -46,12 +46,10 @@ public:
 
 private:
   enum Timer : std::size_t { kSchedule, kForces };
-  enum class ClockChoice { kAuto, kLogical, kWall };
   using Words = std::span<const Atom>;
 
   // phantom.cpp: time and exchange
   [[nodiscard]] bool on(phantom::ParameterIndex p) const noexcept { return values_[p] >= 0.5; }
-  [[nodiscard]] bool wall() const noexcept { return clock_ == ClockChoice::kWall; }
   [[nodiscard]] double period_s() const noexcept { return 1.0 / values_[phantom::kRate]; }
   void begin(Host& host);
   void schedule(Host& host);
@@ -110,7 +108,7 @@ private:
   bool refused_now_ = false, changed_now_ = false;
 
   std::string path_name_ = "still";
-  ClockChoice clock_ = ClockChoice::kLogical;
+  bool wall_ = false; // stepped by a thread instead of the host's logical time
   bool created_ = false, open_ = false, learning_ = false, new_grids_ = false;
   double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
   std::uint64_t steps_ = 0, outputs_ = 0;       // grid points since their origins

@@ -398,7 +398,7 @@ def test_a_path_file_that_is_wrong_names_the_line(tmp_path):
         "phantom: path bad.txt: line 2: expected ms x y z [buttonmask]"]
 
 
-# ---- anything goes --------------------------------------------------------------------------------
+# ---- anything goes -----------------------------------------------------------------------------
 
 NAMES = ("bang list backend open close devices workspace map interp watchdog estop report stats "
          "hand path target seek button rate outrate repeat units forcemax slew extrap strict "

@@ -157,6 +157,31 @@ TEST_CASE("without force the energy of handle and hand only falls") {
   CHECK(previous < 1e-12);
 }
 
+TEST_CASE("a held force does exactly the work that the handle gains or rubs away") {
+  auto settings = free_handle();
+  Sim frictionless(settings);
+  settings.viscous_n_s_per_m = 0;
+  frictionless.device.set(settings);
+  settings.viscous_n_s_per_m = 3;
+  Sim rubbing(settings);
+  tactus::Random random(12);
+  for (int tick = 0; tick < 2000; ++tick) {
+    const Vec3 force{5 * random.normal(), 5 * random.normal(), 5 * random.normal()};
+    for (Sim* sim : {&frictionless, &rubbing}) {
+      const Vec3 x = sim->device.position(), v = sim->device.velocity();
+      sim->advance(1, force);
+      const Vec3 y = sim->device.position(), w = sim->device.velocity();
+      const double work = dot(force, y - x);
+      const double gain = 0.05 * (dot(w, w) - dot(v, v));
+      const double scale = 0.05 * (dot(w, w) + dot(v, v)) + std::abs(work);
+      if (sim == &frictionless)
+        CHECK(std::abs(gain - work) <= 1e-12 * scale);
+      else
+        CHECK(gain <= work + 1e-12 * scale);
+    }
+  }
+}
+
 TEST_CASE("with a hand that moves, the held hand values converge at first order in the tick") {
   // Reference: the same with a tick 64 times shorter.
   const auto end = [](int divide) {
