@@ -1,0 +1,52 @@
+#pragma once
+
+#include "core/object.hpp"
+
+#include <array>
+#include <chrono>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include <sys/syscall.h>
+#include <unistd.h>
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
+namespace tactus::test {
+
+/// Breaks one rule of the audio path on demand, to prove that the guard sees it.
+struct Culprit {
+  static constexpr std::array<std::string_view, 7> kCrimes{"none",  "allocate", "lock",     "write",
+                                                           "sleep", "syscall",  "float-mode"};
+  static constexpr std::array kParameters{Parameter{"crime", "", 0, 0, 6, "to commit", kCrimes}};
+  static constexpr std::array kPorts{Port{Port::Kind::kSignal, "signal", "", "passed through"}};
+  static constexpr std::array kArguments{CreationArgument{"crime"}};
+  static constexpr Declaration declaration{"culprit~", "breaks a rule", "For the guard's own test.",
+                                           "test",     kPorts,          kPorts,
+                                           kParameters, {},             kArguments};
+
+  void set(std::size_t, double value) noexcept { crime = value; }
+  [[nodiscard]] double get(std::size_t) const noexcept { return crime; }
+  template <class S> void process(const Block<S>& block) noexcept {
+    for (std::size_t n = 0; n < block.frames; ++n) block.outputs[0][n] = block.inputs[0][n];
+    switch (static_cast<int>(crime)) {
+    case 1: text = std::string(1000 + block.frames, 'x'); break;
+    case 2: mutex.lock(), mutex.unlock(); break;
+    case 3: static_cast<void>(!::write(2, "", 0)); break;
+    case 4: std::this_thread::sleep_for(std::chrono::microseconds(1)); break;
+    case 5: static_cast<void>(::syscall(SYS_gettid)); break;
+#if defined(__x86_64__)
+    case 6: _mm_setcsr(_mm_getcsr() ^ 0x8000); break;
+#endif
+    default: break;
+    }
+  }
+
+  double crime = 0;
+  std::string text;
+  std::mutex mutex;
+};
+
+}  // namespace tactus::test
