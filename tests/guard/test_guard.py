@@ -68,7 +68,7 @@ def test_an_object_keeps_the_rules_of_the_audio_path(name, block):
     patch.rebuild_dsp(60)
     patch.rebuild_dsp(end - 5)
     patch.record("out", box)
-    result = patch.render(seconds, preload=str(GUARD), timeout=120)
+    result = patch.render(seconds, preload=GUARD, timeout=120)
     assert guarded_calls(result) >= int(48000 * seconds / block)
 
 
@@ -77,7 +77,7 @@ def test_a_patch_keeps_the_rules_of_the_audio_path(path):
     patch = Patch(opens=path)
     patch.record("left", patch.dac())
     patch.send(10, "help-play", "bang")
-    guarded_calls(patch.render(1.5, preload=str(GUARD), timeout=120))
+    guarded_calls(patch.render(1.5, preload=GUARD, timeout=120))
 
 
 @pytest.mark.parametrize("crime", ["allocate", "lock", "write", "sleep", "syscall", "float-mode"])
@@ -85,11 +85,11 @@ def test_the_guard_sees_every_crime(crime):
     patch = Patch()
     patch.record("out", patch.obj("culprit~", crime))
     with pytest.raises(PdFailure, match=r"status 86[\s\S]*rtguard: .* on the audio path"):
-        patch.render(0.1, preload=str(GUARD), path=[BUILD / "test-objects"])
+        patch.render(0.1, preload=GUARD, path=[BUILD / "test-objects"])
 
 
 def test_the_guard_accuses_no_innocent():
     patch = Patch()
     patch.record("out", patch.obj("culprit~"))
-    result = patch.render(0.1, preload=str(GUARD), path=[BUILD / "test-objects"])
+    result = patch.render(0.1, preload=GUARD, path=[BUILD / "test-objects"])
     assert guarded_calls(result) >= 75

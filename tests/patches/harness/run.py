@@ -53,10 +53,9 @@ def stage_folder():
 def run_pd(patches, rate=48000, timeout=60, path=(), preload="", environment=None, arguments=()):
     """Runs `pd -batch` on the patches until one sends `; pd quit`; returns what Pd printed.
 
-    Raises PdFailure on a time-out or an exit status other than 0. TACTUS_PD_PRELOAD names
-    libraries to load into Pd (sanitizers, the audio-path guard), TACTUS_PD_SLOW multiplies the
-    time limit, for such runs."""
-    command = [os.environ.get("TACTUS_PD", "pd"), "-nogui", "-batch", "-nosound", "-noprefs",
+    Raises PdFailure on a time-out or an exit status other than 0. preload names a library to load
+    into Pd, TACTUS_PD_SLOW multiplies the time limit (for runs under sanitizers)."""
+    command = ["pd", "-nogui", "-batch", "-nosound", "-noprefs",
                "-stderr", "-r", str(rate)]
     for folder in path:
         command += ["-path", str(folder)]
@@ -66,9 +65,8 @@ def run_pd(patches, rate=48000, timeout=60, path=(), preload="", environment=Non
             raise PdFailure(f"no patch {patch}")
         command += ["-open", str(patch)]
     variables = dict(os.environ, **(environment or {}))
-    libraries = " ".join(filter(None, [os.environ.get("TACTUS_PD_PRELOAD", ""), preload]))
-    if libraries:
-        variables["LD_PRELOAD"] = libraries
+    if preload:
+        variables["LD_PRELOAD"] = str(preload)
     limit = timeout * float(os.environ.get("TACTUS_PD_SLOW", "1"))
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                stderr=subprocess.STDOUT, env=variables, start_new_session=True)

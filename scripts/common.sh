@@ -1,0 +1,77 @@
+# Shared by ./play and ./test: what they say, what they install, how they build.
+# Sourced by bash with $root (the checkout) and $command (the command's name) set.
+
+say() { printf '%s\n' "$*"; }
+fail() { printf '%s: %s\n' "$command" "$*" >&2; exit 2; }
+
+# packages GROUP...: the Debian packages of these groups
+packages() {
+  local group
+  for group; do sed -n "s/^$group: //p" "$root/scripts/packages"; done | tr ' ' '\n' | sort -u
+}
+
+# progress LABEL TOTAL_PATTERN: shows how far a command's output says it is, every tenth part
+progress() {
+  awk -v label="$1" '
+    match($0, /^\[[0-9]+\/[0-9]+\]/) {
+      split(substr($0, 2, RLENGTH - 2), n, "/"); tenth = int(10 * n[1] / n[2])
+    }
+    /^(dl|pm)status:/ { split($0, f, ":"); tenth = int((/^dl/ ? 0 : 5) + f[3] / 20) }
+    tenth > shown { shown = tenth; printf "  %s %d %%\n", label, 10 * tenth; fflush() }'
+}
+
+as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
+
+# set_up GROUP...: installs what is missing of these groups; quick when nothing is
+set_up() {
+  local wanted missing plan log
+  wanted=$(packages "$@")
+  # shellcheck disable=SC2086
+  missing=$(comm -13 <(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' $wanted 2>/dev/null |
+                         sed -n 's/^ii *//p' | sort -u) <(printf '%s\n' $wanted))
+  [ -n "$missing" ] || return 0
+  missing=$(echo $missing)
+  [ -e /etc/debian_version ] && command -v apt-get >/dev/null ||
+    fail "set-up knows Debian's packages only; install by hand: $missing"
+  [ "$(id -u)" = 0 ] || command -v sudo >/dev/null ||
+    fail "needs root or sudo to install: $missing"
+  say "Installing from Debian: $missing"
+  log=$(mktemp)
+  # With lists that are old or absent the dry run fails; then they are fetched.
+  if ! plan=$(apt-get install -s --no-install-recommends $missing 2>/dev/null); then
+    say "  fetching Debian's package lists"
+    as_root apt-get update -q -o APT::Update::Error-Mode=any >"$log" 2>&1 ||
+      fail "cannot fetch Debian's package lists; is there a network? ($(grep -m1 '^[EW]:' "$log"))"
+    plan=$(apt-get install -s --no-install-recommends $missing 2>"$log") ||
+      fail "Debian cannot install them together: $(grep -m1 '^E:' "$log")"
+  fi
+  if grep -q '^Remv' <<<"$plan"; then
+    fail "would remove $(sed -n 's/^Remv \([^ ]*\).*/\1/p' <<<"$plan" | tr '\n' ' ')from this machine; install by hand: $missing"
+  fi
+  say "  $(grep -c '^Inst' <<<"$plan") packages with what they need"
+  if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends \
+      -o APT::Status-Fd=3 $missing 3>&1 >"$log" 2>&1 | progress installed ||
+     ! dpkg-query -W $missing >/dev/null 2>&1; then
+    tail -n 20 "$log" >&2
+    fail "could not install; is there a network?"
+  fi
+  rm -f "$log"
+}
+
+# build PRESET LABEL: configures where needed, builds, shows progress; the log on failure
+build() {
+  local folder log
+  folder=$root/build
+  [ "$1" = release ] || folder=$root/build-$1
+  log=$folder/build.log
+  mkdir -p "$folder"
+  say "Building $2"
+  if ! (cd "$root" && cmake --preset "$1") >"$log" 2>&1; then
+    tail -n 30 "$log" >&2
+    return 1
+  fi
+  if ! nice ninja -C "$folder" 2>&1 | tee -a "$log" | progress built; then
+    grep -E -A12 'FAILED|error:' "$log" | head -n 60 >&2
+    return 1
+  fi
+}
