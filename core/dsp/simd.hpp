@@ -26,8 +26,9 @@ struct Baseline {
 struct Avx2 {
   static constexpr int register_bytes = 32;
 };
+/// The masks and the many registers of AVX-512 on vectors of 256 bits.
 struct Avx512 {
-  static constexpr int register_bytes = 64;
+  static constexpr int register_bytes = 32;
 };
 
 /// Registers of one instruction set.
@@ -188,15 +189,6 @@ template <class T, int N, class Set>
 square_root(const Lanes<T, N, Set>& x) noexcept {
   Lanes<T, N, Set> r;
   for (int i = 0; i < r.registers; ++i) {
-#if defined(__AVX512F__)
-    if constexpr (Set::register_bytes == 64) {
-      if constexpr (sizeof(T) == 8)
-        r.v[i] = _mm512_maskz_sqrt_pd(0xff, x.v[i]);
-      else
-        r.v[i] = _mm512_maskz_sqrt_ps(0xffff, x.v[i]);
-      continue;
-    }
-#endif
 #if defined(__AVX2__)
     if constexpr (Set::register_bytes == 32) {
       if constexpr (sizeof(T) == 8)
@@ -254,11 +246,6 @@ template <class T, int N, class Set>
   auto joined = mask.v[0];
   for (int i = 1; i < mask.registers; ++i)
     joined |= mask.v[i];
-#if defined(__AVX512F__)
-  if constexpr (Set::register_bytes == 64)
-    return _mm512_test_epi64_mask(reinterpret_cast<__m512i>(joined),
-                                  reinterpret_cast<__m512i>(joined)) != 0;
-#endif
 #if defined(__AVX2__)
   if constexpr (Set::register_bytes == 32)
     return _mm256_movemask_epi8(reinterpret_cast<__m256i>(joined)) != 0;

@@ -1,5 +1,8 @@
 #include "core/reed/linear_stability.hpp"
 
+#include "core/reed/radiation.hpp"
+#include "core/reed/wall_loss.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,20 +19,6 @@ constexpr double kHighestPressure = 50e3;
 constexpr double kSlowest = 1e-4; // below this share of the range a root is no oscillation
 
 double square(double x) { return x * x; }
-
-/// Constant wall-loss coefficient: the real part of the propagation exponent of a tube of that
-/// radius with viscous and thermal boundary layers, over the round trip 2L.
-double wall_loss(const Parameters& p, double length, double sound_speed) {
-  double radius = p.input_radius;
-  if (p.shape == BoreShape::kCone) {
-    const double end = p.input_radius * (p.apex_distance + length) / p.apex_distance;
-    radius = (end - p.input_radius) / std::log(end / p.input_radius);
-  }
-  return p.wall_loss * 2 * length *
-         (std::sqrt(kKinematicViscosity) +
-          (kHeatCapacityRatio - 1) * std::sqrt(kKinematicViscosity / kPrandtlNumber)) /
-         (sound_speed * radius);
-}
 
 } // namespace
 
@@ -115,10 +104,13 @@ LinearStability::Value LinearStability::round_trip(Complex s) const noexcept {
   }
   const double scale = parameters_.end_radius / air_.sound_speed;
   const Complex j = s * scale, root = std::sqrt(s);
-  const Complex over = 1.0 + 0.167 * j, under = 1.0 + j * (1.393 + 0.457 * j);
+  using End = OpenEnd;
+  const Complex over = 1.0 + End::kNumerator * j;
+  const Complex under = 1.0 + j * (End::kFirst + End::kSecond * j);
   const Complex value = -over / under * std::exp(-transit * s - loss_ * root);
   const Complex logarithmic =
-      scale * (0.167 / over - (1.393 + 0.914 * j) / under) - transit - 0.5 * loss_ / root;
+      scale * (End::kNumerator / over - (End::kFirst + 2 * End::kSecond * j) / under) - transit -
+      0.5 * loss_ / root;
   return {value, value * logarithmic};
 }
 

@@ -87,8 +87,10 @@ public:
     high_ = usable - last_ + V(pole_) * high_;
     last_ = usable;
     const V size = absolute(high_);
-    const V v = select(size > envelope_, V(attack_), V(release_));
-    envelope_ = (V(1.0) - v) * size + v * envelope_;
+    // Both candidates before the choice: half the latency of choosing v first.
+    const V rise = V(attack_) * envelope_ + V(1 - attack_) * size;
+    const V fall = V(release_) * envelope_ + V(1 - release_) * size;
+    envelope_ = select(size > envelope_, rise, fall);
     const V h = V(parameters_.hysteresis) * envelope_ + V(1e-9);
     armed_ = armed_ | (high_ < -h);
     const auto crossed = armed_ & (high_ > h);

@@ -1,0 +1,93 @@
+#include "core/reed/gradient.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::reed {
+
+ReedGradient::ReedGradient(Instructions instructions)
+    : ensemble_(make_reed_ensemble(instructions)) {
+  map_.prepare(kGrowthNodes, kGrowthNodes);
+}
+
+void ReedGradient::prepare(double sample_rate) { ensemble_->prepare(sample_rate); }
+
+void ReedGradient::set(const Parameters& parameters) noexcept {
+  parameters_ = parameters;
+  ensemble_->set(parameters);
+  stale_ = true;
+}
+
+void ReedGradient::set(const PlayabilityParameters& judge) noexcept { ensemble_->set(judge); }
+
+void ReedGradient::set_range(const ControlRange& range) noexcept {
+  range_ = range;
+  retune_ = true;
+  stale_ = true;
+}
+
+void ReedGradient::reset() noexcept {
+  ensemble_->reset();
+  aimed_ = false;
+  phase_ = 0;
+}
+
+void ReedGradient::move(double y, double z, double bore_frequency) noexcept {
+  if (std::isfinite(y))
+    y_ = y;
+  if (std::isfinite(bore_frequency))
+    bore_frequency_ = bore_frequency;
+  if (std::isfinite(z) && z != z_) {
+    z_ = z;
+    retune_ = true;
+  }
+  aim();
+}
+
+/// Pressures are on their way from the last targets to those of the hand's new place.
+void ReedGradient::aim() noexcept {
+  const GradientStencil stencil(y_, z_, delta_);
+  if (stencil.z != stencil_.z || retune_) {
+    for (std::size_t lane = 0; lane < reed_frequency_.size(); ++lane)
+      reed_frequency_[lane] = range_.frequency(stencil.z[lane < stencil.z.size() ? lane : 0]);
+    retune_ = false;
+  }
+  stencil_ = stencil;
+  for (std::size_t lane = 0; lane < target_.size(); ++lane) {
+    const double start = aimed_ ? target_[lane] : 0; // the first breath comes from silence
+    target_[lane] = range_.pressure(stencil.y[lane < stencil.y.size() ? lane : 0]);
+    mouth_.start[lane] = start;
+    mouth_.slope[lane] = (target_[lane] - start) / static_cast<double>(kHold);
+  }
+  aimed_ = true;
+}
+
+void ReedGradient::process(std::span<double> sound) noexcept {
+  mouth_.first = phase_;
+  ensemble_->process(mouth_, reed_frequency_, bore_frequency_, sound.size(), sound);
+  phase_ = (phase_ + sound.size()) % kHold;
+}
+
+Gradient ReedGradient::gradient() const noexcept {
+  if (mode_ == Mode::kGrowth)
+    return map_.height().gradient(stencil_.y[0], stencil_.z[0]);
+  std::array<double, GradientStencil::kPoints> f{};
+  for (std::size_t lane = 0; lane < f.size(); ++lane)
+    f[lane] = ensemble_->playability(lane);
+  return stencil_.gradient(f);
+}
+
+bool ReedGradient::map_lags() const noexcept {
+  return map_.working() || stale_ || std::abs(ensemble_->length() / map_length_ - 1) > 1e-3;
+}
+
+void ReedGradient::advance_map(std::size_t nodes) noexcept {
+  if (stale_ || !(std::abs(ensemble_->length() / map_length_ - 1) <= 1e-3)) {
+    stale_ = false;
+    map_length_ = ensemble_->length();
+    map_.begin(parameters_, map_length_, range_);
+  }
+  map_.advance(nodes);
+}
+
+} // namespace tactus::reed

@@ -1,0 +1,226 @@
+#include "core/reed/gradient_ensemble.hpp"
+
+#include "core/reed/gradient.hpp"
+#include "core/reed/instrument.hpp"
+#include "tests/core/reed/reference_instruments.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace tactus::reed {
+namespace {
+
+constexpr double kRate = 48000;
+constexpr Instructions kAll[] = {Instructions::kBaseline, Instructions::kAvx2,
+                                 Instructions::kAvx512};
+
+struct Playing {
+  double frequency, rms;
+};
+
+/// Pitch by interpolated upward crossings and strength of the alternating part, 1.2 to 1.9 s.
+Playing measure(const std::vector<double>& x) {
+  const std::size_t from = static_cast<std::size_t>(1.2 * kRate), to = x.size();
+  double mean = 0, power = 0;
+  for (std::size_t n = from; n < to; ++n)
+    mean += x[n] / static_cast<double>(to - from);
+  double first = 0, last = 0;
+  int crossings = 0;
+  for (std::size_t n = from; n < to; ++n) {
+    power += (x[n] - mean) * (x[n] - mean) / static_cast<double>(to - from);
+    if (n == from || x[n - 1] >= mean || x[n] < mean)
+      continue;
+    last = static_cast<double>(n) - (x[n] - mean) / (x[n] - x[n - 1]);
+    if (crossings++ == 0)
+      first = last;
+  }
+  return {kRate * (crossings - 1) / (last - first), std::sqrt(power)};
+}
+
+double cents(double f, double reference) { return 1200 * std::log2(f / reference); }
+
+constexpr std::size_t kLength = static_cast<std::size_t>(1.9 * kRate);
+constexpr std::size_t kRamp = 960;
+
+std::vector<double> alone(const Parameters& p, double pressure, double reed_frequency) {
+  Instrument instrument;
+  instrument.set(p);
+  instrument.prepare(kRate, kLength);
+  std::vector<double> mouth(kLength), reed(kLength, reed_frequency), bore(kLength, 0.0),
+      sound(kLength), angle(kLength), pb(kLength), flow(kLength);
+  for (std::size_t n = 0; n < kLength; ++n)
+    mouth[n] = pressure * std::min(1.0, static_cast<double>(n + 1) / kRamp);
+  instrument.process<double>(mouth, reed, bore, sound, angle, pb, flow);
+  return pb;
+}
+
+TEST_CASE("eight reeds side by side play what each of them plays alone") {
+  struct Case {
+    std::string name;
+    Parameters instrument;
+    double pressure, spread;
+  };
+  // Lane i blows (1 + i spread) times as hard, all of them where the instrument speaks.
+  const Case cases[] = {{"clarinet", reference::clarinet(), 2000, 0.02},
+                        {"trumpet", reference::trumpet(), 4000, 0.02}};
+  for (const Case& c : cases)
+    for (const Instructions instructions : kAll) {
+      const auto ensemble = make_reed_ensemble(instructions);
+      if (!ensemble)
+        continue;
+      CAPTURE(c.name);
+      CAPTURE(static_cast<int>(instructions));
+      ensemble->set(c.instrument);
+      ensemble->prepare(kRate);
+      ReedEnsemble::Pressure mouth;
+      ReedEnsemble::PerLane pressure{}, reed{};
+      for (std::size_t lane = 0; lane < ReedEnsemble::kLanes; ++lane) {
+        pressure[lane] = c.pressure * (1 + c.spread * static_cast<double>(lane));
+        reed[lane] = c.instrument.reed_frequency * (1 + 0.002 * static_cast<double>(lane));
+        mouth.slope[lane] = pressure[lane] / kRamp;
+      }
+      std::vector<std::vector<double>> bore(ReedEnsemble::kLanes, std::vector<double>(kLength));
+      for (std::size_t n = 0; n < kLength; ++n) {
+        mouth.first = n;
+        if (n == kRamp)
+          mouth.start = pressure, mouth.slope.fill(0);
+        ensemble->process(mouth, reed, 0, 1, {});
+        for (std::size_t lane = 0; lane < bore.size(); ++lane)
+          bore[lane][n] = ensemble->bore_pressure(lane);
+      }
+      for (const std::size_t lane : {0u, 3u, 7u}) {
+        CAPTURE(lane);
+        const Playing one = measure(alone(c.instrument, pressure[lane], reed[lane]));
+        const Playing lanes = measure(bore[lane]);
+        CHECK(one.rms > 100);
+        CHECK(std::abs(cents(lanes.frequency, one.frequency)) < 0.5);
+        CHECK(std::abs(lanes.rms / one.rms - 1) < 2e-3);
+      }
+    }
+}
+
+/// f_p and gradient after some time at one place; blocks of the given size.
+struct Felt {
+  double playability;
+  Gradient gradient;
+  std::vector<double> sound;
+};
+Felt feel(Instructions instructions, double y, double z, std::size_t block, double seconds) {
+  ReedGradient gradient(instructions);
+  gradient.set(reference::trumpet());
+  gradient.set_range({0, 8000, 80, 900});
+  gradient.prepare(kRate);
+  Felt felt{};
+  felt.sound.resize(static_cast<std::size_t>(seconds * kRate));
+  for (std::size_t at = 0; at < felt.sound.size();) {
+    const std::size_t end = std::min(at + block, felt.sound.size());
+    while (at < end) {
+      if (gradient.until_hand() == 0)
+        gradient.move(y, z, 0);
+      const std::size_t left = gradient.until_hand() ? gradient.until_hand() : ReedGradient::kHold;
+      const std::size_t count = std::min(left, end - at);
+      gradient.process(std::span(felt.sound).subspan(at, count));
+      at += count;
+    }
+  }
+  felt.playability = gradient.playability();
+  felt.gradient = gradient.gradient();
+  return felt;
+}
+
+TEST_CASE("the gradient is the same bits however the stream is cut") {
+  const Felt whole = feel(best_instructions(), 0.6, 0.42, 4096, 0.5);
+  for (const std::size_t block : {1u, 7u, 64u}) {
+    const Felt cut = feel(best_instructions(), 0.6, 0.42, block, 0.5);
+    CHECK(cut.gradient.y == whole.gradient.y);
+    CHECK(cut.gradient.z == whole.gradient.z);
+    CHECK(cut.sound == whole.sound);
+  }
+}
+
+TEST_CASE("every instruction set feels the same bits") {
+  const Felt baseline = feel(Instructions::kBaseline, 0.6, 0.42, 64, 0.5);
+  for (const Instructions instructions : kAll) {
+    if (!make_reed_ensemble(instructions))
+      continue;
+    CHECK(feel(instructions, 0.6, 0.42, 64, 0.5).gradient.z == baseline.gradient.z);
+  }
+}
+
+/// Mean of g_z over one second, after one second.
+double steady_slope(double z) {
+  ReedGradient gradient;
+  gradient.set(reference::trumpet());
+  gradient.set_range({0, 8000, 80, 900});
+  gradient.prepare(kRate);
+  std::vector<double> sound(ReedGradient::kHold);
+  double sum = 0;
+  int count = 0;
+  for (std::size_t n = 0; n < static_cast<std::size_t>(2 * kRate); n += sound.size()) {
+    gradient.move(0.6, z, 0);
+    gradient.process(sound);
+    if (n < static_cast<std::size_t>(kRate))
+      continue;
+    sum += gradient.gradient().z;
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST_CASE("between two registers of a trumpet the force flips from one to the next") {
+  CHECK(steady_slope(0.42) > 0);
+  CHECK(steady_slope(0.57) < 0);
+  CHECK(steady_slope(0.50) > 0);
+}
+
+TEST_CASE("growth mode leads out of silence, where five silent reeds know nothing") {
+  ReedGradient gradient;
+  gradient.set(reference::trumpet());
+  gradient.set_range({0, 8000, 80, 900});
+  gradient.prepare(kRate);
+  std::vector<double> sound(ReedGradient::kHold);
+  const auto stay = [&](double y, double z) {
+    for (int n = 0; n < 1500; ++n) {
+      gradient.move(y, z, 0);
+      gradient.process(sound);
+    }
+  };
+  stay(0.05, 0.45); // a firm lip, hardly blown
+  CHECK(gradient.playability() < 1e-3);
+  CHECK(std::abs(gradient.gradient().y) < 1e-2);
+  gradient.set_mode(ReedGradient::Mode::kGrowth);
+  while (gradient.map_lags())
+    gradient.advance_map(50);
+  CHECK(gradient.gradient().y > 0.5);
+  stay(0.9, 0.1); // a slack lip blown apart
+  CHECK(gradient.gradient().y < 0);
+  // A change of anything that the map depends on makes it lag until it is made anew.
+  gradient.set_range({0, 6000, 80, 900});
+  CHECK(gradient.map_lags());
+}
+
+TEST_CASE("a hand that is nowhere, or a bore without length, does no harm") {
+  ReedGradient gradient;
+  gradient.set(reference::trumpet());
+  gradient.prepare(kRate);
+  std::vector<double> sound(ReedGradient::kHold);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  const double strange[] = {kNan, kInf, -kInf, 1e300, -5, 0.5, 0, 3};
+  for (int n = 0; n < 3000; ++n) {
+    gradient.move(strange[n % 8], strange[(n / 8) % 8], strange[(n / 64) % 8]);
+    gradient.process(sound);
+    for (const double x : sound)
+      REQUIRE(std::isfinite(x));
+    REQUIRE(std::isfinite(gradient.gradient().y));
+    REQUIRE(std::isfinite(gradient.gradient().z));
+  }
+}
+
+} // namespace
+} // namespace tactus::reed
