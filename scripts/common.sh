@@ -61,8 +61,7 @@ set_up() {
 # build PRESET LABEL: configures where needed, builds, shows progress; the log on failure
 build() {
   local folder log
-  folder=$root/build
-  [ "$1" = release ] || folder=$root/build-$1
+  case $1 in release | library) folder=$root/build ;; *) folder=$root/build-$1 ;; esac
   log=$folder/build.log
   mkdir -p "$folder"
   say "Building $2"

@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""Makes one scene of ./play: runs scripts/scenes/NAME.py and keeps what it made in out/NAME/.
+
+A scene has a docstring whose first line ./play --list shows (what follows goes on the page), a
+function make(scene), and, when ./play --gui can open a patch of it, a line PATCH = "patches/...".
+"""
+import importlib.util
+import json
+import pathlib
+import shutil
+import sys
+import time
+
+import numpy
+import scipy.io.wavfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "patches"))  # the harness that runs Pd without a screen
+
+
+class Scene:
+    """What a scene writes to. Files land in scene.folder, everything shown in the order given."""
+
+    def __init__(self, name, folder, title, description):
+        self.name, self.folder = name, folder
+        self.page = {"name": name, "title": title, "description": description, "parts": []}
+        self.begun = time.monotonic()
+
+    def _add(self, kind, **what):
+        self.page["parts"].append({"kind": kind, **what})
+
+    def progress(self, text):
+        """One line on the terminal, for anything that takes more than a few seconds."""
+        print(f"  {text}", flush=True)
+
+    def heading(self, text):
+        self._add("heading", text=text)
+
+    def text(self, text):
+        """A paragraph."""
+        self._add("text", text=text)
+
+    def sound(self, name, samples, rate, caption=""):
+        """A WAV of 32-bit floats; samples of shape (n,) or (n, channels), at most 1 in size."""
+        samples = numpy.asarray(samples, dtype=numpy.float32)
+        if not numpy.isfinite(samples).all() or abs(samples).max(initial=0) > 1:
+            raise ValueError(f"{name}: a sound must be finite and within -1..1")
+        scipy.io.wavfile.write(self.folder / f"{name}.wav", int(rate), samples)
+        self._add("sound", file=f"{name}.wav", caption=caption or name,
+                  seconds=len(samples) / rate)
+
+    def picture(self, name, figure, caption=""):
+        """A PNG of a matplotlib figure, which is closed."""
+        import matplotlib.pyplot
+        figure.savefig(self.folder / f"{name}.png", dpi=110, bbox_inches="tight")
+        matplotlib.pyplot.close(figure)
+        self._add("picture", file=f"{name}.png", caption=caption)
+
+    def file(self, name, caption=""):
+        """A file that the scene has put into scene.folder, offered as a link."""
+        if not (self.folder / name).is_file():
+            raise ValueError(f"no file {name}")
+        self._add("file", file=name, caption=caption or name)
+
+    def table(self, header, rows, caption=""):
+        """Numbers and words; cells are shown as str() makes them."""
+        self._add("table", header=list(map(str, header)), rows=[list(map(str, r)) for r in rows],
+                  caption=caption)
+
+
+def spectrogram(axes, samples, rate, top_hz=8000, floor_db=-90):
+    """Draws a spectrogram in dB below the loudest bin, on a linear frequency axis."""
+    import scipy.signal
+    f, t, power = scipy.signal.spectrogram(numpy.asarray(samples, float), rate, "hann", nperseg=2048,
+                                           noverlap=1536, mode="psd")
+    level = 10 * numpy.log10(numpy.maximum(power / max(power.max(), 1e-30), 1e-30))
+    shown = f <= top_hz
+    mesh = axes.pcolormesh(t, f[shown] / 1000, level[shown], vmin=floor_db, vmax=0, cmap="magma",
+                           shading="auto", rasterized=True)
+    axes.set_xlabel("time, s")
+    axes.set_ylabel("frequency, kHz")
+    return mesh
+
+
+def main():
+    name = sys.argv[1]
+    path = ROOT / "scripts" / "scenes" / f"{name.replace('-', '_')}.py"
+    spec = importlib.util.spec_from_file_location("scene", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["make_scene"] = sys.modules["__main__"]  # scenes may import spectrogram
+    spec.loader.exec_module(module)
+    title, _, description = module.__doc__.partition("\n")
+    folder = ROOT / "out" / name
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    scene = Scene(name, folder, title, description.strip())
+    module.make(scene)
+    scene.page["took_seconds"] = round(time.monotonic() - scene.begun, 1)
+    (folder / "scene.json").write_text(json.dumps(scene.page, indent=1))
+    print(f"  {name}: {len(scene.page['parts'])} parts in {scene.page['took_seconds']} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()

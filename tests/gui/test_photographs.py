@@ -1,0 +1,51 @@
+"""Pd draws every help patch and instrument: a window of the declared size, drawn on, without a word
+in the console, before and after the click that makes it sound. The pictures stay in
+BUILD/photographs for people to look at."""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("TACTUS_BUILD", ROOT / "build"))
+STAGE = pathlib.Path(os.environ.get("TACTUS_STAGE", BUILD / "tactus"))
+PROGRAMS = ("Xvfb", "openbox", "xdotool", "import", "pd")
+BAD = re.compile(r"error|couldn't create|no method|no such", re.IGNORECASE)
+HELP = sorted(STAGE.glob("*-help.pd"))
+INSTRUMENTS = [p for p in sorted(ROOT.glob("patches/*/*.pd")) if "pd dsp" in p.read_text()]
+
+pytestmark = pytest.mark.skipif(any(not shutil.which(p) for p in PROGRAMS),
+                                reason="needs xvfb openbox xdotool imagemagick")
+
+
+def photograph(patch, name, *options):
+    folder = BUILD / "photographs"
+    folder.mkdir(exist_ok=True)
+    out = folder / f"{name}.png"
+    done = subprocess.run([str(ROOT / "scripts" / "photograph"), str(patch), str(out), "--stage",
+                           str(STAGE), *options], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    seen = json.loads(done.stdout)
+    assert not BAD.search(seen["pd_said"]), seen["pd_said"]
+    width, height = seen["declared"]
+    assert seen["window"][0] == width and height <= seen["window"][1] <= height + 60, seen
+    assert seen["colours"] > 12 and seen["commonest"] < 0.98, f"hardly anything drawn: {seen}"
+    return out
+
+
+@pytest.mark.parametrize("patch", HELP, ids=lambda p: p.stem)
+def test_a_help_patch_looks_right_and_changes_with_the_click(patch):
+    before = photograph(patch, patch.stem)
+    after = photograph(patch, patch.stem + "-played", "--play")
+    differing = subprocess.run(["compare", "-metric", "AE", str(before), str(after), "null:"],
+                               capture_output=True, text=True).stderr
+    assert float(differing.split()[0]) > 20, "nothing moves on the screen after the click"
+
+
+@pytest.mark.parametrize("patch", INSTRUMENTS, ids=lambda p: p.stem)
+def test_an_instrument_looks_right(patch):
+    photograph(patch, patch.stem)
