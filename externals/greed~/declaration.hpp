@@ -1,0 +1,139 @@
+#pragma once
+
+#include "core/declaration.hpp"
+#include "core/reed/parameters.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+#include <type_traits>
+
+/// What [greed~] says of itself, and which member of reed::Parameters each word sets.
+namespace tactus::greed {
+
+using reed::Parameters;
+
+inline constexpr std::array<std::string_view, 3> kTypes{"closed", "open", "swing"};
+inline constexpr std::array<std::string_view, 2> kBores{"cyl", "cone"};
+inline constexpr std::array<std::string_view, 2> kFlows{"implicit", "paper"};
+
+/// How a number of a message becomes a member of reed::Parameters, and back.
+struct Member {
+  void (*set)(Parameters&, double);
+  double (*get)(const Parameters&);
+};
+
+template <auto member> constexpr Member number() {
+  return {[](Parameters& p, double value) { p.*member = value; },
+          [](const Parameters& p) { return p.*member; }};
+}
+/// Switches, words and whole numbers.
+template <auto member> constexpr Member whole() {
+  return {[](Parameters& p, double value) {
+            using Type = std::remove_reference_t<decltype(p.*member)>;
+            if constexpr (std::is_same_v<Type, bool>) p.*member = value >= 0.5;
+            else p.*member = static_cast<Type>(static_cast<int>(value));
+          },
+          [](const Parameters& p) { return static_cast<double>(p.*member); }};
+}
+/// The valve's type and the sign of its rest angle go together: a type turns the angle to the side
+/// where that valve rests.
+constexpr Member type() {
+  return {[](Parameters& p, double value) {
+            p.type = static_cast<reed::ValveType>(static_cast<int>(value));
+            if (p.type == reed::ValveType::kClosed) p.rest_angle = -std::abs(p.rest_angle);
+            if (p.type == reed::ValveType::kOpen) p.rest_angle = std::abs(p.rest_angle);
+          },
+          [](const Parameters& p) { return static_cast<double>(p.type); }};
+}
+
+inline constexpr Parameters kInitial{};
+
+inline constexpr std::array kParameters{
+    Parameter{"type", "", 0, 0, 2, "blown closed, blown open, or a swinging door", kTypes},
+    Parameter{"theta0", "rad", kInitial.rest_angle, -1.2, 1.2, "rest angle; its sign follows type"},
+    Parameter{"arm", "m", kInitial.arm_length, 1e-4, 0.1, "arm length l, from hinge to tip"},
+    Parameter{"mass", "kg", kInitial.mass, 1e-9, 0.1, "moving mass m"},
+    Parameter{"q", "", kInitial.quality, 0.1, 1000, "quality factor Q of the valve"},
+    Parameter{"width", "m", kInitial.width, 1e-4, 0.1, "width w of the channel"},
+    Parameter{"lambda_m", "m", kInitial.mouth_length, 0, 0.1,
+              "length that sees the mouth pressure"},
+    Parameter{"lambda_b", "m", kInitial.bore_length, 0, 0.1, "length that sees the bore pressure"},
+    Parameter{"mu", "m", kInitial.flow_length, 0, 0.1, "length that sees the flow"},
+    Parameter{"lambda", "m", kInitial.channel_length, 1e-6, 0.1, "length of the channel"},
+    Parameter{"leak", "m^2", kInitial.leak_area, 0, 1e-4, "area that never closes"},
+    Parameter{"rest", "", kInitial.restitution, 0, 1, "restitution of the stop"},
+    Parameter{"xmax", "m", kInitial.displacement_limit, 1e-5, 0.1, "limit of the displacement"},
+    Parameter{"sweep", "", 1, 0, 1, "1: the moving valve's own volume flow enters the bore"},
+    Parameter{"bore", "", 0, 0, 1, "cylinder or cone", kBores},
+    Parameter{"length", "m", 0, 0, 20, "bore length; above 0 it stands above the bore frequency"},
+    Parameter{"radius", "m", kInitial.input_radius, 5e-4, 0.1, "radius at the input"},
+    Parameter{"radius_end", "m", kInitial.end_radius, 5e-4, 0.3,
+              "radius of the radiating opening; larger imitates a bell"},
+    Parameter{"apex", "m", kInitial.apex_distance, 0.01, 10, "cone: from its apex to the input"},
+    Parameter{"cup", "m^3", kInitial.cup_volume, 0, 1e-3, "volume of mouthpiece or cup"},
+    Parameter{"loss", "", kInitial.wall_loss, 0, 20, "times the theoretical wall loss"},
+    Parameter{"refl", "", kInitial.scalar_reflection, 0, 1,
+              "above 0: a bare reflection of that size instead of loss and radiation"},
+    Parameter{"temp", "degC", kInitial.temperature, -20, 50, "temperature of the air"},
+    Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1"},
+    Parameter{"flow", "", 0, 0, 1, "jet solved implicitly, or as printed in the paper", kFlows},
+    Parameter{"noise", "", kInitial.breath_noise, 0, 1, "breath noise, of the jet's pressure"},
+    Parameter{"seed", "", 1, 0, 16777215, "of the breath noise"},
+    Parameter{"tune", "", 0, 0, 1, "1: choose the bore so that it plays f_b"},
+    Parameter{"gain", "1/Pa", kInitial.gain, 0, 1000, "of the sound, before its soft clip"},
+};
+
+inline constexpr std::array<Member, kParameters.size()> kMembers{
+    type(),
+    number<&Parameters::rest_angle>(),
+    number<&Parameters::arm_length>(),
+    number<&Parameters::mass>(),
+    number<&Parameters::quality>(),
+    number<&Parameters::width>(),
+    number<&Parameters::mouth_length>(),
+    number<&Parameters::bore_length>(),
+    number<&Parameters::flow_length>(),
+    number<&Parameters::channel_length>(),
+    number<&Parameters::leak_area>(),
+    number<&Parameters::restitution>(),
+    number<&Parameters::displacement_limit>(),
+    whole<&Parameters::sweep>(),
+    whole<&Parameters::shape>(),
+    number<&Parameters::length_override>(),
+    number<&Parameters::input_radius>(),
+    number<&Parameters::end_radius>(),
+    number<&Parameters::apex_distance>(),
+    number<&Parameters::cup_volume>(),
+    number<&Parameters::wall_loss>(),
+    number<&Parameters::scalar_reflection>(),
+    number<&Parameters::temperature>(),
+    whole<&Parameters::oversampling>(),
+    whole<&Parameters::flow>(),
+    number<&Parameters::breath_noise>(),
+    whole<&Parameters::seed>(),
+    whole<&Parameters::tune>(),
+    number<&Parameters::gain>(),
+};
+
+inline constexpr std::array kMessages{
+    Message{"preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
+            "all of valve and bore at once"},
+    Message{"reset", "", 0, 0, "valve at rest, air still"},
+};
+enum MessageIndex : std::size_t { kPreset, kReset };
+
+inline constexpr std::array kInlets{
+    Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},
+    Port{Port::Kind::kSignal, "f_r", "Hz", "reed frequency; 0: the preset's own"},
+    Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the preset's own length"},
+};
+inline constexpr std::array kOutlets{
+    Port{Port::Kind::kSignal, "sound", "", "radiated pressure times gain, within +-1"},
+    Port{Port::Kind::kSignal, "theta", "rad", "angle of the valve"},
+    Port{Port::Kind::kSignal, "p_b", "Pa", "pressure in the bore at the valve"},
+    Port{Port::Kind::kSignal, "U", "m^3/s", "volume flow through the valve"},
+};
+
+}  // namespace tactus::greed

@@ -1,0 +1,84 @@
+#pragma once
+
+#include "core/object.hpp"
+#include "core/reed/instrument.hpp"
+#include "core/reed/presets.hpp"
+#include "core/words.hpp"
+#include "externals/greed~/declaration.hpp"
+
+#include <string>
+
+namespace tactus {
+
+/// [greed~]: a pressure-controlled valve on a bore (core/reed/instrument.hpp) in a patch.
+class Greed {
+public:
+  static constexpr Declaration declaration{
+      "greed~",
+      "generalised pressure-controlled valve on a bore",
+      "A reed, a pair of lips, vocal folds or a syrinx, blown by a mouth pressure on a cylindrical "
+      "or conical bore: blown closed, blown open or swinging door, by the sign of its rest angle "
+      "and a stop. Everything is in SI units and can be changed while it sounds.",
+      "physical model reed lips wind instrument waveguide synthesis",
+      greed::kInlets,
+      greed::kOutlets,
+      greed::kParameters,
+      greed::kMessages};
+  static constexpr bool multichannel = true;
+
+  void prepare(double sample_rate, std::size_t max_block) {
+    instrument_.prepare(sample_rate, max_block);
+  }
+  void set(std::size_t parameter, double value) noexcept {
+    reed::Parameters changed = instrument_.parameters();
+    greed::kMembers[parameter].set(changed, value);
+    instrument_.set(changed);
+  }
+  [[nodiscard]] double get(std::size_t parameter) const noexcept {
+    return greed::kMembers[parameter].get(instrument_.parameters());
+  }
+
+  void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+    if (index == greed::kReset) return instrument_.reset();
+    const auto preset = arguments[0].is_word ? reed::find_preset(arguments[0].word) : std::nullopt;
+    if (!preset) return host.error(unknown_preset(arguments[0]));
+    reed::Parameters chosen = *preset;
+    const reed::Parameters& now = instrument_.parameters();
+    chosen.flow = now.flow;
+    chosen.oversampling = now.oversampling;
+    chosen.breath_noise = now.breath_noise;
+    chosen.seed = now.seed;
+    chosen.tune = now.tune;
+    chosen.temperature = now.temperature;
+    instrument_.set(chosen);
+  }
+
+  template <class S> void process(const Block<S>& block) noexcept {
+    instrument_.process<S>(block.in(0), block.in(1), block.in(2), block.out(0), block.out(1),
+                           block.out(2), block.out(3));
+  }
+
+  void dump(Host& host) {
+    const reed::Parameters& now = instrument_.parameters();
+    host.info({"P_M", reed::closing_pressure(now)});
+    host.info({"zeta", reed::strength(now)});
+    host.info({"L", instrument_.length()});
+  }
+
+private:
+  static std::string unknown_preset(const Atom& given) {
+    std::string sentence =
+        "preset " + (given.is_word ? std::string(given.word) : number_text(given.number)) +
+        ": expected ";
+    const auto all = reed::presets();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i > 0) sentence += i + 1 == all.size() ? " or " : ", ";
+      sentence += all[i].name;
+    }
+    return sentence;
+  }
+
+  reed::Instrument instrument_;
+};
+
+}  // namespace tactus
