@@ -274,6 +274,7 @@ void Phantom::dump(Host& host) {
   using Hold = haptic::HandSettings::Hold;
   const auto& chain = settings_.chain;
   host.info({"backend", "sim"});
+  host.info({"name", std::string_view(name_)});
   host.info({"clock", wall_ ? "wall" : "logical"});
   send_workspace(host);
   std::string axes;

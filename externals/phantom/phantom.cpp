@@ -1,5 +1,7 @@
 #include "externals/phantom/phantom.hpp"
 
+#include "core/words.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -345,8 +347,12 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
     return open(host);
   case kClose:
     return close(host);
+  case kName:
+    name_ = arguments[0].is_word ? std::string(arguments[0].word) : number_text(arguments[0].number);
+    return;
   case kDevices:
-    return host.info({"device", "sim", 0.0, "tactus", "simulated", "-", open_ ? "open" : "closed"});
+    return host.info({"device", "sim", 0.0, "tactus", "simulated", std::string_view(name_),
+                      open_ ? "open" : "closed"});
   case kClock:
     return on_clock(arguments, host);
   case kWorkspace:

@@ -108,6 +108,7 @@ private:
   bool refused_now_ = false, changed_now_ = false;
 
   std::string path_name_ = "still";
+  std::string name_ = "-";
   bool wall_ = false; // stepped by a thread instead of the host's logical time
   bool created_ = false, open_ = false, learning_ = false, new_grids_ = false;
   double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
