@@ -4,6 +4,15 @@
 #include <cmath>
 
 namespace tactus::reed {
+namespace {
+
+/// As Instrument's: y = x to 1/2, then sign(x) (1 - 1/(4|x|)).
+double soft_clip(double x) noexcept {
+  const double size = std::abs(x);
+  return size <= 0.5 ? x : std::copysign(1 - 0.25 / size, x);
+}
+
+} // namespace
 
 ReedGradient::ReedGradient(Instructions instructions)
     : ensemble_(make_reed_ensemble(instructions)) {
@@ -13,8 +22,8 @@ ReedGradient::ReedGradient(Instructions instructions)
 void ReedGradient::prepare(double sample_rate) { ensemble_->prepare(sample_rate); }
 
 void ReedGradient::set(const Parameters& parameters) noexcept {
-  parameters_ = parameters;
-  ensemble_->set(parameters);
+  parameters_ = clamped(parameters);
+  ensemble_->set(parameters_);
   stale_ = true;
 }
 
@@ -65,6 +74,8 @@ void ReedGradient::aim() noexcept {
 void ReedGradient::process(std::span<double> sound) noexcept {
   mouth_.first = phase_;
   ensemble_->process(mouth_, reed_frequency_, bore_frequency_, sound.size(), sound);
+  for (double& x : sound)
+    x = soft_clip(parameters_.gain * x);
   phase_ = (phase_ + sound.size()) % kHold;
 }
 

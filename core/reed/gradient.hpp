@@ -39,7 +39,8 @@ public:
   void move(double y, double z, double bore_frequency) noexcept;
   /// Samples until move() is read next; 0: now.
   [[nodiscard]] std::size_t until_hand() const noexcept { return phase_ == 0 ? 0 : kHold - phase_; }
-  /// Advances sound.size() <= until the next reading of the hand.
+  /// Advances sound.size() samples, at most those until the next reading of the hand. sound is that
+  /// of greed~: gain times the pressure at 1 m, linear to 0.5, within +-1.
   void process(std::span<double> sound) noexcept;
 
   /// f_p of the reed at the hand.
@@ -53,6 +54,7 @@ public:
   [[nodiscard]] const GrowthMap& map() const noexcept { return map_; }
 
   [[nodiscard]] const ReedEnsemble& ensemble() const noexcept { return *ensemble_; }
+  [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   [[nodiscard]] const ControlRange& range() const noexcept { return range_; }
   [[nodiscard]] double delta() const noexcept { return delta_; }
   [[nodiscard]] Mode mode() const noexcept { return mode_; }

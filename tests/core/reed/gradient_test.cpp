@@ -1,5 +1,6 @@
 #include "core/reed/gradient_field.hpp"
 #include "core/reed/gradient_plane.hpp"
+#include "core/reed/gradient_range.hpp"
 #include "core/reed/growth_map.hpp"
 
 #include "tests/core/reed/reference_instruments.hpp"
@@ -77,6 +78,20 @@ TEST_CASE("a field looks up bilinear functions exactly and its slope is continuo
   }
   CHECK(field.value(-1, 0) == field.value(0, 0));
   CHECK(field.value(9, std::numeric_limits<double>::quiet_NaN()) == field.value(1, 0));
+}
+
+TEST_CASE("an instrument's own range holds its notes") {
+  for (const Parameters& p :
+       {reference::clarinet(), reference::saxophone(), reference::oboe(), reference::trumpet(),
+        reference::trombone(), reference::voice(), reference::syrinx()}) {
+    const ControlRange range = range_for(p);
+    const LinearStability theory(p, p.length);
+    CHECK(range.lowest_frequency < p.reed_frequency);
+    CHECK(range.highest_frequency > p.reed_frequency);
+    const Threshold threshold = theory.threshold(p.reed_frequency);
+    CHECK(threshold.mouth_pressure > 0.1 * range.highest_pressure);
+    CHECK(threshold.mouth_pressure < 0.5 * range.highest_pressure);
+  }
 }
 
 GrowthMap map_of(const Parameters& p, const ControlRange& range, std::size_t step) {

@@ -1,0 +1,258 @@
+// How dear is a reed? One greed~ in silence and playing, its parts, eight reeds with their judges
+// in vector lanes ([greed_gradient~]), and STK's Clarinet, a reed without memory, beside them.
+//
+//   bench_reed_speed --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
+//
+// prints nanoseconds a sample. The last lines, ratios of rounds that were run in turn within
+// milliseconds of each other, are what to trust on a shared machine.
+#include "core/reed/gradient.hpp"
+#include "core/reed/instrument.hpp"
+#include "core/reed/playability_follower.hpp"
+#include "core/reed/presets.hpp"
+
+#include <benchmark/benchmark.h>
+#ifdef TACTUS_HAS_STK
+#include <stk/Clarinet.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace tactus::reed;
+
+constexpr double kRate = 48000;
+constexpr std::size_t kBlock = 64;
+
+/// One greed~ that has played for a second.
+class Scalar {
+public:
+  explicit Scalar(std::string_view preset, double pressure) {
+    instrument_.set(*find_preset(preset));
+    instrument_.prepare(kRate, kBlock);
+    mouth_.fill(pressure);
+    for (int n = 0; n < 750; ++n)
+      block();
+  }
+  void block() {
+    instrument_.process<float>(mouth_, reed_, bore_, sound_, angle_, pressure_, flow_);
+    benchmark::DoNotOptimize(sound_);
+  }
+
+private:
+  using Signal = std::array<float, kBlock>;
+  struct Filled : Signal {
+    void fill(double x) { Signal::fill(static_cast<float>(x)); }
+  };
+  Instrument instrument_;
+  Filled mouth_{};
+  Signal reed_{}, bore_{}, sound_{}, angle_{}, pressure_{}, flow_{};
+};
+
+/// One greed_gradient~ that has played for a second.
+class Lanes {
+public:
+  Lanes(std::string_view preset, double pressure, Instructions instructions)
+      : gradient_(instructions) {
+    const Parameters p = *find_preset(preset);
+    gradient_.set(p);
+    gradient_.set_range({0, 2 * pressure + 1, 0.5 * p.reed_frequency, 2 * p.reed_frequency});
+    gradient_.prepare(kRate);
+    for (int n = 0; n < 750; ++n)
+      block();
+  }
+  void block() {
+    for (std::size_t done = 0; done < kBlock; done += ReedGradient::kHold) {
+      gradient_.move(0.5, 0.5, 0);
+      gradient_.process(std::span(sound_).subspan(done, ReedGradient::kHold));
+    }
+    benchmark::DoNotOptimize(gradient_.gradient());
+    benchmark::DoNotOptimize(sound_);
+  }
+
+private:
+  ReedGradient gradient_;
+  std::array<double, kBlock> sound_{};
+};
+
+/// The parts of the scalar reed, fed with what a played reed gives.
+class Parts {
+public:
+  Parts() {
+    parameters_ = *find_preset("clarinet");
+    design_.set(parameters_, kRate);
+    constants_ = ValveConstants::from(parameters_, design_, kRate);
+    trip_ = design_.round_trip(parameters_.length);
+    coefficients_ = ReedCoefficients<double>::at(constants_, 2 * 3.14159265 * 2500);
+    mouth_.fill(2000);
+    for (std::size_t n = 0; n < kBlock; ++n)
+      wave_[n] = source_[n] = n % 32 < 16 ? 700.0 : -700.0;
+    line_.assign(4096, 0.1);
+  }
+  void valve() {
+    const ValveSignals<double> signal{mouth_.data(), nullptr,      source_.data(), out_.data(),
+                                      angle_.data(), bore_.data(), flow_.data()};
+    step_valve<false, false>(constants_, &coefficients_, 0, state_, signal,
+                             static_cast<int>(kBlock));
+    benchmark::DoNotOptimize(out_);
+  }
+  void filters() {
+    wave_ = source_;
+    filter_.run(trip_, wave_.data(), radiated_.data(), static_cast<int>(kBlock));
+    benchmark::DoNotOptimize(wave_);
+  }
+  void delay() {
+    for (std::size_t n = 0; n < kBlock; ++n) {
+      const std::size_t at = place_ + n;
+      wave_[n] = 0.02 * line_[(at + 1) & 4095] + 0.6 * line_[(at + 2) & 4095] +
+                 0.4 * line_[(at + 3) & 4095] - 0.02 * line_[(at + 4) & 4095];
+      line_[(at + 137) & 4095] = source_[n];
+    }
+    place_ = (place_ + kBlock) & 4095;
+    benchmark::DoNotOptimize(wave_);
+  }
+  void radiation() {
+    for (std::size_t n = 0; n < kBlock; ++n) {
+      out_[n] = 1e-3 * (source_[n] - last_);
+      last_ = source_[n];
+    }
+    benchmark::DoNotOptimize(out_);
+  }
+  void judge() {
+    follower_.prepare(kRate);
+    for (const double x : source_)
+      follower_.tick(1e-5 * x);
+    benchmark::DoNotOptimize(follower_.playability());
+  }
+
+private:
+  using Signal = std::array<double, kBlock>;
+  Parameters parameters_;
+  BoreDesign design_;
+  ValveConstants constants_;
+  RoundTrip trip_;
+  ReedCoefficients<double> coefficients_;
+  ValveState<double> state_;
+  RoundTripFilter<double> filter_;
+  PlayabilityFollower<double> follower_;
+  Signal mouth_{}, source_{}, wave_{}, radiated_{}, out_{}, angle_{}, bore_{}, flow_{};
+  std::vector<double> line_;
+  std::size_t place_ = 0;
+  double last_ = 0;
+};
+
+#ifdef TACTUS_HAS_STK
+class Peer {
+public:
+  Peer() : clarinet_(8.0) {
+    stk::Stk::setSampleRate(kRate);
+    clarinet_.noteOn(175, 0.8);
+    for (int n = 0; n < 750; ++n)
+      block();
+  }
+  void block() {
+    for (double& x : sound_)
+      x = clarinet_.tick();
+    benchmark::DoNotOptimize(sound_);
+  }
+
+private:
+  stk::Clarinet clarinet_;
+  std::array<double, kBlock> sound_{};
+};
+#endif
+
+template <class Player> void run(benchmark::State& state, Player& player) {
+  for (auto round : state) {
+    static_cast<void>(round);
+    player.block();
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * kBlock));
+  state.counters["ns_a_sample"] =
+      benchmark::Counter(1e-9 * static_cast<double>(state.iterations() * kBlock),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+template <class Player> void add(const std::string& name, Player& player) {
+  benchmark::RegisterBenchmark(name.c_str(),
+                               [&player](benchmark::State& state) { run(state, player); });
+}
+
+/// A member function of Parts as a player.
+struct Part {
+  Parts& parts;
+  void (Parts::*work)();
+  void block() { (parts.*work)(); }
+};
+
+/// Median over many rounds of the ratio of the two players' times, each round one after the other.
+double paired_ratio(const std::function<void()>& a, const std::function<void()>& b) {
+  constexpr int kRounds = 401, kBlocks = 40;
+  using Clock = std::chrono::steady_clock;
+  const auto time = [](const std::function<void()>& play) {
+    const auto start = Clock::now();
+    for (int n = 0; n < kBlocks; ++n)
+      play();
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  std::vector<double> ratios;
+  for (int n = 0; n < kRounds; ++n) {
+    const double first = time(a), second = time(b), again = time(a);
+    ratios.push_back(0.5 * (first + again) / second);
+  }
+  std::nth_element(ratios.begin(), ratios.begin() + kRounds / 2, ratios.end());
+  return ratios[kRounds / 2];
+}
+
+template <class A, class B> void print_ratio(const char* what, A& a, B& b) {
+  std::printf("%-58s %.2f\n", what, paired_ratio([&] { a.block(); }, [&] { b.block(); }));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  Scalar clarinet("clarinet", 2000), silence("clarinet", 0), trumpet("trumpet", 4000);
+  Lanes lanes("clarinet", 2000, best_instructions());
+  Lanes lip_lanes("trumpet", 4000, best_instructions());
+  Lanes silent_lanes("clarinet", 0, best_instructions());
+  Lanes plain("clarinet", 2000, Instructions::kBaseline);
+  Parts parts;
+  Part valve{parts, &Parts::valve}, filters{parts, &Parts::filters}, delay{parts, &Parts::delay},
+      radiation{parts, &Parts::radiation}, judge{parts, &Parts::judge};
+  add("greed~ clarinet, playing", clarinet);
+  add("greed~ clarinet, silent", silence);
+  add("greed~ trumpet, playing", trumpet);
+  add("part: valve and jet", valve);
+  add("part: bore and bell filters", filters);
+  add("part: delay line", delay);
+  add("part: radiated pressure", radiation);
+  add("playability~ without analysis", judge);
+  add("greed_gradient~ clarinet, playing", lanes);
+  add("greed_gradient~ clarinet, silent", silent_lanes);
+  add("greed_gradient~ trumpet, playing", lip_lanes);
+  add("greed_gradient~ clarinet, SSE2", plain);
+#ifdef TACTUS_HAS_STK
+  Peer peer;
+  add("STK Clarinet, playing", peer);
+#endif
+  benchmark::RunSpecifiedBenchmarks();
+
+  std::printf("\nratio, median of paired rounds\n");
+  print_ratio("greed_gradient~ / greed~, clarinet", lanes, clarinet);
+  print_ratio("greed_gradient~ / greed~, trumpet", lip_lanes, trumpet);
+  print_ratio("greed_gradient~ with SSE2 only / greed~, clarinet", plain, clarinet);
+  print_ratio("greed~ silent / playing, clarinet", silence, clarinet);
+  print_ratio("greed_gradient~ silent / playing, clarinet", silent_lanes, lanes);
+#ifdef TACTUS_HAS_STK
+  print_ratio("greed~ / STK Clarinet", clarinet, peer);
+  print_ratio("greed_gradient~ / STK Clarinet", lanes, peer);
+#endif
+}

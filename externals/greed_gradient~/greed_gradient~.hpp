@@ -1,0 +1,204 @@
+#pragma once
+
+#include "core/object.hpp"
+#include "core/reed/gradient.hpp"
+#include "core/reed/gradient_range.hpp"
+#include "externals/greed_gradient~/reed_settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+namespace tactus {
+
+/// [greed_gradient~]: one reed that sounds, and the slope of its playability around the hand
+/// (core/reed/gradient.hpp). docs/guidance.md.
+class GreedGradient {
+public:
+  static constexpr std::array<std::string_view, 2> kModes{"reed", "growth"};
+  static constexpr auto kParameters = greed::with_own(std::array{
+      Parameter{"delta", "", 0.01, 1e-3, 0.25, "distance of the neighbours, of the plane's side"},
+      Parameter{"mode", "", 0, 0, 1, "slope of five reeds' playability, or of linear theory",
+                kModes},
+      Parameter{"attack", "ms", 5, 0.1, 5000, "playability~: time in which the envelope rises"},
+      Parameter{"release", "ms", 80, 0.1, 5000, "playability~: time in which the envelope falls"},
+      Parameter{"hp", "Hz", 10, 0.1, 1000, "playability~: high-pass of the angle"},
+      Parameter{"ref", "rad", 0.03, 1e-6, 10, "playability~: amplitude that is half playable"},
+      Parameter{"window", "ms", 50, 5, 250, "playability~: time over which crossings count"},
+      Parameter{"hyst", "", 0.2, 0, 0.9, "playability~: hysteresis of the count"},
+  });
+  static constexpr std::array kInlets{
+      Port{Port::Kind::kSignal, "y", "", "the hand's height 0..1: mouth pressure"},
+      Port{Port::Kind::kSignal, "z", "", "the hand's depth 0..1: reed frequency"},
+      Port{Port::Kind::kSignal, "f_b", "Hz", "bore frequency; 0: the preset's own length"},
+  };
+  static constexpr std::array kOutlets{
+      Port{Port::Kind::kSignal, "sound", "", "of the reed at the hand, within +-1"},
+      Port{Port::Kind::kControl, "f_p", "", "playability of that reed, after each block"},
+      Port{Port::Kind::kControl, "gradient", "", "list g_y g_z, for one unit of y and of z"},
+  };
+  static constexpr std::array kMessages{
+      Message{"preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
+              "all of valve and bore at once, and a range in which it plays"},
+      Message{"range", "p_lo p_hi f_lo f_hi", 4, 4, "what 0 and 1 of y (Pa) and z (Hz) stand for"},
+      Message{"reset", "", 0, 0, "valves at rest, air still"},
+  };
+  static constexpr std::array kArguments{CreationArgument{"preset"}};
+  static constexpr Declaration declaration{
+      "greed_gradient~",
+      "a reed and the slope of its playability in one object",
+      "Five reeds of one instrument, one at the hand's place in the plane of mouth pressure and "
+      "reed frequency and one on each side of it, judged as by playability~; their differences "
+      "are the slope that guides the hand. Costs about as much as one greed~. In growth mode the "
+      "slope comes from linear theory and leads also out of silence.",
+      "reed lips haptic gradient playability guidance",
+      kInlets,
+      kOutlets,
+      kParameters,
+      kMessages,
+      kArguments};
+
+  void prepare(double sample_rate, std::size_t) {
+    sample_rate_ = sample_rate;
+    gradient_.prepare(sample_rate);
+  }
+  void set(std::size_t parameter, double value) noexcept;
+  [[nodiscard]] double get(std::size_t parameter) const noexcept;
+  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
+  void report(Host& host);
+  void dump(Host& host);
+
+  template <class S> void process(const Block<S>& block) noexcept {
+    std::array<double, reed::ReedGradient::kHold> sound;
+    for (std::size_t done = 0; done < block.frames;) {
+      const auto hand = [&](std::size_t inlet) {
+        return static_cast<double>(block.inputs[inlet][done]);
+      };
+      if (gradient_.until_hand() == 0)
+        gradient_.move(hand(0), hand(1), hand(2));
+      const std::size_t left =
+          gradient_.until_hand() > 0 ? gradient_.until_hand() : reed::ReedGradient::kHold;
+      const std::size_t count = std::min(left, block.frames - done);
+      gradient_.process(std::span(sound).first(count));
+      for (std::size_t i = 0; i < count; ++i)
+        block.outputs[0][done + i] = static_cast<S>(sound[i]);
+      done += count;
+    }
+    unreported_ += block.frames;
+  }
+
+private:
+  enum Own : std::size_t {
+    kDelta,
+    kMode,
+    kAttack,
+    kRelease,
+    kHighpass,
+    kReference,
+    kWindow,
+    kHysteresis
+  };
+  static constexpr std::size_t kFirstOwn = greed::kParameters.size();
+
+  reed::ReedGradient gradient_;
+  reed::Parameters parameters_{};
+  reed::PlayabilityParameters judge_{};
+  double sample_rate_ = 48000;
+  std::size_t unreported_ = 0;
+};
+
+inline void GreedGradient::set(std::size_t parameter, double value) noexcept {
+  if (parameter < kFirstOwn) {
+    greed::kMembers[parameter].set(parameters_, value);
+    gradient_.set(parameters_);
+    return;
+  }
+  switch (parameter - kFirstOwn) {
+  case kDelta:
+    return gradient_.set_delta(value);
+  case kMode:
+    return gradient_.set_mode(value >= 0.5 ? reed::ReedGradient::Mode::kGrowth
+                                           : reed::ReedGradient::Mode::kReed);
+  case kAttack:
+    judge_.attack_s = 1e-3 * value;
+    break;
+  case kRelease:
+    judge_.release_s = 1e-3 * value;
+    break;
+  case kHighpass:
+    judge_.highpass_hz = value;
+    break;
+  case kReference:
+    judge_.reference_rad = value;
+    break;
+  case kWindow:
+    judge_.window_s = 1e-3 * value;
+    break;
+  default:
+    judge_.hysteresis = value;
+    break;
+  }
+  gradient_.set(judge_);
+}
+
+inline double GreedGradient::get(std::size_t parameter) const noexcept {
+  if (parameter < kFirstOwn)
+    return greed::kMembers[parameter].get(gradient_.parameters());
+  switch (parameter - kFirstOwn) {
+  case kDelta:
+    return gradient_.delta();
+  case kMode:
+    return gradient_.mode() == reed::ReedGradient::Mode::kGrowth ? 1 : 0;
+  case kAttack:
+    return 1e3 * judge_.attack_s;
+  case kRelease:
+    return 1e3 * judge_.release_s;
+  case kHighpass:
+    return judge_.highpass_hz;
+  case kReference:
+    return judge_.reference_rad;
+  case kWindow:
+    return 1e3 * judge_.window_s;
+  default:
+    return judge_.hysteresis;
+  }
+}
+
+inline void GreedGradient::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+  if (index == 0) {
+    if (const auto preset = greed::preset_of(arguments[0], parameters_, host)) {
+      parameters_ = *preset;
+      gradient_.set(parameters_);
+      gradient_.set_range(reed::range_for(parameters_));
+    }
+  } else if (index == 1) {
+    if (const auto range = greed::range_of(arguments, host))
+      gradient_.set_range(*range);
+  } else {
+    gradient_.reset();
+  }
+}
+
+/// After each block; the growth map grows here, in the time between blocks.
+inline void GreedGradient::report(Host& host) {
+  constexpr double kNodesPerSecond = 3000; // some 15 % of a core while the map is at work
+  const double seconds = static_cast<double>(unreported_) / sample_rate_;
+  unreported_ = 0;
+  if (gradient_.mode() == reed::ReedGradient::Mode::kGrowth && gradient_.map_lags())
+    gradient_.advance_map(1 + static_cast<std::size_t>(kNodesPerSecond * seconds));
+  const reed::Gradient slope = gradient_.gradient();
+  host.send(2, {slope.y, slope.z});
+  host.send(1, {gradient_.playability()});
+}
+
+inline void GreedGradient::dump(Host& host) {
+  const reed::ControlRange& range = gradient_.range();
+  host.info({"range", range.lowest_pressure, range.highest_pressure, range.lowest_frequency,
+             range.highest_frequency});
+  host.info({"P_M", reed::closing_pressure(gradient_.parameters())});
+  host.info({"L", gradient_.ensemble().length()});
+}
+
+} // namespace tactus

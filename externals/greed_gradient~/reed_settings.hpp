@@ -1,0 +1,73 @@
+#pragma once
+
+#include "core/object.hpp"
+#include "core/reed/parameters.hpp"
+#include "core/reed/presets.hpp"
+#include "core/words.hpp"
+#include "externals/greed~/declaration.hpp"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+/// What the objects around [greed~] share: its parameters in front of their own, and its presets.
+namespace tactus::greed {
+
+/// The parameters of [greed~], then those of an object that contains reeds.
+template <std::size_t count>
+[[nodiscard]] constexpr auto with_own(const std::array<Parameter, count>& own) {
+  std::array<Parameter, kParameters.size() + count> all{};
+  for (std::size_t i = 0; i < kParameters.size(); ++i)
+    all[i] = kParameters[i];
+  for (std::size_t i = 0; i < count; ++i)
+    all[kParameters.size() + i] = own[i];
+  return all;
+}
+
+/// The preset's valve and bore with the numerics and the air of `now`; empty, after an error
+/// sentence, when there is none of that name.
+[[nodiscard]] inline std::optional<Parameters> preset_of(const Atom& name, const Parameters& now,
+                                                         Host& host) {
+  auto preset = name.is_word ? reed::find_preset(name.word) : std::nullopt;
+  if (!preset) {
+    std::string sentence = "preset " +
+                           (name.is_word ? std::string(name.word) : number_text(name.number)) +
+                           ": expected ";
+    const auto all = reed::presets();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i > 0)
+        sentence += i + 1 == all.size() ? " or " : ", ";
+      sentence += all[i].name;
+    }
+    host.error(sentence);
+    return std::nullopt;
+  }
+  preset->flow = now.flow;
+  preset->oversampling = now.oversampling;
+  preset->breath_noise = now.breath_noise;
+  preset->seed = now.seed;
+  preset->tune = now.tune;
+  preset->temperature = now.temperature;
+  return preset;
+}
+
+/// p_lo p_hi f_lo f_hi of the message `range`; empty, after an error sentence, when they are not
+/// four numbers that make a plane.
+[[nodiscard]] inline std::optional<reed::ControlRange> range_of(std::span<const Atom> words,
+                                                                Host& host) {
+  constexpr double kHighestPressure = 50e3, kLowestFrequency = 1, kHighestFrequency = 20e3;
+  const auto is_number = [&](std::size_t i, double low, double high) {
+    return !words[i].is_word && words[i].number >= low && words[i].number <= high;
+  };
+  if (words.size() == 4 && is_number(0, -kHighestPressure, kHighestPressure) &&
+      is_number(1, -kHighestPressure, kHighestPressure) &&
+      is_number(2, kLowestFrequency, kHighestFrequency) &&
+      is_number(3, kLowestFrequency, kHighestFrequency) && words[0].number < words[1].number &&
+      words[2].number < words[3].number)
+    return reed::ControlRange{words[0].number, words[1].number, words[2].number, words[3].number};
+  host.error("range: expected p_lo < p_hi in -50000..50000 Pa and f_lo < f_hi in 1..20000 Hz");
+  return std::nullopt;
+}
+
+} // namespace tactus::greed
