@@ -1,0 +1,67 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+namespace tactus::reed {
+
+/// One computation of a grid's nodes in a thread of its own. The nodes are published in order:
+/// those below done() are final and may be read while the rest is at work. Nothing waits for
+/// anything but cancel(), which waits for the portion at hand.
+class MapWorker {
+public:
+  /// Writes further nodes from `first` on and returns the number of those that are final; called
+  /// until that is all of them. Runs in the worker's thread, or in run()'s caller.
+  using Portion = std::function<std::size_t(std::vector<double>& nodes, std::size_t first)>;
+
+  ~MapWorker() { cancel(); }
+
+  /// Cancels what is at work and begins anew.
+  void start(std::size_t nodes, Portion portion) {
+    renew(nodes);
+    thread_ = std::jthread([this, work = std::move(portion)](std::stop_token stop) {
+      compute(work, [&stop] { return stop.stop_requested(); });
+    });
+  }
+  /// The same, here and now.
+  void run(std::size_t nodes, const Portion& portion) {
+    renew(nodes);
+    compute(portion, [] { return false; });
+  }
+  void cancel() {
+    if (!thread_.joinable())
+      return;
+    thread_.request_stop();
+    thread_.join();
+  }
+
+  [[nodiscard]] std::size_t done() const noexcept { return done_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
+  [[nodiscard]] bool finished() const noexcept { return done() == nodes_.size(); }
+  /// index < done().
+  [[nodiscard]] double node(std::size_t index) const noexcept { return nodes_[index]; }
+
+private:
+  void renew(std::size_t nodes) {
+    cancel();
+    nodes_.assign(nodes, 0);
+    done_.store(0, std::memory_order_release);
+  }
+  template <class Stopped> void compute(const Portion& portion, Stopped stopped) {
+    std::size_t done = 0;
+    while (done < nodes_.size() && !stopped()) {
+      done = portion(nodes_, done);
+      done_.store(done, std::memory_order_release);
+    }
+  }
+
+  std::vector<double> nodes_;
+  std::atomic<std::size_t> done_{0};
+  std::jthread thread_;
+};
+
+} // namespace tactus::reed

@@ -1,0 +1,256 @@
+#include "externals/playability_map/playability_map.hpp"
+
+#include "core/reed/gradient_range.hpp"
+#include "core/reed/linear_stability.hpp"
+#include "core/reed/playability_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+namespace tactus::reed {
+namespace {
+
+constexpr double kTick = 50;               // ms between batches of cells
+constexpr std::size_t kCellsPerTick = 400; // in a batch
+constexpr double kGrowthScale = 50;        // 1/s, of the colours
+
+struct Colour {
+  double r, g, b;
+};
+
+/// Dark blue over green to yellow, even steps of value even to the eye; x in [0, 1].
+Colour colour(double x) {
+  constexpr std::array<Colour, 5> kStops{
+      {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
+  const double at = (x > 0 ? std::min(x, 1.0) : 0.0) * (kStops.size() - 1);
+  const auto stop = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
+  const double rest = at - static_cast<double>(stop);
+  const Colour &a = kStops[stop], &b = kStops[stop + 1];
+  return {std::round(a.r + rest * (b.r - a.r)), std::round(a.g + rest * (b.g - a.g)),
+          std::round(a.b + rest * (b.b - a.b))};
+}
+
+/// The length that an instrument with these parameters takes for a bore frequency.
+double length_of(const Parameters& parameters, double bore_frequency) {
+  const auto reeds = make_reed_ensemble(Instructions::kBaseline);
+  reeds->set(parameters);
+  reeds->prepare(48000);
+  reeds->process({}, {}, bore_frequency, 1, {});
+  return reeds->length();
+}
+
+} // namespace
+
+PlayabilityMapObject::PlayabilityMapObject() {
+  for (std::size_t i = 0; i < own_.size(); ++i)
+    own_[i] = kParameters[kFirstOwn + i].initial;
+  range_ = range_for(parameters_);
+}
+
+void PlayabilityMapObject::set(std::size_t parameter, double value) noexcept {
+  if (parameter < kFirstOwn)
+    greed::kMembers[parameter].set(parameters_, value);
+  else
+    own_[parameter - kFirstOwn] = value;
+}
+
+double PlayabilityMapObject::get(std::size_t parameter) const noexcept {
+  return parameter < kFirstOwn ? greed::kMembers[parameter].get(parameters_)
+                               : own_[parameter - kFirstOwn];
+}
+
+std::string PlayabilityMapObject::key() const {
+  std::string text;
+  const auto add = [&text](double value) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.17g ", value);
+    text += number;
+  };
+  for (const greed::Member& member : greed::kMembers)
+    add(member.get(parameters_));
+  for (const double value :
+       {parameters_.length, parameters_.reed_frequency, range_.lowest_pressure,
+        range_.highest_pressure, range_.lowest_frequency, range_.highest_frequency})
+    add(value);
+  for (std::size_t i = 0; i < own_.size(); ++i)
+    if (i != kBackground)
+      add(own_[i]);
+  return text;
+}
+
+MapWorker::Portion PlayabilityMapObject::portion() const {
+  if (growth_) {
+    const LinearStability theory(clamped(parameters_),
+                                 length_of(parameters_, own_[kBoreFrequency]));
+    const ControlRange range = range_;
+    const std::size_t columns = columns_, rows = rows_;
+    return [=](std::vector<double>& nodes, std::size_t first) {
+      const std::size_t end = std::min(first + 8, nodes.size());
+      for (std::size_t n = first; n < end; ++n) {
+        const double y = static_cast<double>(n % columns) / static_cast<double>(columns - 1);
+        const double z = static_cast<double>(n / columns) / static_cast<double>(rows - 1);
+        nodes[n] = theory.dominant_mode(range.pressure(y), range.frequency(z)).growth_rate;
+      }
+      return end;
+    };
+  }
+  PlayabilityMapSettings settings;
+  settings.parameters = parameters_;
+  settings.bore_frequency = own_[kBoreFrequency];
+  settings.range = range_;
+  settings.sample_rate = own_[kRate];
+  settings.settle_s = 1e-3 * own_[kSettle];
+  settings.listen_s = 1e-3 * own_[kListen];
+  auto map = std::make_shared<PlayabilityMap>();
+  map->begin(settings, columns_, rows_);
+  return [map](std::vector<double>& nodes, std::size_t first) {
+    const std::size_t end = map->advance(first);
+    const std::size_t columns = map->field().columns();
+    for (std::size_t n = first; n < end; ++n)
+      nodes[n] = map->field().node(n % columns, n / columns);
+    return end;
+  };
+}
+
+void PlayabilityMapObject::compute(Host& host) {
+  worker_.cancel();
+  columns_ = count(kColumns);
+  rows_ = count(kRows);
+  growth_ = own_[kQuantity] >= 0.5;
+  total_ = columns_ * rows_;
+  working_key_ = key();
+  computing_ = true;
+  if (const auto* known = store_.find(working_key_)) {
+    worker_.run(total_, [known](std::vector<double>& nodes, std::size_t) {
+      nodes = *known;
+      return nodes.size();
+    });
+  } else if (own_[kBackground] >= 0.5) {
+    worker_.start(total_, portion());
+  } else {
+    worker_.run(total_, portion());
+  }
+  draw(host);
+}
+
+/// The finished map becomes the one that is looked up.
+void PlayabilityMapObject::finish(std::span<const double> nodes) {
+  field_.resize(columns_, rows_);
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    field_.node(n % columns_, n / columns_) = nodes[n];
+  field_.differentiate();
+  store_.put(working_key_, {nodes.begin(), nodes.end()});
+}
+
+void PlayabilityMapObject::draw(Host& host) {
+  if (total_ == 0)
+    return host.error("draw: no map yet; send compute");
+  sent_ = 0;
+  drawing_ = true;
+  host.send(2, {"cells", static_cast<double>(columns_), static_cast<double>(rows_)});
+  host.wake_in(0, 0);
+}
+
+void PlayabilityMapObject::send_cells(Host& host, std::size_t to) {
+  for (; sent_ < to; ++sent_) {
+    const double value = worker_.node(sent_);
+    const Colour c = colour(growth_ ? 0.5 + 0.5 * value / (std::abs(value) + kGrowthScale) : value);
+    host.send(2, {"cell", static_cast<double>(sent_ % columns_),
+                  static_cast<double>(sent_ / columns_), value, c.r, c.g, c.b});
+  }
+}
+
+void PlayabilityMapObject::tick(std::size_t, Host& host) {
+  if (!drawing_)
+    return;
+  const std::size_t done = worker_.done();
+  if (computing_) {
+    if (done == total_) {
+      computing_ = false;
+      std::vector<double> nodes(total_);
+      for (std::size_t n = 0; n < total_; ++n)
+        nodes[n] = worker_.node(n);
+      finish(nodes);
+    }
+    host.send(3, {static_cast<double>(done) / static_cast<double>(total_)});
+  }
+  send_cells(host, std::min(done, sent_ + kCellsPerTick));
+  drawing_ = computing_ || sent_ < total_;
+  if (drawing_)
+    host.wake_in(0, kTick);
+}
+
+void PlayabilityMapObject::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+  enum { kPreset, kRange, kCompute, kBang, kCancel, kDraw, kWrite, kRead };
+  const auto report = [&host](const std::string& refusal) {
+    if (!refusal.empty())
+      host.error(refusal);
+  };
+  const auto is_name = [&](const char* message) {
+    if (arguments[0].is_word)
+      return true;
+    host.error(std::string(message) + ": expected the name of a file");
+    return false;
+  };
+  switch (index) {
+  case kPreset:
+    if (const auto preset = greed::preset_of(arguments[0], parameters_, host)) {
+      parameters_ = *preset;
+      range_ = range_for(parameters_);
+    }
+    break;
+  case kRange:
+    if (const auto range = greed::range_of(arguments, host))
+      range_ = *range;
+    break;
+  case kCompute:
+  case kBang:
+    compute(host);
+    break;
+  case kCancel:
+    worker_.cancel();
+    if (computing_)
+      total_ = 0; // what was finished of it is no map
+    computing_ = drawing_ = false;
+    host.wake_in(0, -1);
+    break;
+  case kDraw:
+    draw(host);
+    break;
+  case kWrite:
+    if (is_name("write"))
+      report(store_.write(host.new_file(arguments[0].word)));
+    break;
+  case kRead:
+    if (!is_name("read"))
+      break;
+    if (const std::string path = host.find_file(arguments[0].word); !path.empty())
+      report(store_.read(path));
+    else
+      host.error("read: cannot find " + std::string(arguments[0].word));
+    break;
+  default:
+    break;
+  }
+}
+
+void PlayabilityMapObject::scalar(std::size_t inlet, double value, Host& host) {
+  if (inlet == 1) {
+    z_ = value;
+    return;
+  }
+  const Gradient slope = field_.gradient(value, z_);
+  host.send(1, {slope.y, slope.z});
+  host.send(0, {field_.value(value, z_)});
+}
+
+void PlayabilityMapObject::dump(Host& host) {
+  host.info({"range", range_.lowest_pressure, range_.highest_pressure, range_.lowest_frequency,
+             range_.highest_frequency});
+  host.info({"maps", static_cast<double>(store_.size())});
+}
+
+} // namespace tactus::reed
