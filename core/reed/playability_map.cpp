@@ -12,6 +12,8 @@ void PlayabilityMap::begin(const PlayabilityMapSettings& settings, std::size_t c
   ensemble_->set(settings.parameters);
   ensemble_->set(settings.judge);
   ensemble_->prepare(settings.sample_rate);
+  ensemble_->process({}, {}, settings.bore_frequency, 1, {}); // lets it choose its length
+  length_ = ensemble_->length();
 }
 
 std::size_t PlayabilityMap::advance(std::size_t first) noexcept {

@@ -33,12 +33,15 @@ public:
   /// returns the first node not computed.
   std::size_t advance(std::size_t first) noexcept;
   [[nodiscard]] std::size_t size() const noexcept { return field_.columns() * field_.rows(); }
+  /// The bore's length that the settings stand for, m.
+  [[nodiscard]] double length() const noexcept { return length_; }
   [[nodiscard]] const GradientField& field() const noexcept { return field_; }
 
 private:
   PlayabilityMapSettings settings_{};
   std::unique_ptr<ReedEnsemble> ensemble_;
   GradientField field_;
+  double length_ = 0;
 };
 
 } // namespace tactus::reed

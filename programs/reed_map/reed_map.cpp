@@ -1,0 +1,137 @@
+// tactus_reed_map PRESET [options] > map.csv
+//
+// Where an instrument plays, over mouth pressure and reed frequency, one line a node:
+//   y,z,pressure_pa,reed_hz,f_p,growth_per_s,frequency_hz,free
+// f_p by playing the node from rest for 0.7 s; growth rate and frequency of the dominant mode by
+// linear theory; free is 0 where the valve rests against its stop or limit, so that no note starts.
+//
+//   --range P_LO P_HI F_LO F_HI   Pa and Hz; otherwise a range in which the preset plays
+//   --bore HZ                     bore frequency; otherwise the preset's own length
+//   --nodes COLUMNS ROWS          along pressure and along frequency; otherwise 61 61
+//   --part I/N                    only the I-th of N shares of the rows (1 <= I <= N), for batches
+#include "core/reed/gradient_range.hpp"
+#include "core/reed/linear_stability.hpp"
+#include "core/reed/playability_map.hpp"
+#include "core/reed/presets.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace {
+
+using namespace tactus::reed;
+
+struct Order {
+  Parameters parameters{};
+  ControlRange range{};
+  double bore_frequency = 0;
+  std::size_t columns = 61, rows = 61, part = 1, parts = 1;
+};
+
+std::optional<double> number(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size())
+    return std::nullopt;
+  return value;
+}
+
+int refuse(const std::string& sentence) {
+  std::fprintf(stderr, "tactus_reed_map: %s\n", sentence.c_str());
+  return 1;
+}
+
+/// Numbers that follow an option, each within low..high; empty when one is missing or outside.
+bool take(std::span<char*> words, std::size_t at, std::span<double> values, double low,
+          double high) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto value = at + 1 + i < words.size() ? number(words[at + 1 + i]) : std::nullopt;
+    if (!value || !(*value >= low && *value <= high))
+      return false;
+    values[i] = *value;
+  }
+  return true;
+}
+
+/// A sentence when the command line is not understood, else empty.
+std::string read(std::span<char*> words, Order& order) {
+  if (words.empty())
+    return "which preset? clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
+  const auto preset = find_preset(words[0]);
+  if (!preset)
+    return "no preset " + std::string(words[0]);
+  order.parameters = *preset;
+  order.range = range_for(*preset);
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string_view option = words[i];
+    double v[4] = {};
+    if (option == "--range") {
+      if (!take(words, i, std::span(v, 4), -50e3, 50e3) || v[0] >= v[1] || v[2] < 1 || v[2] >= v[3])
+        return "--range: expected p_lo < p_hi in Pa and 1 <= f_lo < f_hi in Hz";
+      order.range = {v[0], v[1], v[2], v[3]};
+      i += 4;
+    } else if (option == "--bore") {
+      if (!take(words, i, std::span(v, 1), 8, 4000))
+        return "--bore: expected 8 to 4000 Hz";
+      order.bore_frequency = v[0];
+      i += 1;
+    } else if (option == "--nodes") {
+      if (!take(words, i, std::span(v, 2), 2, 2000))
+        return "--nodes: expected 2 to 2000, twice";
+      order.columns = static_cast<std::size_t>(v[0]);
+      order.rows = static_cast<std::size_t>(v[1]);
+      i += 2;
+    } else if (option == "--part") {
+      unsigned part = 0, parts = 0;
+      if (i + 1 >= words.size() || std::sscanf(words[i + 1], "%u/%u", &part, &parts) != 2 ||
+          part < 1 || part > parts)
+        return "--part: expected i/n with 1 <= i <= n";
+      order.part = part;
+      order.parts = parts;
+      i += 1;
+    } else {
+      return "unknown option " + std::string(option);
+    }
+  }
+  return "";
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  Order order;
+  const std::string refusal = read(std::span(argv + 1, static_cast<std::size_t>(argc - 1)), order);
+  if (!refusal.empty())
+    return refuse(refusal);
+
+  PlayabilityMapSettings settings;
+  settings.parameters = order.parameters;
+  settings.range = order.range;
+  settings.bore_frequency = order.bore_frequency;
+  PlayabilityMap map;
+  map.begin(settings, order.columns, order.rows);
+  const double length = map.length();
+  const LinearStability theory(clamped(order.parameters), length);
+  const std::size_t first = (order.part - 1) * order.rows / order.parts * order.columns;
+  const std::size_t end = order.part * order.rows / order.parts * order.columns;
+  if (order.part == 1)
+    std::puts("y,z,pressure_pa,reed_hz,f_p,growth_per_s,frequency_hz,free");
+  for (std::size_t n = first; n < end;) {
+    const std::size_t done = std::min(map.advance(n), end);
+    for (; n < done; ++n) {
+      const std::size_t i = n % order.columns, k = n / order.columns;
+      const double y = map.field().y_of(i), z = map.field().z_of(k);
+      const double pressure = order.range.pressure(y), reed = order.range.frequency(z);
+      const Mode mode = theory.dominant_mode(pressure, reed);
+      std::printf("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d\n", y, z, pressure, reed,
+                  map.field().node(i, k), mode.growth_rate, mode.frequency_hz,
+                  theory.equilibrium(pressure, reed).free ? 1 : 0);
+    }
+  }
+  return std::fflush(stdout) == 0 ? 0 : refuse("cannot write");
+}
