@@ -63,8 +63,9 @@ void ReedGradient::aim() noexcept {
   }
   stencil_ = stencil;
   for (std::size_t lane = 0; lane < target_.size(); ++lane) {
-    const double start = aimed_ ? target_[lane] : 0; // the first breath comes from silence
+    const double before = target_[lane];
     target_[lane] = range_.pressure(stencil.y[lane < stencil.y.size() ? lane : 0]);
+    const double start = aimed_ ? before : target_[lane];
     mouth_.start[lane] = start;
     mouth_.slope[lane] = (target_[lane] - start) / static_cast<double>(kHold);
   }
