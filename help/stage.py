@@ -25,9 +25,10 @@ LINE = 19  # pixels between two lines of text
 
 
 def escape(text):
-    """Text as a Pd file holds it."""
-    for symbol in ("\\", ",", ";", "$"):
-        text = text.replace(symbol, " \\" + symbol if symbol in ",;" else "\\" + symbol)
+    """Text as a Pd file holds it. Pd ends a line of a comment at a semicolon: none are left."""
+    text = text.replace(";", ",")
+    for symbol in ("\\", ",", "$"):
+        text = text.replace(symbol, " \\" + symbol if symbol == "," else "\\" + symbol)
     return text
 
 
