@@ -38,8 +38,8 @@ void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcep
   parameters_ = parameters;
   rate_ = internal_rate;
   air_ = air_at(parameters.temperature);
-  impedance_ = air_.density * air_.sound_speed /
-               (kPi * parameters.input_radius * parameters.input_radius);
+  impedance_ =
+      air_.density * air_.sound_speed / (kPi * parameters.input_radius * parameters.input_radius);
   const double low = 2 * kPi * 8;
   const double high = 2 * kPi * std::min(0.4 * rate_, 20000.0);
   spacing_ = std::log(high / low) / (RoundTrip::kLossSections - 1);
@@ -75,9 +75,7 @@ double BoreDesign::length_for(double bore_frequency) const noexcept {
   return std::clamp(length, kShortest, longest());
 }
 
-double BoreDesign::longest() const noexcept {
-  return 0.5 * air_.sound_speed / kLowestFrequency;
-}
+double BoreDesign::longest() const noexcept { return 0.5 * air_.sound_speed / kLowestFrequency; }
 
 RoundTrip BoreDesign::round_trip(double length) const noexcept {
   RoundTrip trip;
@@ -110,8 +108,8 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
   const Complex wanted = std::exp(-loss * std::sqrt(s)) *
                          OpenEnd::reflection(s * parameters_.end_radius / air_.sound_speed);
   const double lead = std::arg(filters / wanted);
-  trip.delay = std::clamp((transit + lead / omega) * rate_, 3.0,
-                          static_cast<double>(longest_delay(rate_)));
+  trip.delay =
+      std::clamp((transit + lead / omega) * rate_, 3.0, static_cast<double>(longest_delay(rate_)));
   return trip;
 }
 

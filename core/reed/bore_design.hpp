@@ -15,7 +15,7 @@ namespace tactus::reed {
 struct RoundTrip {
   static constexpr int kLossSections = 7;
   static constexpr int kSections = kLossSections + 2;
-  double delay = 3; // D, internal samples, fractional
+  double delay = 3;                               // D, internal samples, fractional
   std::array<double, kSections> pole{}, excess{}; // p_k, c_k
   double arriving_gain = 1;
   double returning_gain = -1;
@@ -56,7 +56,7 @@ private:
   Air air_ = air_at(20);
   double rate_ = 48000;
   double impedance_ = 0;
-  double spacing_ = 0;                                      // h
+  double spacing_ = 0;                                       // h
   std::array<double, RoundTrip::kLossSections> frequency_{}; // q_k
   std::array<double, RoundTrip::kLossSections> bilinear_{};  // K_k = q_k/tan(q_k T/2)
   std::array<double, RoundTrip::kLossSections> weight_{};    // delta_k/G

@@ -30,23 +30,28 @@ void Instrument::reset() noexcept {
 
 template <class S>
 void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> reed_frequency,
-                         std::span<const S> bore_frequency, std::span<S> sound,
-                         std::span<S> theta, std::span<S> bore_pressure,
-                         std::span<S> flow) noexcept {
+                         std::span<const S> bore_frequency, std::span<S> sound, std::span<S> theta,
+                         std::span<S> bore_pressure, std::span<S> flow) noexcept {
   std::array<double, kStretch> mouth, radiated, angle, bore, through;
   const double gain = bank_.parameters().gain;
   for (std::size_t done = 0; done < mouth_pressure.size();) {
     if (bank_.until_control() == 0)
       bank_.control(static_cast<double>(reed_frequency[done]),
                     static_cast<double>(bore_frequency[done]));
-    const std::size_t count = std::min(mouth_pressure.size() - done,
-                                       static_cast<std::size_t>(bank_.until_control()));
+    const std::size_t count =
+        std::min(mouth_pressure.size() - done, static_cast<std::size_t>(bank_.until_control()));
+    bool usable = true;
     for (std::size_t i = 0; i < count; ++i) {
-      const double pressure = static_cast<double>(mouth_pressure[done + i]);
-      if (pressure == pressure)
-        last_pressure_ = std::clamp(pressure, -kHighestPressure, kHighestPressure);
-      mouth[i] = last_pressure_;
+      mouth[i] = static_cast<double>(mouth_pressure[done + i]);
+      usable &= std::abs(mouth[i]) <= kHighestPressure;
     }
+    if (!usable)
+      for (std::size_t i = 0; i < count; ++i) {
+        const double before = i == 0 ? last_pressure_ : mouth[i - 1];
+        mouth[i] = mouth[i] == mouth[i] ? std::clamp(mouth[i], -kHighestPressure, kHighestPressure)
+                                        : before;
+      }
+    last_pressure_ = mouth[count - 1];
     bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
               static_cast<int>(count));
     for (std::size_t i = 0; i < count; ++i) {

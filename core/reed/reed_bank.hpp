@@ -92,7 +92,7 @@ public:
     const auto moving = (omega_from_ < omega_to_) | (omega_to_ < omega_from_);
     reed_moves_ = any(moving);
     if (!reed_moves_)
-      coefficients_[0] = ReedCoefficients<V>::at(constants_, omega_to_);
+      steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
 
     if (!(bore_frequency == bore_frequency_)) { // false also for a first NaN
       bore_frequency_ = bore_frequency > 0 && bore_frequency < 1e9 ? bore_frequency : 0;
@@ -100,7 +100,8 @@ public:
     } else if (length_due_) {
       choose_length(static_cast<double>(simd::lane(given, 0)));
     }
-    const double next = fresh_ ? length_target_ : length_to_ + slew_ * (length_target_ - length_to_);
+    const double next =
+        fresh_ ? length_target_ : length_to_ + slew_ * (length_target_ - length_to_);
     move_bore(std::abs(length_target_ - next) < 1e-7 * length_target_ ? length_target_ : next);
     if (fresh_)
       delay_from_ = trip_.delay;
@@ -140,7 +141,7 @@ private:
     const ValveConstants old = constants_;
     constants_ = ValveConstants::from(parameters_, design_, rate);
     place_valve(old);
-    coefficients_[0] = ReedCoefficients<V>::at(constants_, omega_to_);
+    steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
     if (oversampling_ != before)
       still_air();
     length_due_ = true;
@@ -159,13 +160,14 @@ private:
     const V wanted =
         V(turn) * (state_.deflection + V(old.rest_opening)) - V(constants_.rest_opening);
     const V low(constants_.lowest), high(constants_.highest);
-    state_.velocity = simd::select((wanted < low) | (wanted > high), V(0.0),
-                                   V(turn) * state_.velocity);
+    state_.velocity =
+        simd::select((wanted < low) | (wanted > high), V(0.0), V(turn) * state_.velocity);
     state_.deflection = simd::minimum(simd::maximum(wanted, low), high);
     if (constants_.inertance_rate == 0)
       state_.inertance_flow = V(0.0);
     if (constants_.compliance_rate == 0)
       state_.compliance_flow = V(0.0);
+    state_.remember(constants_);
   }
 
   void choose_length(double reed_frequency) noexcept {
@@ -173,10 +175,10 @@ private:
     if (parameters_.length_override > 0) {
       length_target_ = parameters_.length_override;
     } else if (bore_frequency_ > 0) {
-      const double f = std::clamp(bore_frequency_, BoreDesign::kLowestFrequency,
-                                  BoreDesign::kHighestFrequency);
-      length_target_ = parameters_.tune ? tuned_length(parameters_, f, reed_frequency)
-                                        : design_.length_for(f);
+      const double f =
+          std::clamp(bore_frequency_, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+      length_target_ =
+          parameters_.tune ? tuned_length(parameters_, f, reed_frequency) : design_.length_for(f);
     } else {
       length_target_ = parameters_.length;
     }
@@ -216,15 +218,15 @@ private:
     quieten(state_.bore_pressure);
     quieten(state_.inertance_flow);
     quieten(state_.compliance_flow);
+    quieten(state_.past);
     for (V& value : filter_.state)
       quieten(value);
   }
 
   void chunk(const V* mouth_pressure, const Outputs& out, int samples) noexcept {
     const int count = samples * oversampling_;
-    Signal mouth, returning, radiated, outgoing, deflection, bore, flow;
+    Signal mouth, wave, radiated, deflection, bore, flow;
     std::array<double, kChunk> noise;
-    std::array<ReedCoefficients<V>, kChunk> moving;
     // The mouth pressure runs straight from sample to sample.
     const V share(1.0 / oversampling_);
     for (int n = 0, i = 0; n < samples; ++n) {
@@ -245,23 +247,17 @@ private:
       const double first = delay_from_ + phase * (trip_.delay - delay_from_);
       const int room = static_cast<int>(std::min(first, trip_.delay)) - 1;
       const int part = std::min(count - done, room);
-      read_line(returning.data() + done, phase, part);
-      filter_.run(trip_, returning.data() + done, radiated.data() + done, part);
+      read_line(wave.data() + done, phase, part);
+      filter_.run(trip_, wave.data() + done, radiated.data() + done, part);
       if (reed_moves_)
         for (int i = 0; i < part; ++i)
-          moving[index(i)] = ReedCoefficients<V>::at(
+          moving_[index(i)] = ReedCoefficients<V>::at(
               constants_, omega_from_ + V(phase + (i + 1) / period()) * (omega_to_ - omega_from_));
-      const ValveSignals<V> signal{mouth.data() + done,
-                                   noisy ? noise.data() + done : nullptr,
-                                   returning.data() + done,
-                                   outgoing.data() + done,
-                                   deflection.data() + done,
-                                   bore.data() + done,
-                                   flow.data() + done};
-      step(reed_moves_ ? moving.data() : coefficients_.data(), reed_moves_ ? 1 : 0, signal, part);
-      for (int i = 0; i < part; ++i)
-        line_[slot(written_ + i)] = outgoing[index(done + i)];
-      written_ = (written_ + part) & mask_;
+      const ValveSignals<V> signal{mouth.data() + done, noisy ? noise.data() + done : nullptr,
+                                   wave.data() + done,  deflection.data() + done,
+                                   bore.data() + done,  flow.data() + done};
+      step(reed_moves_ ? moving_.data() : &steady_, reed_moves_ ? 1 : 0, signal, part);
+      write_line(wave.data() + done, part);
       done += part;
     }
     const V scale(constants_.angle_scale), rest(constants_.rest_opening);
@@ -291,27 +287,46 @@ private:
 
   /// Third-order Lagrange interpolation in the middle of its four points, where |H| <= 1.
   static std::array<double, 4> weights(double d) noexcept { // 1 <= d < 2
-    return {-(d - 1) * (d - 2) * (d - 3) / 6, d * (d - 2) * (d - 3) / 2,
-            -d * (d - 1) * (d - 3) / 2, d * (d - 1) * (d - 2) / 6};
+    return {-(d - 1) * (d - 2) * (d - 3) / 6, d * (d - 2) * (d - 3) / 2, -d * (d - 1) * (d - 3) / 2,
+            d * (d - 1) * (d - 2) / 6};
   }
 
   void read_line(V* wave, double phase, int count) noexcept {
-    const bool steady = delay_from_ == trip_.delay;
-    double delay = trip_.delay;
-    int whole = static_cast<int>(delay) - 2;
-    std::array<double, 4> h = weights(delay - whole - 1);
-    for (int i = 0; i < count; ++i) {
-      if (!steady) {
-        delay = delay_from_ + (phase + i / period()) * (trip_.delay - delay_from_);
-        whole = static_cast<int>(delay) - 2;
-        h = weights(delay - whole - 1);
+    if (delay_from_ == trip_.delay) {
+      // The stretch of the line that these samples see, oldest first, in one piece.
+      const int whole = static_cast<int>(trip_.delay) - 2;
+      const std::array<double, 4> h = weights(trip_.delay - whole - 1);
+      const V h0(h[0]), h1(h[1]), h2(h[2]), h3(h[3]);
+      std::array<V, kChunk + 3> whole_piece;
+      const std::size_t from = slot(written_ - whole - 4), length = index(count + 3);
+      const V* seen = line_.data() + from;
+      if (from + length > line_.size()) {
+        const std::size_t first = line_.size() - from;
+        std::copy_n(seen, first, whole_piece.data());
+        std::copy_n(line_.data(), length - first, whole_piece.data() + first);
+        seen = whole_piece.data();
       }
-      const std::ptrdiff_t at = written_ + i - 1 - whole;
-      wave[i] = V(h[0]) * line_[slot(at)] + V(h[1]) * line_[slot(at - 1)] +
-                V(h[2]) * line_[slot(at - 2)] + V(h[3]) * line_[slot(at - 3)];
+      for (int i = 0; i < count; ++i)
+        wave[i] = (h0 * seen[i + 3] + h1 * seen[i + 2]) + (h2 * seen[i + 1] + h3 * seen[i]);
+    } else {
+      for (int i = 0; i < count; ++i) {
+        const double delay = delay_from_ + (phase + i / period()) * (trip_.delay - delay_from_);
+        const int whole = static_cast<int>(delay) - 2;
+        const std::array<double, 4> h = weights(delay - whole - 1);
+        const std::ptrdiff_t at = written_ + i - 1 - whole;
+        wave[i] = (V(h[0]) * line_[slot(at)] + V(h[1]) * line_[slot(at - 1)]) +
+                  (V(h[2]) * line_[slot(at - 2)] + V(h[3]) * line_[slot(at - 3)]);
+      }
     }
     for (int i = 0; i < count; ++i)
       quieten(wave[i]);
+  }
+
+  void write_line(const V* wave, int count) noexcept {
+    const std::size_t first = std::min(index(count), line_.size() - slot(written_));
+    std::copy_n(wave, first, line_.data() + slot(written_));
+    std::copy_n(wave + first, index(count) - first, line_.data());
+    written_ = (written_ + count) & mask_;
   }
 
   /// p_rad = rho/(4 pi d) d/dt (a - b)/Z_0 at d = 1 m.
@@ -327,12 +342,11 @@ private:
 
   /// No parameter is known to drive the model out of bounds; should one, it starts anew from rest.
   void guard(Signal& a, Signal& b, Signal& c, Signal& d, int count) noexcept {
-    const auto within = [](const V& value, double limit) {
-      return simd::absolute(value) < V(limit);
+    const auto beyond = [](const V& value, double limit) { // or no number
+      return simd::any(!(simd::absolute(value) < V(limit)));
     };
-    const auto good = within(state_.bore_pressure, 1e9) & within(state_.jet_velocity, 1e6) &
-                      within(state_.velocity, 1e9) & within(radiating_, 1e9);
-    if (!simd::any(!good))
+    if (!beyond(state_.bore_pressure, 1e9) && !beyond(state_.jet_velocity, 1e6) &&
+        !beyond(state_.velocity, 1e9) && !beyond(radiating_, 1e9))
       return;
     for (Signal* signal : {&a, &b, &c, &d})
       std::fill_n(signal->begin(), count, V(0.0));
@@ -367,7 +381,8 @@ private:
   RoundTrip trip_{};
   double bore_frequency_ = 0, length_target_ = 0.48, length_to_ = 0.48, delay_from_ = 3;
   V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0}, radiating_{0.0};
-  std::array<ReedCoefficients<V>, 1> coefficients_{};
+  ReedCoefficients<V> steady_{};                     // while f_r stands
+  std::array<ReedCoefficients<V>, kChunk> moving_{}; // while it moves
   ValveState<V> state_{};
   RoundTripFilter<V> filter_{};
   std::vector<V> line_;

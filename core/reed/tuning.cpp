@@ -34,9 +34,8 @@ public:
     lumped_ = s_ * p.cup_volume / (air.density * air.sound_speed * air.sound_speed);
     if (p.shape == BoreShape::kCone)
       lumped_ += area / (s_ * air.density * p.apex_distance);
-    end_ = p.scalar_reflection > 0
-               ? Complex(-p.scalar_reflection)
-               : OpenEnd::reflection(s_ * p.end_radius / air.sound_speed);
+    end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection)
+                                   : OpenEnd::reflection(s_ * p.end_radius / air.sound_speed);
     wanted_ = p.type == ValveType::kOpen ? p.length : bore_.length_for(frequency);
   }
 

@@ -9,9 +9,9 @@ namespace tactus::reed {
 /// Displacements are counted along the valve's direction, so that a stopped valve opens towards
 /// positive values whether it is blown open or closed; the forces' signs follow.
 struct ValveConstants {
-  double period = 0;       // T
-  double direction = 1;    // +1: theta > 0 is open (and the swinging valve); -1: theta < 0
-  double rest_opening = 0; // |x_0|; the swinging valve's x_0
+  double period = 0;              // T
+  double direction = 1;           // +1: theta > 0 is open (and the swinging valve); -1: theta < 0
+  double rest_opening = 0;        // |x_0|; the swinging valve's x_0
   double lowest = 0, highest = 0; // stop and limit, as deflection from rest
   double width = 0, leak = 0;     // w, A_leak
   double mouth_area = 0;          // w lambda_m along the direction
