@@ -145,7 +145,7 @@ inline void GreedGradient::set(std::size_t parameter, double value) noexcept {
 
 inline double GreedGradient::get(std::size_t parameter) const noexcept {
   if (parameter < kFirstOwn)
-    return greed::kMembers[parameter].get(gradient_.parameters());
+    return greed::kMembers[parameter].get(parameters_);
   switch (parameter - kFirstOwn) {
   case kDelta:
     return gradient_.delta();

@@ -15,7 +15,7 @@ namespace tactus::reed {
 class MapWorker {
 public:
   /// Writes further nodes from `first` on and returns the number of those that are final; called
-  /// until that is all of them. Runs in the worker's thread, or in run()'s caller.
+  /// until that is all of them. Runs in the worker's thread, or in step()'s caller.
   using Portion = std::function<std::size_t(std::vector<double>& nodes, std::size_t first)>;
 
   ~MapWorker() { cancel(); }
@@ -24,21 +24,31 @@ public:
   void start(std::size_t nodes, Portion portion) {
     renew(nodes);
     thread_ = std::jthread([this, work = std::move(portion)](std::stop_token stop) {
-      compute(work, [&stop] { return stop.stop_requested(); });
+      std::size_t done = 0;
+      while (done < nodes_.size() && !stop.stop_requested()) {
+        done = work(nodes_, done);
+        done_.store(done, std::memory_order_release);
+      }
     });
   }
-  /// The same, here and now.
-  void run(std::size_t nodes, const Portion& portion) {
+  /// The same without a thread: step() does one portion.
+  void start_by_steps(std::size_t nodes, Portion portion) {
     renew(nodes);
-    compute(portion, [] { return false; });
+    steps_ = std::move(portion);
+  }
+  void step() {
+    if (steps_ && !finished())
+      done_.store(steps_(nodes_, done()), std::memory_order_release);
   }
   void cancel() {
+    steps_ = nullptr;
     if (!thread_.joinable())
       return;
     thread_.request_stop();
     thread_.join();
   }
 
+  [[nodiscard]] bool by_steps() const noexcept { return static_cast<bool>(steps_); }
   [[nodiscard]] std::size_t done() const noexcept { return done_.load(std::memory_order_acquire); }
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
   [[nodiscard]] bool finished() const noexcept { return done() == nodes_.size(); }
@@ -51,16 +61,9 @@ private:
     nodes_.assign(nodes, 0);
     done_.store(0, std::memory_order_release);
   }
-  template <class Stopped> void compute(const Portion& portion, Stopped stopped) {
-    std::size_t done = 0;
-    while (done < nodes_.size() && !stopped()) {
-      done = portion(nodes_, done);
-      done_.store(done, std::memory_order_release);
-    }
-  }
-
   std::vector<double> nodes_;
   std::atomic<std::size_t> done_{0};
+  Portion steps_;
   std::jthread thread_;
 };
 

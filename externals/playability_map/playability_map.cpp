@@ -13,9 +13,10 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kTick = 50;               // ms between batches of cells
-constexpr std::size_t kCellsPerTick = 400; // in a batch
-constexpr double kGrowthScale = 50;        // 1/s, of the colours
+constexpr double kBatch = 50; // ms between batches of cells
+constexpr std::size_t kCellsPerBatch = 400;
+constexpr unsigned kStepsPerBatch = 10; // portions computed in the host's own time
+constexpr double kGrowthScale = 50;     // 1/s, of the colours
 
 struct Colour {
   double r, g, b;
@@ -124,14 +125,14 @@ void PlayabilityMapObject::compute(Host& host) {
   working_key_ = key();
   computing_ = true;
   if (const auto* known = store_.find(working_key_)) {
-    worker_.run(total_, [known](std::vector<double>& nodes, std::size_t) {
-      nodes = *known;
+    worker_.start_by_steps(total_, [known = *known](std::vector<double>& nodes, std::size_t) {
+      nodes = known;
       return nodes.size();
     });
   } else if (own_[kBackground] >= 0.5) {
     worker_.start(total_, portion());
   } else {
-    worker_.run(total_, portion());
+    worker_.start_by_steps(total_, portion());
   }
   draw(host);
 }
@@ -163,24 +164,30 @@ void PlayabilityMapObject::send_cells(Host& host, std::size_t to) {
   }
 }
 
+/// Computes, in the host's own time, and sends what is new, twenty times a second.
 void PlayabilityMapObject::tick(std::size_t, Host& host) {
   if (!drawing_)
     return;
+  const bool steps = computing_ && worker_.by_steps();
+  if (steps)
+    worker_.step();
   const std::size_t done = worker_.done();
-  if (computing_) {
-    if (done == total_) {
-      computing_ = false;
-      std::vector<double> nodes(total_);
-      for (std::size_t n = 0; n < total_; ++n)
-        nodes[n] = worker_.node(n);
-      finish(nodes);
-    }
-    host.send(3, {static_cast<double>(done) / static_cast<double>(total_)});
+  const bool finished = computing_ && done == total_;
+  if (steps && !finished && ++step_ % kStepsPerBatch != 0)
+    return host.wake_in(0, kBatch / kStepsPerBatch);
+  if (finished) {
+    computing_ = false;
+    std::vector<double> nodes(total_);
+    for (std::size_t n = 0; n < total_; ++n)
+      nodes[n] = worker_.node(n);
+    finish(nodes);
   }
-  send_cells(host, std::min(done, sent_ + kCellsPerTick));
+  if (finished || computing_)
+    host.send(3, {static_cast<double>(done) / static_cast<double>(total_)});
+  send_cells(host, std::min(done, sent_ + kCellsPerBatch));
   drawing_ = computing_ || sent_ < total_;
   if (drawing_)
-    host.wake_in(0, kTick);
+    host.wake_in(0, computing_ && steps ? kBatch / kStepsPerBatch : kBatch);
 }
 
 void PlayabilityMapObject::message(std::size_t index, std::span<const Atom> arguments, Host& host) {

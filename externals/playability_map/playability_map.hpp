@@ -25,13 +25,14 @@ public:
   static constexpr auto kParameters = greed::with_own(std::array{
       Parameter{"quantity", "", 0, 0, 1,
                 "playability by playing every node, or growth rate by theory", kQuantities},
-      Parameter{"columns", "", 41, 2, 201, "nodes along y, mouth pressure"},
-      Parameter{"rows", "", 41, 2, 201, "nodes along z, reed frequency"},
+      Parameter{"columns", "", 41, 2, 101, "nodes along y, mouth pressure"},
+      Parameter{"rows", "", 41, 2, 101, "nodes along z, reed frequency"},
       Parameter{"f_b", "Hz", 0, 0, 4000, "bore frequency; 0: the preset's own length"},
-      Parameter{"settle", "ms", 500, 0, 10000, "time a node is given to speak"},
-      Parameter{"listen", "ms", 200, 1, 10000, "time over which its f_p is averaged"},
-      Parameter{"rate", "Hz", 48000, 8000, 192000, "sample rate at which nodes are played"},
-      Parameter{"background", "", 1, 0, 1, "0: compute at once, while the host waits"},
+      Parameter{"settle", "ms", 500, 0, 2000, "time a node is given to speak"},
+      Parameter{"listen", "ms", 200, 1, 1000, "time over which its f_p is averaged"},
+      Parameter{"rate", "Hz", 48000, 8000, 96000, "sample rate at which nodes are played"},
+      Parameter{"background", "", 1, 0, 1,
+                "0: eight nodes every 5 ms of the host's time; repeatable"},
   });
   static constexpr std::array kInlets{
       Port{Port::Kind::kControl, "y", "", "look up at this y, and all messages"},
@@ -113,6 +114,7 @@ private:
   std::string working_key_;
   // The map at work or drawn, and the finished one that is looked up.
   std::size_t columns_ = 0, rows_ = 0, sent_ = 0, total_ = 0;
+  unsigned step_ = 0;
   bool growth_ = false, computing_ = false, drawing_ = false;
   GradientField field_;
 };
