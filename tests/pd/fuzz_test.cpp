@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <limits>
 #include <random>
@@ -15,6 +16,9 @@ using namespace tactus;
 using namespace tactus::test;
 
 namespace {
+
+/// Seconds after which a message counts as having stopped the music, with room for sanitizers.
+constexpr double kSlowMessage = 2;
 
 class Fuzzer {
 public:
@@ -77,7 +81,13 @@ public:
       selector = p.name;
       atoms = {p.lowest + std::uniform_real_distribution<>(0, 1)(random_) * (p.highest - p.lowest)};
     }
+    const auto begin = std::chrono::steady_clock::now();
     box.send(selector, atoms);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    if (took.count() < kSlowMessage) return;
+    std::string text = selector;
+    for (const Word& atom : atoms) text += " " + (atom.is_word ? atom.text : std::to_string(atom.number));
+    FAIL_CHECK("a message held the host for ", took.count(), " s: ", text);
   }
 
   [[nodiscard]] Buffers inputs(std::size_t samples) {
