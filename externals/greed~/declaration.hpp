@@ -64,7 +64,7 @@ inline constexpr std::array kParameters{
     Parameter{"lambda", "m", kInitial.channel_length, 1e-6, 0.1, "length of the channel"},
     Parameter{"leak", "m^2", kInitial.leak_area, 0, 1e-4, "area that never closes"},
     Parameter{"rest", "", kInitial.restitution, 0, 1, "restitution of the stop"},
-    Parameter{"xmax", "m", kInitial.displacement_limit, 1e-5, 0.1, "limit of the displacement"},
+    Parameter{"xmax", "m", kInitial.displacement_limit, 1e-5, 0.05, "limit of the displacement"},
     Parameter{"sweep", "", 1, 0, 1, "1: the moving valve's own volume flow enters the bore"},
     Parameter{"bore", "", 0, 0, 1, "cylinder or cone", kBores},
     Parameter{"length", "m", 0, 0, 20, "bore length; above 0 it stands above the bore frequency"},
