@@ -56,11 +56,16 @@ void ReedGradient::move(double y, double z, double bore_frequency) noexcept {
 /// Pressures are on their way from the last targets to those of the hand's new place.
 void ReedGradient::aim() noexcept {
   const GradientStencil stencil(y_, z_, delta_);
+  const bool still = aimed_ && !retune_ && stencil.y == stencil_.y && stencil.z == stencil_.z;
+  if (still && resting_)
+    return;
   if (stencil.z != stencil_.z || retune_) {
-    for (std::size_t lane = 0; lane < reed_frequency_.size(); ++lane)
-      reed_frequency_[lane] = range_.frequency(stencil.z[lane < stencil.z.size() ? lane : 0]);
-    retune_ = false;
+    // Three different places along z; the lanes beyond the stencil do as the hand does.
+    reed_frequency_.fill(range_.frequency(stencil.z[0]));
+    reed_frequency_[3] = range_.frequency(stencil.z[3]);
+    reed_frequency_[4] = range_.frequency(stencil.z[4]);
   }
+  resting_ = still;
   stencil_ = stencil;
   for (std::size_t lane = 0; lane < target_.size(); ++lane) {
     const double before = target_[lane];
@@ -69,6 +74,7 @@ void ReedGradient::aim() noexcept {
     mouth_.start[lane] = start;
     mouth_.slope[lane] = (target_[lane] - start) / static_cast<double>(kHold);
   }
+  retune_ = false;
   aimed_ = true;
 }
 

@@ -74,6 +74,7 @@ private:
   ReedEnsemble::PerLane target_{}, reed_frequency_{};
   std::size_t phase_ = 0;
   bool aimed_ = false, retune_ = true;
+  bool resting_ = false; // the hand has not moved since the last reading, nor do the pressures
   GrowthMap map_;
   bool stale_ = true;
   double map_length_ = 0;

@@ -50,8 +50,7 @@ public:
         pressure[i] = clamp_pressure(start + slope * at);
       }
       bank_.run(pressure, {radiated, angle, bore, flow}, count);
-      for (int i = 0; i < count; ++i)
-        follower_.tick(angle[i]);
+      follower_.run(angle, count);
       if (!sound.empty())
         for (int i = 0; i < count; ++i)
           sound.data()[done + i] = static_cast<double>(simd::lane(radiated[i], 0));

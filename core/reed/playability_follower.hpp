@@ -76,32 +76,25 @@ public:
     }
   }
 
-  void tick(const V& angle) noexcept {
-    using namespace simd;
-    const V usable = select(absolute(angle) < V(1e6), angle, last_);
-    if (!primed_) { // a valve that rests anywhere is silent from the first sample
+  /// The next angle, rad.
+  void tick(const V& angle) noexcept { run(&angle, 1); }
+  /// The next count angles; the same as so many ticks.
+  void run(const V* angles, int count) noexcept {
+    if (!primed_ && count > 0) { // a valve that rests anywhere is silent from the first sample
       primed_ = true;
-      last_ = usable;
+      last_ = usable(angles[0], last_);
     }
-    const V before = high_;
-    high_ = usable - last_ + V(pole_) * high_;
-    last_ = usable;
-    const V size = absolute(high_);
-    // Both candidates before the choice: half the latency of choosing v first.
-    const V rise = V(attack_) * envelope_ + V(1 - attack_) * size;
-    const V fall = V(release_) * envelope_ + V(1 - release_) * size;
-    envelope_ = select(size > envelope_, rise, fall);
-    const V h = V(parameters_.hysteresis) * envelope_ + V(1e-9);
-    armed_ = armed_ | (high_ < -h);
-    const auto crossed = armed_ & (high_ > h);
-    if (any(crossed)) {
-      count(crossed, before, h);
-      armed_ = armed_ & (!crossed);
-    }
-    ++now_;
-    if (++place_ == hop_) {
-      place_ = 0;
-      end_hop();
+    while (count > 0) {
+      const int part = count < hop_ - place_ ? count : hop_ - place_;
+      follow(angles, part);
+      angles += part;
+      count -= part;
+      now_ += part;
+      place_ += part;
+      if (place_ == hop_) {
+        place_ = 0;
+        end_hop();
+      }
     }
   }
 
@@ -159,15 +152,52 @@ private:
   static constexpr double kAudible = 0.02; // of the reference: above, the valve sounds
   static constexpr std::uint32_t kTimes = 17;
 
-  void count(const typename simd::LaneTraits<V>::MaskType& crossed, const V& before,
-             const V& h) noexcept {
+  static V usable(const V& angle, const V& otherwise) noexcept {
+    return simd::select(simd::absolute(angle) < V(1e6), angle, otherwise);
+  }
+
+  /// Samples of one hop. The state stays in registers but for the rare crossing.
+  void follow(const V* angles, int count) noexcept {
+    using namespace simd;
+    const V pole(pole_), attack(attack_), release(release_);
+    const V rising(1 - attack_), falling(1 - release_);
+    const V hysteresis(parameters_.hysteresis), least(1e-9);
+    V last = last_, high = high_, envelope = envelope_;
+    auto armed = armed_;
+    for (int i = 0; i < count; ++i) {
+      const V angle = usable(angles[i], last), before = high;
+      high = angle - last + pole * high;
+      last = angle;
+      const V size = absolute(high);
+      // Both candidates before the choice: half the latency of choosing v first.
+      const V rise = attack * envelope + rising * size;
+      const V fall = release * envelope + falling * size;
+      envelope = select(size > envelope, rise, fall);
+      const V h = hysteresis * envelope + least;
+      armed = armed | (high < -h);
+      const auto crossed = armed & (high > h);
+      if (any(crossed)) {
+        note(crossed, before, high, h, i);
+        armed = armed & (!crossed);
+      }
+    }
+    last_ = last;
+    high_ = high;
+    envelope_ = envelope;
+    armed_ = armed;
+  }
+
+  /// Notes when each lane's crossing happened, offset samples after now_.
+  [[gnu::noinline]] void note(const typename simd::LaneTraits<V>::MaskType& crossed,
+                              const V& before, const V& after, const V& level,
+                              int offset) noexcept {
     for (int i = 0; i < lanes; ++i) {
       if (!simd::lane(crossed, i))
         continue;
-      const double from = simd::lane(before, i), to = simd::lane(high_, i);
-      const double level = simd::lane(h, i);
-      const double part = to > from ? (level - from) / (to - from) : 1;
-      times_[i][crossings_[i] % kTimes] = static_cast<double>(now_) + (part > 0 ? part : 0);
+      const double from = simd::lane(before, i), to = simd::lane(after, i);
+      const double part = to > from ? (simd::lane(level, i) - from) / (to - from) : 1;
+      times_[i][crossings_[i] % kTimes] =
+          static_cast<double>(now_ + offset) + (part > 0 ? part : 0);
       ++crossings_[i];
       ++counts_[i][hop_index_];
     }
