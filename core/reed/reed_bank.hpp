@@ -163,9 +163,9 @@ private:
     state_.velocity =
         simd::select((wanted < low) | (wanted > high), V(0.0), V(turn) * state_.velocity);
     state_.deflection = simd::minimum(simd::maximum(wanted, low), high);
-    if (constants_.inertance_rate == 0)
+    if (constants_.inertance_rate != old.inertance_rate)
       state_.inertance_flow = V(0.0);
-    if (constants_.compliance_rate == 0)
+    if (constants_.compliance_rate != old.compliance_rate)
       state_.compliance_flow = V(0.0);
     state_.remember(constants_);
   }
@@ -197,6 +197,7 @@ private:
   void still_air() noexcept {
     std::fill(line_.begin(), line_.end(), V(0.0));
     filter_ = {};
+    radiating_ = V(0.0);
     const V deflection = state_.deflection, velocity = state_.velocity;
     state_ = {};
     state_.deflection = deflection;
@@ -237,10 +238,10 @@ private:
     }
     const bool noisy = parameters_.breath_noise > 0;
     if (noisy) {
-      // The same power in each hertz at any rate.
+      // The same power in each hertz at any rate; never more than what drives the jet.
       const double size = parameters_.breath_noise * std::sqrt(sample_rate_ * oversampling_ / 48e3);
       for (int i = 0; i < count; ++i)
-        noise[index(i)] = size * random_.normal();
+        noise[index(i)] = std::clamp(size * random_.normal(), -0.9, 0.9);
     }
     for (int done = 0; done < count;) {
       const double phase = (phase_ * oversampling_ + done) / period();
@@ -340,18 +341,22 @@ private:
     }
   }
 
-  /// No parameter is known to drive the model out of bounds; should one, it starts anew from rest.
+  /// The paper's explicit flow and the force of the flow (mu) can feed energy in without bound,
+  /// with absurd enough parameters: then the model starts anew from rest.
   void guard(Signal& a, Signal& b, Signal& c, Signal& d, int count) noexcept {
     const auto beyond = [](const V& value, double limit) { // or no number
       return simd::any(!(simd::absolute(value) < V(limit)));
     };
-    if (!beyond(state_.bore_pressure, 1e9) && !beyond(state_.jet_velocity, 1e6) &&
-        !beyond(state_.velocity, 1e9) && !beyond(radiating_, 1e9))
+    V highest(0.0);
+    for (int i = 0; i < count; ++i)
+      highest = simd::maximum(highest, simd::absolute(c[index(i)]));
+    if (!beyond(highest, 1e9) && !beyond(state_.bore_pressure, 1e9) &&
+        !beyond(state_.jet_velocity, 1e6) && !beyond(state_.velocity, 1e9) &&
+        !beyond(radiating_, 1e9))
       return;
     for (Signal* signal : {&a, &b, &c, &d})
       std::fill_n(signal->begin(), count, V(0.0));
     state_ = {};
-    radiating_ = V(0.0);
     still_air();
   }
 

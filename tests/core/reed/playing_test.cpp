@@ -1,0 +1,269 @@
+#include "tests/core/reed/render.hpp"
+
+#include "tests/core/reed/reference_instruments.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+/// The instruments' playing states against theory, an independent finite-element solver and the
+/// same equations computed sixteen times finer.  `core_reed_test -s -tc="playing*"` prints figures.
+namespace tactus::reed {
+namespace {
+
+using namespace test;
+
+Parameters with_reed(Parameters p, double frequency) {
+  p.reed_frequency = frequency;
+  return p;
+}
+
+struct State {
+  const char* name;
+  Parameters parameters;
+  double pressure, pitch_hz, rms_pa;
+  std::vector<std::pair<int, double>> harmonics{}; // number, dB
+};
+
+std::vector<State> playing_states() {
+  using namespace reference;
+  return {
+      {"clarinet 1600", clarinet(), 1600, 172.20, 912, {{3, -16.1}}},
+      {"clarinet 2000", clarinet(), 2000, 172.49, 1855, {{3, -10.52}, {5, -16.15}}},
+      {"clarinet 3000", clarinet(), 3000, 173.03, 2752, {{3, -10.58}}},
+      {"clarinet .30 m 2000", clarinet(0.30), 2000, 271.92, 1843},
+      {"clarinet .80 m 2000", clarinet(0.80), 2000, 104.29, 1783},
+      {"sax 1500", saxophone(), 1500, 239.25, 1766, {{2, -5.1}, {3, -18.0}}},
+      {"oboe 2200", oboe(), 2200, 329.37, 2393},
+      {"trumpet 2500", trumpet(), 2500, 387.84, 984, {{2, -9.3}}},
+      {"trumpet 4000", trumpet(), 4000, 390.92, 1445},
+      {"trumpet 220 Hz 2000", trumpet(220), 2000, 260.10, 709},
+      {"trumpet 430 Hz 5500", trumpet(430), 5500, 518.49, 2358},
+      {"trombone 2000", trombone(), 2000, 225.50, 1515},
+      {"voice 1000", voice(), 1000, 125.86, 163},
+      {"voice 1500", voice(), 1500, 131.01, 289, {{2, -10.5}}},
+      {"syrinx 300", syrinx(), 300, 1021.3, 239},
+  };
+}
+
+TEST_CASE("playing states are those of the sixteen times finer model, at every sample rate") {
+  for (const State& state : playing_states()) {
+    std::vector<double> pitches;
+    for (const double rate : {44100.0, 48000.0, 96000.0}) {
+      const Recording r = play(state.parameters, state.pressure, 1.9, rate);
+      const auto p = part(r, r.bore_pressure, 1.2, 1.9);
+      const double f0 = pitch(p, rate, 0.6 * state.pitch_hz, 1.6 * state.pitch_hz);
+      pitches.push_back(f0);
+      CAPTURE(state.name);
+      CAPTURE(rate);
+      CAPTURE(f0);
+      CHECK(std::abs(cents(f0, state.pitch_hz)) < 8);
+      CHECK(std::abs(rms(p) / state.rms_pa - 1) < 0.04);
+      for (const auto& [number, level] : state.harmonics)
+        CHECK(std::abs(harmonic_db(p, rate, f0, number) - level) < 1);
+    }
+    CAPTURE(state.name);
+    for (const double f0 : pitches)
+      CHECK(std::abs(cents(f0, pitches[1])) < 6);
+  }
+}
+
+TEST_CASE("playing without channel inertance agrees with a finite-element solver") {
+  // OpenWInD 0.12 on the same clarinet.
+  for (const auto& [pressure, pitch_hz, rms_pa] :
+       {std::tuple{1600.0, 172.13, 893.0}, std::tuple{2000.0, 172.48, 1849.0},
+        std::tuple{2500.0, 172.74, 2311.0}, std::tuple{3000.0, 173.19, 2753.0}}) {
+    Parameters p = reference::clarinet();
+    p.channel_length = 1e-4;
+    const Recording r = play(p, pressure, 1.9);
+    const auto bore = part(r, r.bore_pressure, 1.2, 1.9);
+    const double f0 = pitch(bore, 48000, 120, 260);
+    CAPTURE(pressure);
+    CHECK(std::abs(cents(f0, pitch_hz)) < 10);
+    CHECK(std::abs(rms(bore) / rms_pa - 1) < 0.03);
+    if (pressure == 2000 || pressure == 3000)
+      CHECK(std::abs(harmonic_db(bore, 48000, f0, 3) + 10.5) < 1);
+    if (pressure == 2000)
+      CHECK(std::abs(harmonic_db(bore, 48000, f0, 5) + 16.0) < 1);
+  }
+}
+
+TEST_CASE("playing a cylinder with a closed valve gives odd harmonics a quarter wave long") {
+  const Recording r = play(reference::clarinet(), 2000, 1.9);
+  const auto bore = part(r, r.bore_pressure, 1.2, 1.9);
+  const double f0 = pitch(bore, 48000, 120, 260);
+  CHECK(std::abs(f0 / 176.9 - 1) < 0.03);
+  CHECK(harmonic_db(bore, 48000, f0, 2) < -45);
+  CHECK(harmonic_db(bore, 48000, f0, 4) < -35);
+}
+
+TEST_CASE("the valve rests where the forces balance and lets through what Bernoulli says") {
+  for (const auto& [p, pressure, theta, flow] :
+       {std::tuple{reference::clarinet(), 700.0, -0.032899, 1.45798e-4},
+        std::tuple{reference::trumpet(), 300.0, 0.013489, 2.40828e-5},
+        std::tuple{reference::voice(), 300.0, 0.027388, 8.55706e-5}})
+    for (const double rate : {44100.0, 48000.0, 96000.0}) {
+      const Recording r = play(p, pressure, 2.5, rate, 0.2);
+      CHECK(std::abs(r.theta.back() / theta - 1) < 1e-3);
+      CHECK(std::abs(r.flow.back() / flow - 1) < 1e-3);
+    }
+}
+
+/// Slope of the logarithm of a partial's amplitude, 1/s.
+double growth(const Recording& r, const std::vector<double>& signal, double frequency, double from,
+              double to) {
+  const double window = std::max(0.04, 12 / frequency);
+  double n = 0, st = 0, sy = 0, stt = 0, sty = 0;
+  for (double t = from; t + window < to; t += 0.02) {
+    const double y =
+        std::log(std::abs(component(part(r, signal, t, t + window), r.rate, frequency)) + 1e-300);
+    n += 1;
+    st += t;
+    sy += y;
+    stt += t * t;
+    sty += t * y;
+  }
+  return (n * sty - st * sy) / (n * stt - st * st);
+}
+
+TEST_CASE("the bore shut by its reed rings down as theory says") {
+  for (const auto& [length, frequency, decay] :
+       {std::tuple{0.30, 278.25, -22.55}, std::tuple{0.48, 174.30, -17.70},
+        std::tuple{0.60, 139.43, -15.80}, std::tuple{1.0, 83.46, -12.20}})
+    for (const double rate : {44100.0, 48000.0, 96000.0}) {
+      const Recording r = play(reference::clarinet(length), 9000, 0.7, rate, 0.5e-3);
+      const auto ring = part(r, r.bore_pressure, 0.15, 0.6);
+      CAPTURE(length);
+      const double f = pitch(ring, rate, 0.8 * frequency, 1.2 * frequency);
+      CHECK(std::abs(f / frequency - 1) < 3e-3);
+      CHECK(std::abs(growth(r, r.bore_pressure, f, 0.15, 0.6) / decay - 1) < 0.04);
+    }
+}
+
+TEST_CASE("oscillation starts at the pressure and pitch of linear theory") {
+  using namespace reference;
+  struct Start {
+    const char* name;
+    Parameters parameters;
+    double pressure, frequency;
+  };
+  for (const Start& start :
+       {Start{"clarinet", clarinet(), 1472.3, 171.96},
+        Start{"clarinet .30 m", clarinet(0.30), 1433.7, 272.31},
+        Start{"clarinet .80 m", clarinet(0.80), 1524.1, 103.64},
+        Start{"sax", saxophone(), 1296.7, 235.79}, Start{"trumpet", trumpet(), 1427.4, 382.01},
+        Start{"trumpet 220 Hz", trumpet(220), 555.9, 252.44},
+        Start{"trumpet 430 Hz", trumpet(430), 3190, 513.0},
+        Start{"trombone", trombone(), 1099.5, 216.72}, Start{"voice", voice(), 757.8, 117.64},
+        Start{"syrinx", syrinx(), 248.4, 1052.6}})
+    for (const double rate : {44100.0, 48000.0, 96000.0}) {
+      CAPTURE(start.name);
+      CAPTURE(rate);
+      const auto slope = [&](double pressure) {
+        const Recording r = play(start.parameters, pressure, 0.9, rate, 0.005);
+        return growth(r, r.theta, start.frequency, 0.2, 0.8);
+      };
+      // Where the growth changes sign, by the secant through 3 % below and 1 % below.
+      const double far = slope(0.97 * start.pressure), near = slope(0.99 * start.pressure);
+      CAPTURE(far);
+      CAPTURE(near);
+      const double threshold = 0.97 + 0.02 * far / (far - near);
+      CHECK(std::abs(threshold - 1) < 0.03);
+      const Recording r = play(start.parameters, 0.99 * start.pressure, 0.9, rate, 0.005);
+      const double f =
+          pitch(part(r, r.theta, 0.4, 0.9), rate, 0.9 * start.frequency, 1.1 * start.frequency);
+      CHECK(std::abs(f / start.frequency - 1) < 5e-3);
+    }
+}
+
+TEST_CASE("small oscillations grow and die at the rates of linear theory") {
+  using namespace reference;
+  for (const auto& [p, pressure, frequency, rate_per_s] :
+       {std::tuple{clarinet(), 1300.0, 171.96, -18.7},
+        std::tuple{clarinet(), 1428.0, 171.96, -4.59},
+        std::tuple{clarinet(0.30), 1362.0, 272.31, -12.18},
+        std::tuple{voice(), 720.0, 117.64, -1.88}})
+    for (const double rate : {44100.0, 48000.0, 96000.0}) {
+      const Recording r = play(p, pressure, 0.9, rate, 0.005);
+      const double slope = growth(r, r.theta, frequency, 0.2, 0.8);
+      CAPTURE(pressure);
+      CAPTURE(slope);
+      CHECK(std::abs(slope - rate_per_s) < std::max(0.3, 0.06 * std::abs(rate_per_s)));
+    }
+}
+
+TEST_CASE("Raman's clarinet plays the square waves of its closed form") {
+  Parameters p;
+  p.mass = 1e-7;
+  p.reed_frequency = 9000;
+  p.quality = 1;
+  p.width = p.mouth_length = p.bore_length = 6e-3;
+  p.channel_length = 1e-6;
+  p.sweep = false;
+  p.length = 0.5;
+  const double closing = closing_pressure(p);
+  CHECK(closing == doctest::Approx(3553.1).epsilon(1e-4));
+  CHECK(strength(p) == doctest::Approx(0.1214).epsilon(1e-3));
+  const auto median = [](std::vector<double> values) {
+    std::nth_element(values.begin(),
+                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    return values[values.size() / 2];
+  };
+  for (const auto& [reflection, gamma, high, low] :
+       {std::tuple{0.95, 0.6, 0.5411, -0.5404}, std::tuple{0.95, 0.8, 0.6928, -0.6919},
+        std::tuple{0.95, 0.95, 0.7924, -0.7914}, std::tuple{0.9, 0.6, 0.4090, -0.4068},
+        std::tuple{0.9, 0.8, 0.4446, -0.4421}, std::tuple{0.9, 0.95, 0.3701, -0.3680}})
+    for (const double rate : {44100.0, 48000.0, 96000.0}) {
+      p.scalar_reflection = reflection;
+      const Recording r = play(p, gamma * closing, 1.9, rate);
+      std::vector<double> above, below;
+      for (const double v : part(r, r.bore_pressure, 1.2, 1.9))
+        (v > 0 ? above : below).push_back(v / closing);
+      CAPTURE(reflection);
+      CAPTURE(gamma);
+      CHECK(std::abs(median(above) / high - 1) < 5e-3);
+      CHECK(std::abs(median(below) / low - 1) < 5e-3);
+    }
+  p.scalar_reflection = 0.8;
+  for (const double gamma : {0.6, 0.8}) {
+    const Recording r = play(p, gamma * closing, 1.9);
+    CHECK(rms(part(r, r.bore_pressure, 1.2, 1.9)) < 1e-3 * closing);
+  }
+}
+
+TEST_CASE("what theory calls stable stays silent") {
+  using namespace reference;
+  Parameters lips_on_cylinder = trumpet(60);
+  lips_on_cylinder.shape = BoreShape::kCylinder;
+  lips_on_cylinder.cup_volume = 0;
+  lips_on_cylinder.length = 0.48;
+  lips_on_cylinder.input_radius = lips_on_cylinder.end_radius = 7.5e-3;
+  for (const auto& [p, pressure] :
+       {std::pair{clarinet(), 1325.0}, std::pair{clarinet(), 5600.0},
+        std::pair{with_reed(clarinet(), 100), 1000.0}, std::pair{trumpet(145), 3000.0},
+        std::pair{trumpet(900), 5000.0}, std::pair{lips_on_cylinder, 1500.0}})
+    for (const double rate : {44100.0, 48000.0, 96000.0}) {
+      const Recording r = play(p, pressure, 3, rate);
+      const auto start = part(r, r.theta, 0, 0.3), end = part(r, r.theta, 2.7, 3);
+      double loudest = 0;
+      for (const double v : start)
+        loudest = std::max(loudest, std::abs(v - mean(end)));
+      CAPTURE(pressure);
+      CAPTURE(p.reed_frequency);
+      CHECK(rms(end) < 1e-6 * loudest);
+    }
+}
+
+TEST_CASE("playing the paper's explicit flow gives nearly the clarinet's pitch") {
+  Parameters p = reference::clarinet();
+  p.flow = FlowMethod::kPaper;
+  const Recording r = play(p, 2000, 1.9);
+  const double f0 = pitch(part(r, r.bore_pressure, 1.2, 1.9), 48000, 120, 260);
+  CHECK(std::abs(cents(f0, 172.49)) < 4);
+}
+
+} // namespace
+} // namespace tactus::reed
