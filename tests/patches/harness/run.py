@@ -121,7 +121,7 @@ DAC = """#N canvas 0 0 400 200 12;
 """
 
 
-def write_patch(patch, folder, samples, rate):
+def write_patch(patch, folder, samples, rate, dsp):
     """The patch file: the drawn canvas, and around it what starts, ends and saves the run."""
     control = ["#N canvas 0 0 800 600 12;"]
     control += ["#N canvas 0 0 600 400 graph 0;", *patch.lines(), "#X restore 20 20 pd graph;"]
@@ -152,7 +152,7 @@ def write_patch(patch, folder, samples, rate):
     for name in patch.inputs:
         chain((order, 3), f"#X msg 20 140 read -resize -maxsize 2e+08 {name}.wav {name};",
               "#X obj 20 160 soundfiler;")
-    chain((order, 2), "#X msg 20 180 \\; pd dsp 1;")
+    chain((order, 2), f"#X msg 20 180 \\; pd dsp {int(dsp)};")
     chain((order, 1), "#X obj 20 200 s harness-start;")
     # Block sizes up to 4096 record in steps of that size; the surplus is cut off.
     ms = 1000.0 * (samples + 2 * 4096) / rate
@@ -209,7 +209,7 @@ def words_and_numbers(lines, exact):
 
 
 def render(patch, seconds, rate=48000, expect_errors=(), timeout=60, keep=None, path=(),
-           environment=None, preload="", allow_not_finite=False):
+           environment=None, preload="", allow_not_finite=False, dsp=True):
     """See Patch.render.
 
     expect_errors  regular expressions: lines that Pd must print and that are then no failure
@@ -217,6 +217,7 @@ def render(patch, seconds, rate=48000, expect_errors=(), timeout=60, keep=None, 
     keep           a folder to leave the patch and all files in, to be looked at
     path           folders to search for abstractions besides the library
     allow_not_finite  else a recording with NaN or infinity is a failure; they come back as NaN
+    dsp            False: the sound stays off until a patch switches it on; recordings start then
     """
     samples = round(seconds * rate)
     with tempfile.TemporaryDirectory(prefix="tactus-") as temporary:
@@ -237,7 +238,7 @@ def render(patch, seconds, rate=48000, expect_errors=(), timeout=60, keep=None, 
                     (folder / source.name).write_text(hear_dac(text))
             opened = [folder / p.name for p in patch.opens]
         siblings = {p.resolve().parent for p in patch.opens} - {stage}
-        main = write_patch(patch, folder, samples, rate)
+        main = write_patch(patch, folder, samples, rate, dsp)
         begun = time.monotonic()
         said = run_pd([*opened, main], rate, timeout,
                       [folder, *path, *sorted(siblings), stage], preload, environment)
