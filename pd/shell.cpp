@@ -179,19 +179,11 @@ public:
   void wake_from_thread() noexcept override {
     if (posted_.exchange(true, std::memory_order_acq_rel)) return;
     if (const auto queue = host_features().queue_message)
-      queue(host_instance(), &instance_.object.ob_pd, nullptr, &on_queued);
+      queue(pd_, &instance_.object.ob_pd, nullptr, &on_queued);
   }
 
 private:
   static constexpr double kPollMilliseconds = 5;
-
-  static struct _pdinstance* host_instance() noexcept {
-#ifdef PDINSTANCE
-    return pd_this;
-#else
-    return &pd_maininstance;
-#endif
-  }
 
   void make_ports() {
     t_object* object = &instance_.object;
@@ -304,6 +296,7 @@ private:
   const PdClass& record_;
   const Declaration& declaration_;
   t_canvas* canvas_;
+  t_pdinstance* pd_ = pd_this;  // a worker thread has no pd_this of its own
   double born_;
   std::size_t signal_inlets_, signal_outlets_;
   std::vector<std::unique_ptr<AnyObject<t_sample>>> voices_;
