@@ -75,6 +75,7 @@ def starts_at(sound, pressure):
 def draw(scene, preset, sound, pressure):
     figure, axes = plt.subplots(figsize=(9, 3.2))
     spectrogram(axes, sound, RATE)
+    axes.set_xlim(0, len(sound) / RATE)
     other = axes.twinx()
     other.plot(numpy.arange(len(pressure)) / RATE, pressure / 1000, color="#7fd4e8", linewidth=1.2)
     other.set_ylabel("mouth pressure, kPa")
