@@ -57,7 +57,7 @@ TEST_CASE("the same bits come out however the stream is cut into blocks") {
     p.tune = true;
     const Gesture g = gesture(p, 24000);
     const Recording whole = in_blocks(p, g, 24000);
-    for (const std::size_t block : {1, 7, 64, 1000, 4096}) {
+    for (const std::size_t block : {1u, 7u, 64u, 1000u, 4096u}) {
       const Recording cut = in_blocks(p, g, block);
       CAPTURE(preset.name);
       CAPTURE(block);
