@@ -34,7 +34,7 @@ constexpr std::size_t kBlock = 64;
 /// One greed~ that has played for a second.
 class Scalar {
 public:
-  explicit Scalar(std::string_view preset, double pressure) {
+  explicit Scalar(std::string_view preset, double pressure, bool moving = false) : moving_(moving) {
     instrument_.set(*find_preset(preset));
     instrument_.prepare(kRate, kBlock);
     mouth_.fill(pressure);
@@ -42,6 +42,10 @@ public:
       block();
   }
   void block() {
+    if (moving_) {
+      lip_ = lip_ < 2600 ? lip_ + 0.1F : 2500;
+      reed_.fill(lip_);
+    }
     instrument_.process<float>(mouth_, reed_, bore_, sound_, angle_, pressure_, flow_);
     benchmark::DoNotOptimize(sound_);
   }
@@ -52,6 +56,8 @@ private:
     void fill(double x) { Signal::fill(static_cast<float>(x)); }
   };
   Instrument instrument_;
+  bool moving_;
+  float lip_ = 2500;
   Filled mouth_{};
   Signal reed_{}, bore_{}, sound_{}, angle_{}, pressure_{}, flow_{};
 };
@@ -59,8 +65,8 @@ private:
 /// One greed_gradient~ that has played for a second.
 class Lanes {
 public:
-  Lanes(std::string_view preset, double pressure, Instructions instructions)
-      : gradient_(instructions) {
+  Lanes(std::string_view preset, double pressure, Instructions instructions, bool moving = false)
+      : gradient_(instructions), moving_(moving) {
     const Parameters p = *find_preset(preset);
     gradient_.set(p);
     gradient_.set_range({0, 2 * pressure + 1, 0.5 * p.reed_frequency, 2 * p.reed_frequency});
@@ -70,7 +76,9 @@ public:
   }
   void block() {
     for (std::size_t done = 0; done < kBlock; done += ReedGradient::kHold) {
-      gradient_.move(0.5, 0.5, 0);
+      if (moving_)
+        place_ = place_ < 0.51 ? place_ + 1e-5 : 0.5;
+      gradient_.move(0.5, place_, 0);
       gradient_.process(std::span(sound_).subspan(done, ReedGradient::kHold));
     }
     benchmark::DoNotOptimize(gradient_.gradient());
@@ -79,6 +87,8 @@ public:
 
 private:
   ReedGradient gradient_;
+  bool moving_;
+  double place_ = 0.5;
   std::array<double, kBlock> sound_{};
 };
 
@@ -175,10 +185,9 @@ template <class Player> void run(benchmark::State& state, Player& player) {
     static_cast<void>(round);
     player.block();
   }
-  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * kBlock));
+  const double samples = static_cast<double>(state.iterations()) * static_cast<double>(kBlock);
   state.counters["ns_a_sample"] =
-      benchmark::Counter(1e-9 * static_cast<double>(state.iterations() * kBlock),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+      benchmark::Counter(1e-9 * samples, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 template <class Player> void add(const std::string& name, Player& player) {
@@ -225,6 +234,8 @@ int main(int argc, char** argv) {
   Lanes lip_lanes("trumpet", 4000, best_instructions());
   Lanes silent_lanes("clarinet", 0, best_instructions());
   Lanes plain("clarinet", 2000, Instructions::kBaseline);
+  Lanes moved("clarinet", 2000, best_instructions(), true);
+  Scalar moving_reed("clarinet", 2000, true);
   Parts parts;
   Part valve{parts, &Parts::valve}, filters{parts, &Parts::filters}, delay{parts, &Parts::delay},
       radiation{parts, &Parts::radiation}, judge{parts, &Parts::judge};
@@ -249,6 +260,7 @@ int main(int argc, char** argv) {
   std::printf("\nratio, median of paired rounds\n");
   print_ratio("greed_gradient~ / greed~, clarinet", lanes, clarinet);
   print_ratio("greed_gradient~ / greed~, trumpet", lip_lanes, trumpet);
+  print_ratio("greed_gradient~ / greed~, clarinet, f_r always moving", moved, moving_reed);
   print_ratio("greed_gradient~ with SSE2 only / greed~, clarinet", plain, clarinet);
   print_ratio("greed~ silent / playing, clarinet", silence, clarinet);
   print_ratio("greed_gradient~ silent / playing, clarinet", silent_lanes, lanes);
