@@ -81,7 +81,8 @@ TEST_CASE("playing without channel inertance agrees with a finite-element solver
     const Recording r = play(p, pressure, 1.9);
     const auto bore = part(r, r.bore_pressure, 1.2, 1.9);
     const double f0 = pitch(bore, 48000, 120, 260);
-    CAPTURE(pressure);
+    const double at_pressure = pressure;
+    CAPTURE(at_pressure);
     CHECK(std::abs(cents(f0, pitch_hz)) < 10);
     CHECK(std::abs(rms(bore) / rms_pa - 1) < 0.03);
     if (pressure == 2000 || pressure == 3000)
@@ -136,7 +137,8 @@ TEST_CASE("the bore shut by its reed rings down as theory says") {
     for (const double rate : {44100.0, 48000.0, 96000.0}) {
       const Recording r = play(reference::clarinet(length), 9000, 0.7, rate, 0.5e-3);
       const auto ring = part(r, r.bore_pressure, 0.15, 0.6);
-      CAPTURE(length);
+      const double at_length = length;
+      CAPTURE(at_length);
       const double f = pitch(ring, rate, 0.8 * frequency, 1.2 * frequency);
       CHECK(std::abs(f / frequency - 1) < 3e-3);
       CHECK(std::abs(growth(r, r.bore_pressure, f, 0.15, 0.6) / decay - 1) < 0.04);
@@ -189,7 +191,8 @@ TEST_CASE("small oscillations grow and die at the rates of linear theory") {
     for (const double rate : {44100.0, 48000.0, 96000.0}) {
       const Recording r = play(p, pressure, 0.9, rate, 0.005);
       const double slope = growth(r, r.theta, frequency, 0.2, 0.8);
-      CAPTURE(pressure);
+      const double at_pressure = pressure;
+      CAPTURE(at_pressure);
       CAPTURE(slope);
       CHECK(std::abs(slope - rate_per_s) < std::max(0.3, 0.06 * std::abs(rate_per_s)));
     }
@@ -222,8 +225,10 @@ TEST_CASE("Raman's clarinet plays the square waves of its closed form") {
       std::vector<double> above, below;
       for (const double v : part(r, r.bore_pressure, 1.2, 1.9))
         (v > 0 ? above : below).push_back(v / closing);
-      CAPTURE(reflection);
-      CAPTURE(gamma);
+      const double at_reflection = reflection;
+      CAPTURE(at_reflection);
+      const double at_gamma = gamma;
+      CAPTURE(at_gamma);
       CHECK(std::abs(median(above) / high - 1) < 5e-3);
       CHECK(std::abs(median(below) / low - 1) < 5e-3);
     }
@@ -251,8 +256,10 @@ TEST_CASE("what theory calls stable stays silent") {
       double loudest = 0;
       for (const double v : start)
         loudest = std::max(loudest, std::abs(v - mean(end)));
-      CAPTURE(pressure);
-      CAPTURE(p.reed_frequency);
+      const double at_pressure = pressure;
+      CAPTURE(at_pressure);
+      const double own_reed = p.reed_frequency;
+      CAPTURE(own_reed);
       CHECK(rms(end) < 1e-6 * loudest);
     }
 }
