@@ -1,0 +1,91 @@
+"""A player's practice: one [greed~] blown note by note, to learn which breath and lip give what."""
+import numpy
+from harness import Patch
+
+from listening import decibels, envelope, harmonic_pitch
+
+RATE = 48000
+GAP, HOLD, RISE = 0.15, 0.75, 0.012  # s
+
+
+def blow(preset, trials, flags=("-tune", 1), hold=HOLD, rise=RISE):
+    """Blows trials (pitch Hz or 0, pressure Pa, reed Hz or 0), each from rest, in one run of Pd.
+
+    Returns a list of (sound, level dB of the second half, speaks ms): the sound of each trial, and
+    the time until half of its final level is there (nan in silence)."""
+    size = int((GAP + hold) * RATE)
+    gap = int(GAP * RATE)
+    ramp = numpy.minimum(numpy.arange(size - gap) / (rise * RATE), 1)
+    pressure = numpy.concatenate([numpy.concatenate([numpy.zeros(gap), p * ramp])
+                                  for _, p, _ in trials])
+    patch = Patch()
+    reed = patch.obj("greed~", "-preset", preset, *flags)
+    patch.signal(pressure) >> reed[0]
+    # The lip comes first: `tune` chooses the bore for the lip it finds when the note changes.
+    lip = numpy.repeat([f for _, _, f in trials], size)
+    bore = numpy.roll(numpy.repeat([f for f, _, _ in trials], size), 2048)
+    bore[:2048] = trials[0][0]
+    patch.signal(lip) >> reed[1]
+    patch.signal(bore) >> reed[2]
+    patch.record("sound", reed)
+    result = patch.render(len(pressure) / RATE, RATE, timeout=600)
+    heard = []
+    for i in range(len(trials)):
+        sound = result["sound"][i * size + gap:(i + 1) * size].astype(float)
+        level = numpy.sqrt((sound[len(sound) // 2:] ** 2).mean())
+        there = numpy.flatnonzero(envelope(sound, RATE) > 0.5 * level)
+        speaks = 1000 * there[0] / RATE if level > 1e-4 else float("nan")
+        heard.append((sound, float(decibels(level)), speaks))
+    return heard
+
+
+def pitch_of(sound, expected_hz):
+    return harmonic_pitch(sound[len(sound) // 2:], RATE, expected_hz)
+
+
+def own_settings(preset):
+    """What [greed~ -preset NAME] says of itself: {word: number}, from its dump."""
+    patch = Patch()
+    reed = patch.obj("greed~", "-preset", preset)
+    patch.log("info", reed[4])
+    patch.at(50, reed, "dump")
+    said = patch.render(0.1, RATE).logs["info"]
+    return {a[0]: a[1] for _, a in said if len(a) == 2 and not isinstance(a[1], str)}
+
+
+def reed_frequency(own):
+    """The preset's own f_r, Hz, from its closing pressure P_M = k |x_0|/(w lambda_m)."""
+    stiffness = own["P_M"] * own["width"] * own["lambda_m"] / abs(own["theta0"] * own["arm"])
+    return float(numpy.sqrt(stiffness / own["mass"]) / (2 * numpy.pi))
+
+
+def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.50, 0.82, 0.04)):
+    """A blown-closed reed with `tune 1`: which share of the closing pressure to play at, and how
+    much more breath each pitch needs.
+
+    Returns (pressure Pa, reed Hz, {pitch: dB}, gain): of the shares that speak within 60 ms the one
+    at which the instrument is best in tune, the breath that makes all pitches equally loud (at most
+    5 dB), and the gain of [greed~] with which that mezzo forte peaks at 0.2, so that a fortissimo
+    stays below its soft clip."""
+    own = own_settings(preset)
+    lip = reed_frequency(own)
+    flags = ("-tune", 1, "-gain", 0.1)
+    pitches = sorted(pitches)
+    hz = [frequency(p) for p in pitches]
+    heard = blow(preset, [(f, s * own["P_M"], lip) for s in shares for f in hz], flags)
+    best = None
+    for i, share in enumerate(shares):
+        these = heard[i * len(hz):(i + 1) * len(hz)]
+        off = [1200 * numpy.log2(pitch_of(sound, f) / f) for (sound, _, _), f in zip(these, hz)]
+        if not all(speaks < 60 for _, _, speaks in these) or not numpy.isfinite(off).all():
+            continue
+        if best is None or max(map(abs, off)) < best[0]:
+            best = (max(map(abs, off)), share, these)
+    if best is None:
+        raise RuntimeError(f"{preset}: no pressure makes every note speak within 60 ms")
+    _, share, these = best
+    levels = numpy.array([level for _, level, _ in these])
+    trims = numpy.clip(numpy.median(levels) - levels, -5, 5)
+    peak = max(abs(sound).max() for sound, _, _ in these)
+    return (float(share * own["P_M"]), lip, dict(zip(pitches, trims.tolist())),
+            float(0.1 * 0.2 / peak))
