@@ -64,3 +64,40 @@ def test_a_help_patch_fits_a_screen_and_keeps_its_boxes_inside(path):
     assert width <= 760 and height <= 800
     for x, y, line in outermost_boxes(text):
         assert 0 <= x < width - 10 and 0 <= y < height - 10, line
+
+
+def drawn_size(line):
+    """Width and height in pixels of a box at Pd's font size 12, as far as its text tells them."""
+    kind, *words = line.replace("\n", " ").split()[1:]
+    words = words[2:]
+    sized = {"bng": (1, 1), "tgl": (1, 1), "hsl": (1, 2), "vsl": (1, 2), "hradio": None,
+             "vradio": None}
+    if kind == "obj" and words and words[0] in sized:
+        places = sized[words[0]]
+        return tuple(int(words[i]) for i in places) if places else None
+    if kind not in ("obj", "msg") or words[:1] in (["cnv"], ["nbx"], ["vu"]):
+        return None
+    text, _, given = " ".join(words).partition(", f ")
+    limit = int(given) if given else 60
+    rows = 0
+    longest = 0
+    for part in re.split(r" ?\\; ?", text):
+        row = 0
+        rows += 1
+        for word in part.replace("\\", "").split():
+            if row and row + 1 + len(word) > limit:
+                rows, row = rows + 1, 0
+            row += len(word) + (1 if row else 0)
+            longest = max(longest, row)
+    return (limit if given else longest) * 7 + 4, rows * 15 + 6
+
+
+@pytest.mark.parametrize("path", HELP, ids=lambda p: p.stem)
+def test_no_box_of_a_help_patch_covers_another(path):
+    boxes = [(x, y, drawn_size(line), line) for x, y, line in outermost_boxes(path.read_text())]
+    boxes = [b for b in boxes if b[2]]
+    for i, (x, y, (w, h), line) in enumerate(boxes):
+        for x2, y2, (w2, h2), other in boxes[:i]:
+            across = min(x + w, x2 + w2) - max(x, x2)
+            down = min(y + h, y2 + h2) - max(y, y2)
+            assert across < 4 or down < 4, f"{other!r} and {line!r} overlap by {across} x {down}"

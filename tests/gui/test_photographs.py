@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 
+import matplotlib.image
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -22,6 +23,14 @@ pytestmark = pytest.mark.skipif(any(not shutil.which(p) for p in PROGRAMS),
                                 reason="needs xvfb openbox xdotool imagemagick")
 
 
+def has_scroll_bar(picture):
+    """Whether the right edge of the canvas is a grey bar instead of background."""
+    pixels = matplotlib.image.imread(picture)[60:-30, -12:, :3]
+    grey = (abs(pixels - pixels.mean(axis=2, keepdims=True)).max(axis=2) < 0.02) \
+        & (pixels.mean(axis=2) > 0.6) & (pixels.mean(axis=2) < 0.92)
+    return grey.mean() > 0.5
+
+
 def photograph(patch, name, *options):
     folder = BUILD / "photographs"
     folder.mkdir(exist_ok=True)
@@ -33,6 +42,7 @@ def photograph(patch, name, *options):
     assert not BAD.search(seen["pd_said"]), seen["pd_said"]
     width, height = seen["declared"]
     assert seen["window"][0] == width and height <= seen["window"][1] <= height + 60, seen
+    assert not has_scroll_bar(out), "something lies outside the window: Pd shows scroll bars"
     assert seen["colours"] > 12 and seen["commonest"] < 0.98, f"hardly anything drawn: {seen}"
     return out
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -16,11 +17,11 @@
 
 namespace tactus::test {
 
-/// Breaks one rule of the audio path on demand, to prove that the guard sees it.
+/// Breaks one rule on demand, to prove that the guard or the sanitizers see it.
 struct Culprit {
-  static constexpr std::array<std::string_view, 7> kCrimes{"none",  "allocate", "lock",     "write",
-                                                           "sleep", "syscall",  "float-mode"};
-  static constexpr std::array kParameters{Parameter{"crime", "", 0, 0, 6, "to commit", kCrimes}};
+  static constexpr std::array<std::string_view, 8> kCrimes{
+      "none", "allocate", "lock", "write", "sleep", "syscall", "float-mode", "overflow"};
+  static constexpr std::array kParameters{Parameter{"crime", "", 0, 0, 7, "to commit", kCrimes}};
   static constexpr std::array kPorts{Port{Port::Kind::kSignal, "signal", "", "passed through"}};
   static constexpr std::array kArguments{CreationArgument{"crime"}};
   static constexpr Declaration declaration{"culprit~", "breaks a rule", "For the guard's own test.",
@@ -40,6 +41,12 @@ struct Culprit {
 #if defined(__x86_64__)
     case 6: _mm_setcsr(_mm_getcsr() ^ 0x8000); break;
 #endif
+    case 7: {
+      const std::vector<char> heap(8);
+      const volatile std::size_t beyond = heap.size();
+      crime += heap.data()[beyond] * 0;
+      break;
+    }
     default: break;
     }
   }
