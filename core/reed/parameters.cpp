@@ -3,6 +3,7 @@
 #include "core/reed/air.hpp"
 
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <numbers>
 
@@ -45,9 +46,16 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.apex_distance = bounded(p.apex_distance, 1e-3, 100, kInitial.apex_distance);
   p.cup_volume = bounded(p.cup_volume, 0, 1e-3, kInitial.cup_volume);
   p.wall_loss = bounded(p.wall_loss, 0, 100, kInitial.wall_loss);
+  p.bell = bounded(p.bell, 0, 20000, kInitial.bell);
+  p.bell_quality = bounded(p.bell_quality, 0.1, 100, kInitial.bell_quality);
+  p.brassiness = bounded(p.brassiness, 0, 100, kInitial.brassiness);
   p.scalar_reflection = bounded(p.scalar_reflection, 0, 1, kInitial.scalar_reflection);
   p.temperature = bounded(p.temperature, -50, 100, kInitial.temperature);
   p.breath_noise = bounded(p.breath_noise, 0, 10, kInitial.breath_noise);
+  p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
+  for (double Parameters::*lip : {&Parameters::lip_mass, &Parameters::lip_opening,
+                                  &Parameters::lip_width, &Parameters::lip_quality})
+    p.*lip = bounded(p.*lip, 0.01, 100, 1);
   p.gain = bounded(p.gain, 0, 1e6, kInitial.gain);
   return p;
 }

@@ -37,6 +37,9 @@ struct Parameters {
   double apex_distance = 0.2;     // r_0, m, cone only
   double cup_volume = 0;          // V, m^3
   double wall_loss = 1;           // times the theoretical loss
+  double bell = 0;            // Hz, above which bell or open holes let sound out; 0: plain open end
+  double bell_quality = 1;    // Q of its opening
+  double brassiness = 0;      // bore lengths over which the radiated wave steepens
   double scalar_reflection = 0;   // R_0; > 0 replaces loss and radiation (Raman's model)
   double temperature = 20;        // deg C
 
@@ -45,7 +48,16 @@ struct Parameters {
   int oversampling = 0;      // 1, 2 or 4; 0: 4 for the swinging valve, else 1
   double breath_noise = 0;   // relative to the mouth pressure
   unsigned seed = 1;
-  bool tune = false;         // choose the length so that the linear playing frequency is f_b
+  bool tune = false;         // a player plays f_b: chooses length and embouchure, and listens
+  bool ear = true;           // with tune: correct what is heard out of tune
+
+  // the player's lips, with tune, as factors on the valve above; what they keep is f_r/f_b
+  double embouchure = 0;     // f_r/f_b; 0: no lips but a reed, and f_r as given
+  double lip_mass = 1;
+  double lip_opening = 1;    // of theta_0
+  double lip_width = 1;
+  double lip_quality = 1;
+
   double gain = 2;           // of the sound outlet, 1/Pa at 1 m before the soft clip
 };
 

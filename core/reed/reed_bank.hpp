@@ -3,8 +3,10 @@
 #include "core/dsp/random.hpp"
 #include "core/dsp/simd.hpp"
 #include "core/reed/bore_design.hpp"
+#include "core/reed/ear.hpp"
 #include "core/reed/halfband.hpp"
 #include "core/reed/parameters.hpp"
+#include "core/reed/radiation_path.hpp"
 #include "core/reed/tuning.hpp"
 #include "core/reed/valve_bore_step.hpp"
 
@@ -32,7 +34,8 @@ template <class V> class ReedBank {
 public:
   static constexpr int kControlPeriod = 32;
 
-  /// count samples each: radiated pressure at 1 m (Pa), theta (rad), p_b (Pa), U (m^3/s).
+  /// count samples each: radiated pressure at 1 m (Pa; the first lane's, in all lanes), theta
+  /// (rad), p_b (Pa), U (m^3/s).
   struct Outputs {
     V* radiated;
     V* angle;
@@ -53,6 +56,7 @@ public:
     line_.assign(size, V(0.0));
     mask_ = static_cast<std::ptrdiff_t>(size) - 1;
     slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
+    ear_.prepare(sample_rate);
     apply(parameters_);
     reset();
   }
@@ -69,6 +73,7 @@ public:
     random_.seed(parameters_.seed);
     state_ = {};
     mouth_ = V(0.0);
+    ear_.reset();
     still_air();
   }
 
@@ -84,8 +89,16 @@ public:
     constexpr double kTwoPi = 2 * std::numbers::pi;
     const V given = select((reed_frequency > V(0.0)) & (reed_frequency < V(1e9)), reed_frequency,
                            V(parameters_.reed_frequency));
+    if (!(bore_frequency == bore_frequency_)) { // false also for a first NaN
+      bore_frequency_ = bore_frequency > 0 && bore_frequency < 1e9 ? bore_frequency : 0;
+      length_due_ = true;
+    }
+    if (length_due_)
+      choose_length(static_cast<double>(simd::lane(given, 0)));
+    if (listens_)
+      trim(ear_.trim());
     const V target =
-        V(kTwoPi) * simd::minimum(simd::maximum(given, V(1.0)), V(0.45 * sample_rate_));
+        V(kTwoPi * reed_scale_) * simd::minimum(simd::maximum(given, V(1.0)), V(0.45 * sample_rate_));
     omega_from_ = fresh_ ? target : omega_to_;
     omega_to_ = omega_from_ + V(slew_) * (target - omega_from_);
     omega_to_ = select(absolute(target - omega_to_) < V(1e-6) * target, target, omega_to_);
@@ -94,12 +107,6 @@ public:
     if (!reed_moves_)
       steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
 
-    if (!(bore_frequency == bore_frequency_)) { // false also for a first NaN
-      bore_frequency_ = bore_frequency > 0 && bore_frequency < 1e9 ? bore_frequency : 0;
-      choose_length(static_cast<double>(simd::lane(given, 0)));
-    } else if (length_due_) {
-      choose_length(static_cast<double>(simd::lane(given, 0)));
-    }
     const double next =
         fresh_ ? length_target_ : length_to_ + slew_ * (length_target_ - length_to_);
     move_bore(std::abs(length_target_ - next) < 1e-7 * length_target_ ? length_target_ : next);
@@ -140,6 +147,7 @@ private:
     design_.set(parameters_, rate);
     const ValveConstants old = constants_;
     constants_ = ValveConstants::from(parameters_, design_, rate);
+    radiation_.set(RadiationConstants::from(parameters_, design_, rate));
     place_valve(old);
     steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
     if (oversampling_ != before)
@@ -172,32 +180,60 @@ private:
 
   void choose_length(double reed_frequency) noexcept {
     length_due_ = false;
-    if (parameters_.length_override > 0) {
-      length_target_ = parameters_.length_override;
-    } else if (bore_frequency_ > 0) {
-      const double f =
-          std::clamp(bore_frequency_, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
-      length_target_ =
-          parameters_.tune ? tuned_length(parameters_, f, reed_frequency) : design_.length_for(f);
-    } else {
-      length_target_ = parameters_.length;
-    }
-    length_target_ = std::clamp(length_target_, 5e-3, design_.longest());
+    Playing playing{parameters_, parameters_.length};
+    const double f =
+        std::clamp(bore_frequency_, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+    listens_ = parameters_.tune && bore_frequency_ > 0 && !(parameters_.length_override > 0);
+    if (listens_)
+      playing = tuned(parameters_, f, reed_frequency);
+    else if (bore_frequency_ > 0)
+      playing.length = design_.length_for(f);
+    if (parameters_.length_override > 0)
+      playing.length = parameters_.length_override;
+    length_target_ = std::clamp(playing.length, 5e-3, design_.longest());
+    own_scale_ = playing.reed_scale;
+    const ValveConstants old = constants_;
+    constants_ = ValveConstants::from(playing.valve, design_, sample_rate_ * oversampling_);
+    place_valve(old);
+    listens_ = listens_ && parameters_.ear;
+    if (listens_)
+      ear_.mean(f);
+    trim(listens_ ? ear_.trim() : 0);
+  }
+
+  /// Plays sharper by exp(logarithm): the bore shorter, the lips tighter where they are the
+  /// player's to choose. A change that nobody hears is left out, for a bore at rest is cheaper.
+  void trim(double logarithm) noexcept {
+    constexpr double kInaudible = 1e-4; // 0.17 cents
+    if (std::abs(logarithm - trim_) < kInaudible && logarithm != 0 && trim_scale_ == own_scale_)
+      return;
+    trim_ = logarithm;
+    trim_scale_ = own_scale_;
+    reed_scale_ = parameters_.embouchure > 0 ? own_scale_ * std::exp(logarithm) : own_scale_;
+    const double acoustic = design_.air().sound_speed / design_.ideal_frequency(length_target_) /
+                            (parameters_.shape == BoreShape::kCone ? 2 : 4);
+    trim_delay_ = 2 * acoustic * std::expm1(-logarithm) / design_.air().sound_speed *
+                  sample_rate_ * oversampling_;
   }
 
   void move_bore(double length) noexcept {
     delay_from_ = trip_.delay;
-    if (length == length_to_ && !trip_due_ && !length_due_)
-      return;
-    length_to_ = length;
-    trip_ = design_.round_trip(length);
-    trip_due_ = false;
+    if (length != length_to_ || trip_due_ || length_due_) {
+      length_to_ = length;
+      trip_ = design_.round_trip(length);
+      own_delay_ = trip_.delay;
+      trip_due_ = false;
+    }
+    // A trim changes the delay alone: what it would change in the losses is inaudible.
+    trip_.delay =
+        std::clamp(own_delay_ + trim_delay_, 3.0,
+                   static_cast<double>(longest_delay(sample_rate_ * oversampling_)));
   }
 
   void still_air() noexcept {
     std::fill(line_.begin(), line_.end(), V(0.0));
     filter_ = {};
-    radiating_ = V(0.0);
+    radiation_.reset();
     const V deflection = state_.deflection, velocity = state_.velocity;
     state_ = {};
     state_.deflection = deflection;
@@ -222,6 +258,7 @@ private:
     quieten(state_.past);
     for (V& value : filter_.state)
       quieten(value);
+    radiation_.quieten();
   }
 
   void chunk(const V* mouth_pressure, const Outputs& out, int samples) noexcept {
@@ -249,7 +286,8 @@ private:
       const int room = static_cast<int>(std::min(first, trip_.delay)) - 1;
       const int part = std::min(count - done, room);
       read_line(wave.data() + done, phase, part);
-      filter_.run(trip_, wave.data() + done, radiated.data() + done, part);
+      filter_.run(trip_, wave.data() + done, radiated.data() + done, radiation_.returning_share(),
+                  part);
       if (reed_moves_)
         for (int i = 0; i < part; ++i)
           moving_[index(i)] = ReedCoefficients<V>::at(
@@ -264,12 +302,18 @@ private:
     const V scale(constants_.angle_scale), rest(constants_.rest_opening);
     for (int i = 0; i < count; ++i)
       deflection[index(i)] = (deflection[index(i)] + rest) * scale;
-    differentiate(radiated.data(), count);
+    radiation_.run(radiated.data(), count, length_to_);
     guard(radiated, deflection, bore, flow, count);
     decimate(0, radiated.data(), out.radiated, samples);
     decimate(1, deflection.data(), out.angle, samples);
     decimate(2, bore.data(), out.bore_pressure, samples);
     decimate(3, flow.data(), out.flow, samples);
+    if (listens_) {
+      std::array<double, kChunk> heard;
+      for (int i = 0; i < samples; ++i)
+        heard[index(i)] = static_cast<double>(simd::lane(out.bore_pressure[i], 0));
+      ear_.listen(heard.data(), samples);
+    }
   }
 
   void step(const ReedCoefficients<V>* coefficients, int stride, const ValveSignals<V>& signal,
@@ -330,17 +374,6 @@ private:
     written_ = (written_ + count) & mask_;
   }
 
-  /// p_rad = rho/(4 pi d) d/dt (a - b)/Z_0 at d = 1 m.
-  void differentiate(V* wave, int count) noexcept {
-    const V scale(constants_.density * 0.5 * constants_.wave_admittance * sample_rate_ *
-                  oversampling_ / (4 * std::numbers::pi));
-    for (int i = 0; i < count; ++i) {
-      const V now = wave[i];
-      wave[i] = scale * (now - radiating_);
-      radiating_ = now;
-    }
-  }
-
   /// The paper's explicit flow and the force of the flow (mu) can feed energy in without bound,
   /// with absurd enough parameters: then the model starts anew from rest.
   void guard(Signal& a, Signal& b, Signal& c, Signal& d, int count) noexcept {
@@ -352,7 +385,7 @@ private:
       highest = simd::maximum(highest, simd::absolute(c[index(i)]));
     if (!beyond(highest, 1e9) && !beyond(state_.bore_pressure, 1e9) &&
         !beyond(state_.jet_velocity, 1e6) && !beyond(state_.velocity, 1e9) &&
-        !beyond(radiating_, 1e9))
+        radiation_.sane())
       return;
     for (Signal* signal : {&a, &b, &c, &d})
       std::fill_n(signal->begin(), count, V(0.0));
@@ -385,11 +418,16 @@ private:
   ValveConstants constants_{};
   RoundTrip trip_{};
   double bore_frequency_ = 0, length_target_ = 0.48, length_to_ = 0.48, delay_from_ = 3;
-  V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0}, radiating_{0.0};
+  V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0};
   ReedCoefficients<V> steady_{};                     // while f_r stands
   std::array<ReedCoefficients<V>, kChunk> moving_{}; // while it moves
   ValveState<V> state_{};
   RoundTripFilter<V> filter_{};
+  RadiationPath<V> radiation_{};
+  Ear ear_{};
+  bool listens_ = false;
+  double own_scale_ = 1, reed_scale_ = 1;          // of f_r: the player's choice, and trimmed
+  double trim_ = 0, trim_scale_ = 1, trim_delay_ = 0, own_delay_ = 3;
   std::vector<V> line_;
   std::ptrdiff_t mask_ = 0, written_ = 0;
   std::array<Stage1, 4> stage1_{};

@@ -15,6 +15,8 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
+constexpr double kPlaying = 1.5;    // times the threshold: where a note is usually played
+constexpr double kValveAlone = 0.75; // below this share of the bore's lowest, it carries no note
 
 /// At one pressure: the bore that the valve wants to oscillate with at the frequency.
 struct Candidate {
@@ -78,7 +80,7 @@ private:
 } // namespace
 
 double tuned_length(const Parameters& parameters, double bore_frequency,
-                    double reed_frequency) noexcept {
+                    double reed_frequency, double over_threshold) noexcept {
   constexpr int kPressures = 32;
   constexpr int kBisections = 24;
   const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency);
@@ -99,12 +101,34 @@ double tuned_length(const Parameters& parameters, double bore_frequency,
       candidate = oscillation.at(middle);
       (candidate.excess < 0 ? low : high) = middle;
     }
-    best = candidate;
+    best = oscillation.at(std::min(over_threshold * high, 0.5 * (high + highest)));
     break;
   }
   BoreDesign bore;
   bore.set(parameters, 48000);
   return std::clamp(best.length, 5e-3, bore.longest());
+}
+
+Playing tuned(const Parameters& parameters, double bore_frequency,
+              double reed_frequency) noexcept {
+  Playing playing{parameters, parameters.length};
+  if (!(parameters.embouchure > 0)) {
+    playing.length = tuned_length(parameters, bore_frequency, reed_frequency, kPlaying);
+    return playing;
+  }
+  const double own = parameters.reed_frequency;
+  const double lips = parameters.embouchure * bore_frequency;
+  playing.reed_scale = lips / own;
+  playing.valve.mass *= parameters.lip_mass * (own / lips) * (own / lips);
+  playing.valve.rest_angle *= parameters.lip_opening;
+  playing.valve.width *= parameters.lip_width;
+  playing.valve.quality *= parameters.lip_quality;
+  playing.valve = clamped(playing.valve);
+  BoreDesign bore;
+  bore.set(parameters, 48000);
+  if (bore_frequency > kValveAlone * bore.ideal_frequency(parameters.length))
+    playing.length = tuned_length(playing.valve, bore_frequency, lips, kPlaying);
+  return playing;
 }
 
 } // namespace tactus::reed

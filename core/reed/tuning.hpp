@@ -6,11 +6,32 @@ namespace tactus::reed {
 
 /// Length of the bore, m, with which the instrument's linear playing frequency is bore_frequency
 /// (Hz) at that reed frequency (Hz): the neutral oscillation exp(i 2 pi f_b t) of
-/// Y_in(L) = Y_valve(p_m) at the lowest pressure that has one. A blown-open valve plays a mode of a
-/// longer bore: among the solutions the one nearest to the parameters' own length is taken; the
-/// others play their lowest mode. Where no pressure starts the note, the pressure counts that comes
-/// nearest to it. Bounded work (about 60 evaluations of a few complex functions), no allocation.
+/// Y_in(L) = Y_valve(p_m) at the lowest pressure that has one, or at over_threshold >= 1 times that
+/// (at most half way to the highest). A blown-open valve plays a mode of a longer bore: among the
+/// solutions the one nearest to the parameters' own length is taken; the others play their lowest
+/// mode. Where no pressure starts the note, the pressure counts that comes nearest to it. Bounded
+/// work (about 60 evaluations of a few complex functions), no allocation.
 [[nodiscard]] double tuned_length(const Parameters& parameters, double bore_frequency,
-                                  double reed_frequency) noexcept;
+                                  double reed_frequency, double over_threshold = 1) noexcept;
+
+/// What a player chooses to sound a note.
+struct Playing {
+  Parameters valve;      // the instrument with the player's lips
+  double length;         // L, m
+  double reed_scale = 1; // factor on the f_r that the instrument is given
+};
+
+/// A player's choice for the note bore_frequency (Hz), given f_r = reed_frequency (Hz).
+///
+/// With embouchure 0 (a reed) the length alone: tuned_length(), at one and a half times the
+/// threshold, where notes are usually played.
+/// With an embouchure (lips, folds, membranes) the valve is the player's (Parameters::lip_...) and
+/// goes with the note: it is brought to embouchure * f_b, at constant stiffness (a lower note takes
+/// more of the lip's mass), so that threshold and opening stay what they were; f_r then bends it,
+/// its own value being no bend. The
+/// length is tuned_length() of that valve, at one and a half times the threshold. A note well below the bore's lowest resonance is the
+/// valve's alone, and the bore keeps its own length.
+[[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
+                            double reed_frequency) noexcept;
 
 } // namespace tactus::reed

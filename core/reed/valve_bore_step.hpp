@@ -245,15 +245,17 @@ void step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients
 template <class V> struct RoundTripFilter {
   std::array<V, RoundTrip::kSections> state{};
 
-  /// From the delay line's output to what comes back (p-) and what the open end radiates
-  /// (a - b), in place of the input.
-  void run(const RoundTrip& trip, V* wave, V* radiated, int count) noexcept {
+  /// From the delay line's output to what comes back (p-, in place of the input) and what reaches
+  /// the open end and leaves it: a - returning_share * b.
+  void run(const RoundTrip& trip, V* wave, V* leaving, double returning_share,
+           int count) noexcept {
     std::array<V, RoundTrip::kSections> s = state, pole, excess;
     for (std::size_t k = 0; k < s.size(); ++k) {
       pole[k] = V(trip.pole[k]);
       excess[k] = V(trip.excess[k]);
     }
     const V arriving_gain(trip.arriving_gain), returning_gain(trip.returning_gain);
+    const V share(returning_share);
     for (int i = 0; i < count; ++i) {
       V signal = wave[i];
       const auto section = [&](std::size_t k) {
@@ -267,7 +269,7 @@ template <class V> struct RoundTripFilter {
       for (std::size_t k = RoundTrip::kLossSections; k < RoundTrip::kSections; ++k)
         section(k);
       wave[i] = returning_gain * signal;
-      radiated[i] = arriving - wave[i];
+      leaving[i] = arriving - share * wave[i];
     }
     state = s;
   }
