@@ -25,7 +25,9 @@ pytestmark = pytest.mark.skipif(any(not shutil.which(p) for p in PROGRAMS),
 
 def has_scroll_bar(picture):
     """Whether the right edge of the canvas is a grey bar instead of background."""
-    pixels = matplotlib.image.imread(picture)[60:-30, -12:, :3]
+    image = matplotlib.image.imread(picture)
+    image = image[..., None] if image.ndim == 2 else image[..., :3]
+    pixels = image[60:-30, -12:]
     grey = (abs(pixels - pixels.mean(axis=2, keepdims=True)).max(axis=2) < 0.02) \
         & (pixels.mean(axis=2) > 0.6) & (pixels.mean(axis=2) < 0.92)
     return grey.mean() > 0.5
