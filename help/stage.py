@@ -136,9 +136,9 @@ def fill_help(source, declaration):
     heights = [LINE * wrap(text, columns) for _, _, text in rows]
     y = height - sum(heights) - 38
     out = [source.rstrip("\n")]
-    out.append(rule(1, 1, width - 3, 38, "", TITLE_COLOUR))
-    out.append(rule(1, 1, 4, 38, declaration["name"], TITLE_COLOUR, "#ffffff"))
-    out.append(rule(width - 112, 1, 4, 38, "tactus", TITLE_COLOUR, "#ffffff"))
+    out.append(rule(1, 6, width - 3, 32, "", TITLE_COLOUR))
+    out.append(rule(1, 6, 4, 32, declaration["name"], TITLE_COLOUR, "#ffffff"))
+    out.append(rule(width - 112, 6, 4, 32, "tactus", TITLE_COLOUR, "#ffffff"))
     out.append(comment(10, 44, declaration["title"]))
     out.append(rule(6, y - 6, width - 14, 3))
     for (side, kind, text), step in zip(rows, heights):
