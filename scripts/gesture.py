@@ -28,8 +28,8 @@ class Technique:
     attack: float = 0.012       # time the pressure takes to rise
     accent: float = 0.10        # by how much it overshoots
     release: float = 0.16       # time it takes to fall at the end of a phrase
-    tongue: float = 0.045       # time the tongue is on the reed between two notes
-    stopped: float = 0.2        # share of the pressure that gets past it
+    tongue: float = 0.050       # time the tongue is on the reed between two notes
+    stopped: float = 0.1        # share of the pressure that gets past it
     slur_dip: float = 0.08
     vibrato_hz: float = 5.2
     vibrato_pressure: float = 0.035
@@ -178,6 +178,13 @@ def vibrato(notes, technique, t, random):
         depth += (1 + 0.15 * random.standard_normal()) * rise * fall
     rate = technique.vibrato_hz * (1 + 0.05 * wander(random, len(t), 0.2, 1))
     return depth * numpy.sin(2 * numpy.pi * numpy.cumsum(rate) / RATE)
+
+
+def fitting_sigma(gesture, sigma):
+    """sigma, its upper ends raised to the next 500 where the gesture would leave its box."""
+    low, high, slow, fast = sigma
+    up = [500 * int(numpy.ceil(1.02 * values.max() / 500)) for values in (gesture.pressure, gesture.reed)]
+    return low, max(high, up[0]), slow, max(fast, up[1])
 
 
 def positions(gesture, sigma):

@@ -42,6 +42,17 @@ def harmonic_pitch(samples, rate, expected_hz, harmonics=6, cents=150):
     return float((found * weights)[good].sum() / weights[good].sum())
 
 
+def fundamental_db(samples, rate, hz, harmonics=8):
+    """Level of the fundamental against the strongest of its harmonics, dB."""
+    x = numpy.asarray(samples, float)
+    spectrum = numpy.abs(scipy.fft.rfft(x * numpy.hanning(len(x))))
+    levels = []
+    for h in range(1, harmonics + 1):
+        low, high = (int(hz * h * turn * len(x) / rate) for turn in (0.985, 1.015))
+        levels.append(spectrum[max(low - 1, 0):high + 2].max(initial=1e-12))
+    return float(decibels(levels[0] / max(levels)))
+
+
 def cents(frequency, reference):
     return 1200 * numpy.log2(frequency / reference)
 
@@ -78,25 +89,26 @@ def track(samples, rate, notes, frequency, step=0.01, window=0.06):
     return numpy.array(times), numpy.array(values)
 
 
-def clicks(samples, rate, notes):
-    """Times of sounds above 10 kHz shorter than 5 ms that stick out by 12 dB from what surrounds them
-    within 60 ms on both sides, and are louder than -66 dB of full scale; attacks of notes are
-    longer than that and have as bright a sound after them."""
-    sections = scipy.signal.butter(4, 10000, "high", fs=rate, output="sos")
+def clicks(samples, rate):
+    """Times of sounds above 15 kHz shorter than 5 ms that stick out by 6 dB from all that surrounds
+    them within 60 ms on both sides, and are louder than -66 dB of full scale. The edges of a
+    beating reed are as bright, once a period, and hide whatever is smaller; an attack is followed
+    by such edges and does not count."""
+    sections = scipy.signal.butter(4, 15000, "high", fs=rate, output="sos")
     high = scipy.signal.sosfiltfilt(sections, numpy.asarray(samples, float))
-    frame = int(0.0025 * rate)
+    frame = int(0.005 * rate)
     peak = abs(high[:len(high) // frame * frame].reshape(-1, frame)).max(axis=1)
     found = []
     for i in numpy.flatnonzero(peak > 10 ** (-66 / 20)):
-        around = numpy.concatenate([peak[max(i - 24, 0):max(i - 2, 0)], peak[i + 3:i + 25]])
-        if len(around) and peak[i] > 4 * around.max():
+        before, after = peak[max(i - 12, 0):max(i - 1, 0)], peak[i + 2:i + 13]
+        if peak[i] > 2 * max(before.max(initial=0), after.max(initial=0)):
             found.append(i * frame / rate)
     return found
 
 
 def judge(samples, rate, notes, frequency):
     """One dictionary a note: hz, cents, level_db, speaks_ms (from the onset until half the note's
-    level is there; None for slurred notes), sustained (0.3 s or more)."""
+    level is there; None for slurred notes), fundamental_db, sustained (0.3 s or more)."""
     loud = envelope(samples, rate)
     rows = []
     for note in notes:
@@ -111,5 +123,6 @@ def judge(samples, rate, notes, frequency):
         rows.append({"hz": heard, "cents": cents(heard, f), "level_db": float(decibels(level)),
                      "speaks_ms": None if note.slurred or not len(there)
                      else 1000 * ((there[0] + start) / rate - note.onset),
+                     "fundamental_db": fundamental_db(part, rate, f),
                      "sustained": note.duration >= 0.3})
     return rows

@@ -2,7 +2,7 @@
 import numpy
 from harness import Patch
 
-from listening import decibels, envelope, harmonic_pitch
+from listening import decibels, envelope, fundamental_db, harmonic_pitch
 
 RATE = 48000
 GAP, HOLD, RISE = 0.15, 0.75, 0.012  # s
@@ -59,31 +59,33 @@ def reed_frequency(own):
     return float(numpy.sqrt(stiffness / own["mass"]) / (2 * numpy.pi))
 
 
-def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.50, 0.82, 0.04)):
+def plays_its_fundamental(sound, hz):
+    """False when another register sounds: the fundamental 30 dB below the strongest partial."""
+    return fundamental_db(sound[len(sound) // 2:], RATE, hz) > -30
+
+
+def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.54, 0.72, 0.03)):
     """A blown-closed reed with `tune 1`: which share of the closing pressure to play at, and how
     much more breath each pitch needs.
 
-    Returns (pressure Pa, reed Hz, {pitch: dB}, gain): of the shares that speak within 60 ms the one
-    at which the instrument is best in tune, the breath that makes all pitches equally loud (at most
-    5 dB), and the gain of [greed~] with which that mezzo forte peaks at 0.2, so that a fortissimo
-    stays below its soft clip."""
+    Returns (pressure Pa, reed Hz, {pitch: dB}, gain): the lowest of the shares at which every pitch
+    speaks within 50 ms, in its first register and within 10 cents, the breath that makes all
+    pitches equally loud (at most 5 dB), and the gain of [greed~] with which that mezzo forte peaks
+    at 0.2, so that a fortissimo stays below its soft clip. RuntimeError when no share does."""
     own = own_settings(preset)
     lip = reed_frequency(own)
-    flags = ("-tune", 1, "-gain", 0.1)
     pitches = sorted(pitches)
     hz = [frequency(p) for p in pitches]
-    heard = blow(preset, [(f, s * own["P_M"], lip) for s in shares for f in hz], flags)
-    best = None
+    heard = blow(preset, [(f, s * own["P_M"], lip) for s in shares for f in hz],
+                 ("-tune", 1, "-gain", 0.1))
     for i, share in enumerate(shares):
         these = heard[i * len(hz):(i + 1) * len(hz)]
-        off = [1200 * numpy.log2(pitch_of(sound, f) / f) for (sound, _, _), f in zip(these, hz)]
-        if not all(speaks < 60 for _, _, speaks in these) or not numpy.isfinite(off).all():
-            continue
-        if best is None or max(map(abs, off)) < best[0]:
-            best = (max(map(abs, off)), share, these)
-    if best is None:
-        raise RuntimeError(f"{preset}: no pressure makes every note speak within 60 ms")
-    _, share, these = best
+        if all(speaks < 50 and plays_its_fundamental(sound, f)
+               and abs(1200 * numpy.log2(pitch_of(sound, f) / f)) < 10
+               for (sound, _, speaks), f in zip(these, hz)):
+            break
+    else:
+        raise RuntimeError(f"{preset}: no pressure makes every note speak in tune within 50 ms")
     levels = numpy.array([level for _, level, _ in these])
     trims = numpy.clip(numpy.median(levels) - levels, -5, 5)
     peak = max(abs(sound).max() for sound, _, _ in these)

@@ -14,7 +14,7 @@ PATCH = ROOT / "patches" / "reed" / "reed_haptic.pd"
 TUNE = ROOT / "data" / "music" / "mozart_k622_adagio.mid"
 OCTAVE_DOWN = -12
 PRESET = "clarinet"
-SIGMA = (0, 5000, 1000, 3500)   # Pa, Pa, Hz, Hz: what the hand's box holds
+SIGMA = (0, 5000, 1000, 3500)   # Pa, Pa, Hz, Hz: what the hand's box holds at least
 NOISE = 0.0
 RATE = 48000
 SIGNALS = ("reed-y", "reed-z", "reed-fp", "reed-gradient-y", "reed-gradient-z", "reed-force-y",
@@ -42,14 +42,15 @@ def gesture(seconds=None, seed=1):
 def render(played, hand="rigid", timeout=600):
     """The patch played by a simulated hand on the gesture's path. Returns harness.Render with
     "sound", as [greed~] gives it, and the SIGNALS, all as arrays at the sample rate."""
-    y, z = gestures.positions(played, SIGMA)
+    sigma = gestures.fitting_sigma(played, SIGMA)
+    y, z = gestures.positions(played, sigma)
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
         path = pathlib.Path(folder) / "hand.txt"
         gestures.write_path(path, y, z)
         patch = Patch(opens=PATCH)
         for setting in (f"preset {PRESET}", f"gain {learn()[2]}", f"noise {NOISE}", "tune 1"):
             patch.send(0, "reed-all", setting)
-        patch.send(0, "reed-range", list(SIGMA))
+        patch.send(0, "reed-range", list(sigma))
         patch.send(0, "reed-volume", 1)
         patch.send(0, "reed-note", played.events[0][1])
         patch.send(0, "reed-hand", f"hand {hand}, path {path}")

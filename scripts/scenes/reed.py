@@ -36,9 +36,9 @@ SPRING = "spring 2000 20"  # a firm grip, N/m and N s/m
 PLAYS = 0.3                # f_p above which a reed counts as playing
 
 
-def playable(pitch, lip=None, columns=61, rows=41):
+def playable(pitch, sigma, lip=None, columns=61, rows=41):
     """tactus_reed_map's table for one bore, as arrays (rows, columns); lip: only near that f_r."""
-    low, high, slow, fast = SIGMA
+    low, high, slow, fast = sigma
     if lip:
         rows, slow, fast = 2, 0.999 * lip, 1.001 * lip
     program = stage_folder().parent / "programs" / "reed_map" / "tactus_reed_map"
@@ -53,7 +53,7 @@ def breath_that_plays(note, gesture):
     """Least and most pressure, Pa, at which linear theory starts the note with the lip it is played
     with, and an instrument blown there plays."""
     lip = gesture.reed[int(0.5 * (note.onset + note.end) * gestures.RATE)]
-    table = playable(note.pitch, lip)
+    table = playable(note.pitch, gestures.fitting_sigma(gesture, SIGMA), lip)
     plays = table["f_p"][0] > PLAYS
     starts = (table["growth_per_s"][0] > 0) & (table["free"][0] > 0)
     both = table["pressure_pa"][0][plays & starts]
@@ -82,7 +82,7 @@ def draw_gesture(gesture, result):
     axes[1].plot(times, off, color="#b2432f", linewidth=0.8)
     axes[1].set_ylim(-25, 25)
     axes[1].set_ylabel("cents off\nthe score")
-    low, high, slow, fast = SIGMA
+    low, high, slow, fast = gestures.fitting_sigma(gesture, SIGMA)
     y, z = at(result, "reed-y", t), at(result, "reed-z", t)
     for note in gesture.notes:
         least, most = breath_that_plays(note, gesture)
@@ -118,12 +118,12 @@ def draw_gesture(gesture, result):
 def draw_plane(gesture, result):
     """The hand's way over the map of where the clarinet plays the tune's middle note."""
     pitch = int(numpy.median([n.pitch for n in gesture.notes]))
-    table = playable(pitch)
+    table = playable(pitch, gestures.fitting_sigma(gesture, SIGMA))
     figure, axes = plt.subplots(figsize=(7.5, 5))
     shown = axes.pcolormesh(table["pressure_pa"] / 1000, table["reed_hz"], table["f_p"],
                             cmap="viridis", vmin=0, shading="gouraud")
     figure.colorbar(shown, label="playability f_p")
-    low, high, slow, fast = SIGMA
+    low, high, slow, fast = gestures.fitting_sigma(gesture, SIGMA)
     t = numpy.arange(0.5, gesture.seconds, 0.002)
     axes.plot((low + at(result, "reed-y", t) * (high - low)) / 1000,
               slow * (fast / slow) ** at(result, "reed-z", t), color="white", linewidth=0.6)
@@ -144,15 +144,16 @@ def summary(gesture, sound, judged):
     uneven -= numpy.median(uneven)
     speaks = numpy.array([j["speaks_ms"] for j in judged if j["speaks_ms"] is not None])
     levels = [j["level_db"] for j in sustained]
-    lost = sum(not abs(j["cents"]) < 50 or j["level_db"] < numpy.median(levels) - 20 for j in judged)
+    lost = sum(not abs(j["cents"]) < 50 or j["fundamental_db"] < -30
+               or j["level_db"] < numpy.median(levels) - 20 for j in judged)
     return [["sustained notes (0.3 s or more)", f"{len(sustained)} of {len(judged)}"],
             ["furthest from the score", f"{abs(off).max():.1f} cents"],
             ["rms of all sustained notes", f"{numpy.sqrt((off ** 2).mean()):.1f} cents"],
-            ["notes lost", f"{lost}"],
+            ["notes lost, or in another register", f"{lost}"],
             ["level against what the score asks, largest deviation", f"{abs(uneven).max():.1f} dB"],
             ["softest to loudest sustained note", f"{max(levels) - min(levels):.1f} dB"],
             ["tongued notes speak after", f"{speaks.min():.0f} to {speaks.max():.0f} ms"],
-            ["clicks", f"{len(listening.clicks(sound, RATE, gesture.notes))}"],
+            ["clicks", f"{len(listening.clicks(sound, RATE))}"],
             ["peak of [greed~]'s sound (linear to 0.5)", f"{abs(sound).max():.2f}"]]
 
 

@@ -1,0 +1,192 @@
+"""patches/reed played headless: its arithmetic on known playabilities, its direction, and the tune of
+./play reed."""
+import math
+import pathlib
+import sys
+
+import numpy
+import pytest
+
+from harness import Patch
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+REED = ROOT / "patches" / "reed"
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts" / "scenes")]
+
+import _reed_patch  # noqa: E402
+import listening  # noqa: E402
+import score  # noqa: E402
+
+RATE = 48000
+
+
+def last(log):
+    return log[-1][1][0]
+
+
+# ---- arithmetic on known numbers -----------------------------------------------------------
+
+def difference(upper, lower, q, delta=None):
+    """[reed_difference]'s answer to f_p(q + D), f_p(q - D) at q; the upper one arrives last."""
+    patch = Patch()
+    box = patch.obj("reed_difference", *([] if delta is None else [delta]))
+    patch.at(10, box[2], q)
+    patch.at(20, box[1], lower)
+    patch.at(30, box, upper)
+    patch.log("slope", box)
+    return last(patch.render(0.05, path=[REED]).logs["slope"])
+
+
+@pytest.mark.parametrize("q, distance", [(0.5, 0.02), (0.01, 0.02), (0.99, 0.02), (0, 0.01),
+                                         (1, 0.01), (0.004, 0.014), (0.997, 0.013)])
+def test_the_slope_of_known_playabilities_is_exact_also_at_the_edges(q, distance):
+    upper, lower = 0.4375, 0.3125
+    slope = difference(upper, lower, q)
+    # q and D are single-precision numbers: at an edge the distance 1 - q + D has their error, 6e-8.
+    assert slope == pytest.approx((upper - lower) / distance, rel=1.2e-7 / distance)
+
+
+def test_five_known_playabilities_give_both_slopes_to_a_millionth():
+    master, up, down, far, near = 0.5, 0.53, 0.48, 0.46, 0.52
+    assert abs(difference(up, down, 0.3) - (up - down) / 0.02) < 1e-6 * 5
+    assert abs(difference(far, near, 0.7) - (far - near) / 0.02) < 1e-6 * 5
+    assert difference(master, master, 0.5) == 0
+
+
+STUBS = {
+    # theta becomes the playability itself, a known function of what sigma gave.
+    "greed~.pd": """#N canvas 0 0 500 300 12;
+#X obj 10 10 inlet~;
+#X obj 110 10 inlet~;
+#X obj 210 10 inlet~;
+#X obj 10 60 expr~ 1-pow($v1/8000-0.6 \\, 2)-pow(ln($v2/80)/ln(11.25)-0.3 \\, 2);
+#X obj 10 110 outlet~;
+#X obj 110 110 outlet~;
+#X connect 0 0 3 0;
+#X connect 1 0 3 1;
+#X connect 3 0 5 0;
+""",
+    "playability~.pd": """#N canvas 0 0 300 300 12;
+#X obj 10 10 inlet~;
+#X obj 110 10 bang~;
+#X obj 10 60 snapshot~;
+#X obj 10 110 outlet;
+#X connect 0 0 2 0;
+#X connect 1 0 2 0;
+#X connect 2 0 3 0;
+""",
+}
+
+
+def still_hand(y, z):
+    """Messages that hold the handle at y, z in [0, 1]."""
+    x1, y1 = 100 * y - 50, 100 * z - 50
+    return f"hand rigid, path line 0 {x1:.9g} {y1:.9g} 0 {x1:.9g} {y1:.9g} 1000"
+
+
+def whole_patch(messages, seconds, stubs=None, names=("reed-gradient-y", "reed-gradient-z")):
+    patch = Patch(opens=REED / "reed_haptic.pd")
+    for receiver, message in messages:
+        patch.send(0, receiver, message)
+    for name in names:
+        patch.record(name, patch.obj("r", name) >> patch.obj("sig~"))
+    patch.record("sound", patch.dac(1))
+    return patch.render(seconds, RATE, path=[stubs] if stubs else [])
+
+
+def test_the_whole_patch_finds_the_slope_of_a_known_playability(tmp_path):
+    for name, text in STUBS.items():
+        (tmp_path / name).write_text(text)
+    result = whole_patch([("reed-hand", still_hand(0.5, 0.5))], 0.2, tmp_path)
+    # f = 1 - (y - 0.6)^2 - (z - 0.3)^2: slopes 0.2 and -0.4 at (0.5, 0.5). Two playabilities near 0.95
+    # differ by a float32's 6e-8 at least: 1e-5 of slope from each rounding on the way.
+    assert abs(result["reed-gradient-y"][-1] - 0.2) < 1e-4
+    assert abs(result["reed-gradient-z"][-1] + 0.4) < 1e-4
+
+
+def settled_force(gradient, messages=()):
+    """[reed_force]'s output after a second of the gradient every 2 ms, and its way there."""
+    patch = Patch()
+    box = patch.obj("reed_force")
+    metro, number = patch.obj("metro", 2), patch.obj("f", gradient)
+    metro >> number >> box
+    for name, value in messages:
+        patch.send(0, name, value)
+    patch.at(10, metro, 1)
+    patch.at(1010, metro, 0)
+    patch.log("force", box)
+    return patch.render(1.4, path=[REED]).logs["force"]
+
+
+@pytest.mark.parametrize("gradient", [0.4, -0.4, 3, -40])
+def test_the_force_is_the_limited_gradient_rises_slowly_and_ends_with_it(gradient):
+    log = settled_force(gradient)
+    times, forces = numpy.array([t for t, _ in log]), numpy.array([a[0] for _, a in log])
+    end = forces[numpy.flatnonzero(times <= 1010)[-1]]
+    assert end == pytest.approx(math.tanh(0.3 * gradient), abs=1e-4)
+    assert abs(numpy.diff(forces[times <= 1010])).max() <= 20 * 0.002 + 1e-5  # 20 N/s
+    assert forces[-1] == 0 and times[-1] <= 1010 + 101
+
+
+def test_gain_and_limit_of_the_force_follow_their_names():
+    log = settled_force(2, [("reed-gain", 0.6), ("reed-force-max", 0.5)])
+    before = [a[0] for t, a in log if t <= 1010]
+    assert before[-1] == pytest.approx(0.5 * math.tanh(0.6 * 2 / 0.5), abs=1e-4)
+
+
+# ---- direction -----------------------------------------------------------------------------
+
+@pytest.mark.parametrize("z, sign", [(0.42, 1), (0.57, -1), (0.50, 1)])
+def test_on_the_trumpet_the_slope_points_to_the_next_register(z, sign):
+    result = whole_patch([("reed-hand", still_hand(0.6, z))], 4)
+    steady = result["reed-gradient-z"][-RATE:]
+    assert sign * steady.mean() > 0.3, steady.mean()
+
+
+# ---- the tune ------------------------------------------------------------------------------
+
+def test_the_patch_renders_the_same_bits_each_time():
+    played = _reed_patch.gesture(4)
+    first, second = (_reed_patch.render(played) for _ in range(2))
+    assert abs(first["sound"]).max() > 0.05
+    for name in ("sound", *_reed_patch.SIGNALS):
+        assert numpy.array_equal(first[name], second[name]), name
+
+
+@pytest.fixture(scope="module")
+def tune():
+    played = _reed_patch.gesture()
+    sound = _reed_patch.render(played)["sound"]
+    return played, sound, listening.judge(sound, RATE, played.notes, score.frequency)
+
+
+def test_every_sustained_note_of_the_tune_is_within_ten_cents(tune):
+    played, _, judged = tune
+    off = {f"{n.onset:.2f} s {score.name(n.pitch)}": j["cents"]
+           for n, j in zip(played.notes, judged) if j["sustained"]}
+    assert len(off) > 40
+    assert not {note: cents for note, cents in off.items() if not abs(cents) <= 10}
+
+
+def test_no_note_of_the_tune_is_lost_and_the_level_is_what_the_score_asks(tune):
+    played, _, judged = tune
+    uneven = numpy.array([j["level_db"] - asked for j, asked in zip(judged, played.intended_db)])
+    uneven -= numpy.median(uneven)
+    assert abs(uneven).max() < 2
+    assert all(abs(j["cents"]) < 30 and j["fundamental_db"] > -30 for j in judged)
+
+
+def test_tongued_notes_speak_at_once_and_nothing_clicks(tune):
+    played, sound, judged = tune
+    late = [j["speaks_ms"] for j in judged if j["speaks_ms"] is not None]
+    assert len(late) > 8 and max(late) < 60
+    assert listening.clicks(sound, RATE) == []
+    assert 0.1 < abs(sound).max() < 0.5  # where [greed~]'s soft clip is still linear
+
+
+def test_a_click_put_into_the_tune_would_be_heard(tune):
+    played, sound, _ = tune
+    note = max(played.notes, key=lambda n: n.duration)
+    spoilt = sound.copy()
+    spoilt[int((note.onset + 0.5 * note.duration) * RATE)] += 0.1  # a third of the tune's peak
+    assert len(listening.clicks(spoilt, RATE)) == 1
