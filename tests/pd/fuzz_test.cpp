@@ -122,7 +122,7 @@ private:
 
 std::size_t rounds() {
   const char* text = std::getenv("TACTUS_FUZZ_ROUNDS");
-  return text ? static_cast<std::size_t>(std::atoi(text)) : 200;
+  return text ? static_cast<std::size_t>(std::atoi(text)) : 60;
 }
 
 void check_outputs(const Buffers& outputs, const Declaration& declaration, bool& good) {
