@@ -44,7 +44,8 @@ struct Culprit {
     case 7: {
       const std::vector<char> heap(8);
       const volatile std::size_t beyond = heap.size();
-      crime += heap.data()[beyond] * 0;
+      const volatile char seen = heap.data()[beyond];
+      static_cast<void>(seen);
       break;
     }
     default: break;
