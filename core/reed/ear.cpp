@@ -8,8 +8,8 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kTime = 0.12;     // s, of the integral controller
-constexpr double kFarthest = 0.06; // a semitone, as relative frequency
-constexpr double kLimit = 0.12;    // two semitones
+constexpr double kFarthest = 0.15; // two and a half semitones, as relative frequency
+constexpr double kLimit = 0.25;    // a little over four semitones
 constexpr double kQuiet = 10;      // Pa
 constexpr double kShare = 0.1;     // of the whole pressure's rms
 
@@ -43,7 +43,7 @@ void Ear::mean(double frequency_hz) noexcept {
   }
   turn_ = std::polar(1.0, -omega * kPeriod);
   // Two poles at an eighth of the pitch leave 1/64 of what lies a pitch away.
-  const double corner = std::clamp(frequency_hz / 8, 2.0, 40.0);
+  const double corner = std::clamp(frequency_hz / 8, 2.0, 100.0);
   pole_ = std::exp(-2 * std::numbers::pi * corner * kPeriod / sample_rate_);
   smooth_ = smoother_ = 0;
 }

@@ -53,6 +53,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.temperature = bounded(p.temperature, -50, 100, kInitial.temperature);
   p.breath_noise = bounded(p.breath_noise, 0, 10, kInitial.breath_noise);
   p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
+  p.aim = bounded(p.aim, -1200, 1200, kInitial.aim);
   for (double Parameters::*lip : {&Parameters::lip_mass, &Parameters::lip_opening,
                                   &Parameters::lip_width, &Parameters::lip_quality})
     p.*lip = bounded(p.*lip, 0.01, 100, 1);

@@ -50,15 +50,15 @@ struct Parameters {
   unsigned seed = 1;
   bool tune = false;         // a player plays f_b: chooses length and embouchure, and listens
   bool ear = true;           // with tune: correct what is heard out of tune
+  double gain = 2;           // of the sound outlet, 1/Pa at 1 m before the soft clip
 
-  // the player's lips, with tune, as factors on the valve above; what they keep is f_r/f_b
-  double embouchure = 0;     // f_r/f_b; 0: no lips but a reed, and f_r as given
+  // the player's lips, with tune: what they keep of the note, and factors on the valve above
+  double embouchure = 0;     // f_r/f_b; 0: a reed, whose f_r stays as given
+  double aim = 0;            // cents beside f_b: what sounding loud adds, known by practice
   double lip_mass = 1;
   double lip_opening = 1;    // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
-
-  double gain = 2;           // of the sound outlet, 1/Pa at 1 m before the soft clip
 };
 
 /// The nearest parameters with which a model can be computed: finite, within wide physical bounds,

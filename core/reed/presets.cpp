@@ -25,7 +25,12 @@ constexpr Parameters clarinet() {
           .displacement_limit = 5e-3,
           .length = 0.48,
           .input_radius = 7.5e-3,
-          .end_radius = 7.5e-3};
+          .end_radius = 7.5e-3,
+          .bell = 1600,
+          .bell_quality = 1.4,
+          .gain = 0.2,
+          .aim = -8,
+          .lip_opening = 0.82};
 }
 
 constexpr Parameters saxophone() {
@@ -45,7 +50,15 @@ constexpr Parameters saxophone() {
           .input_radius = 6.2e-3,
           .end_radius = 25e-3,
           .apex_distance = 0.2,
-          .cup_volume = tip_volume(6.2e-3, 0.2)};
+          .cup_volume = tip_volume(6.2e-3, 0.2),
+          .bell = 3000,
+          .bell_quality = 3.4,
+          .brassiness = 5,
+          .gain = 0.11,
+          .aim = -20,
+          .lip_opening = 1.6,
+          .lip_width = 1.3,
+          .lip_quality = 1.1};
 }
 
 constexpr Parameters oboe() {
@@ -65,7 +78,15 @@ constexpr Parameters oboe() {
           .input_radius = 3e-3,
           .end_radius = 25e-3,
           .apex_distance = 0.1,
-          .cup_volume = tip_volume(3e-3, 0.1)};
+          .cup_volume = tip_volume(3e-3, 0.1),
+          .bell = 1670,
+          .bell_quality = 2.5,
+          .brassiness = 2.5,
+          .gain = 0.12,
+          .lip_mass = 1.24,
+          .lip_opening = 1.5,
+          .lip_width = 1.53,
+          .lip_quality = 2.1};
 }
 
 constexpr Parameters trumpet() {
@@ -85,7 +106,17 @@ constexpr Parameters trumpet() {
           .input_radius = 5e-3,
           .end_radius = 40e-3,
           .apex_distance = 0.25,
-          .cup_volume = 1.1e-6};
+          .cup_volume = 1.1e-6,
+          .bell = 1480,
+          .bell_quality = 1.05,
+          .brassiness = 5.2,
+          .gain = 0.04,
+          .embouchure = 0.69,
+          .aim = -45,
+          .lip_mass = 0.72,
+          .lip_opening = 0.24,
+          .lip_width = 1.42,
+          .lip_quality = 2.1};
 }
 
 constexpr Parameters trombone() {
@@ -103,7 +134,17 @@ constexpr Parameters trombone() {
           .length = 2,
           .input_radius = 6.9e-3,
           .end_radius = 60e-3,
-          .cup_volume = 5e-6};
+          .cup_volume = 5e-6,
+          .bell = 795,
+          .bell_quality = 3,
+          .brassiness = 5.9,
+          .gain = 0.035,
+          .embouchure = 0.65,
+          .aim = -50,
+          .lip_mass = 1.86,
+          .lip_opening = 0.275,
+          .lip_width = 2.39,
+          .lip_quality = 1.53};
 }
 
 constexpr Parameters voice() {
@@ -121,7 +162,10 @@ constexpr Parameters voice() {
           .displacement_limit = 3e-3,
           .length = 0.17,
           .input_radius = 8e-3,
-          .end_radius = 8e-3};
+          .end_radius = 8e-3,
+          .gain = 1.5,
+          .embouchure = 0.95,
+          .aim = -70};
 }
 
 constexpr Parameters syrinx() {
@@ -139,7 +183,10 @@ constexpr Parameters syrinx() {
           .displacement_limit = 1.5e-3,
           .length = 0.05,
           .input_radius = 1.75e-3,
-          .end_radius = 3e-3};
+          .end_radius = 3e-3,
+          .gain = 5,
+          .embouchure = 1.1,
+          .aim = -60};
 }
 
 constexpr std::array<Preset, 7> kPresets{{{"clarinet", clarinet()},

@@ -15,7 +15,8 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
-constexpr double kPlaying = 1.5;    // times the threshold: where a note is usually played
+constexpr double kPlaying = 1.5;     // times the threshold: where reeds are usually played,
+constexpr double kPlayingLips = 2.5; // and lips
 constexpr double kValveAlone = 0.75; // below this share of the bore's lowest, it carries no note
 
 /// At one pressure: the bore that the valve wants to oscillate with at the frequency.
@@ -112,22 +113,25 @@ double tuned_length(const Parameters& parameters, double bore_frequency,
 Playing tuned(const Parameters& parameters, double bore_frequency,
               double reed_frequency) noexcept {
   Playing playing{parameters, parameters.length};
-  if (!(parameters.embouchure > 0)) {
-    playing.length = tuned_length(parameters, bore_frequency, reed_frequency, kPlaying);
-    return playing;
+  Parameters& valve = playing.valve;
+  valve.mass *= parameters.lip_mass;
+  valve.rest_angle *= parameters.lip_opening;
+  valve.width *= parameters.lip_width;
+  valve.quality *= parameters.lip_quality;
+  const double aimed = bore_frequency * std::exp2(parameters.aim / 1200);
+  double reed = reed_frequency;
+  if (parameters.embouchure > 0) {
+    reed = parameters.embouchure * aimed;
+    playing.reed_scale = reed / parameters.reed_frequency;
+    valve.mass /= playing.reed_scale * playing.reed_scale;
   }
-  const double own = parameters.reed_frequency;
-  const double lips = parameters.embouchure * bore_frequency;
-  playing.reed_scale = lips / own;
-  playing.valve.mass *= parameters.lip_mass * (own / lips) * (own / lips);
-  playing.valve.rest_angle *= parameters.lip_opening;
-  playing.valve.width *= parameters.lip_width;
-  playing.valve.quality *= parameters.lip_quality;
-  playing.valve = clamped(playing.valve);
+  valve = clamped(valve);
   BoreDesign bore;
   bore.set(parameters, 48000);
-  if (bore_frequency > kValveAlone * bore.ideal_frequency(parameters.length))
-    playing.length = tuned_length(playing.valve, bore_frequency, lips, kPlaying);
+  if (!(parameters.embouchure > 0) ||
+      aimed > kValveAlone * bore.ideal_frequency(parameters.length))
+    playing.length = tuned_length(valve, aimed, reed,
+                                  parameters.embouchure > 0 ? kPlayingLips : kPlaying);
   return playing;
 }
 
