@@ -27,8 +27,9 @@ void Ear::prepare(double sample_rate) noexcept {
 
 void Ear::reset() noexcept {
   phase_ = 1;
-  sum_ = smooth_ = smoother_ = 0;
-  power_ = loudness_ = trim_ = 0;
+  smooth_ = smoother_ = 0;
+  even_ = odd_ = {};
+  loudness_ = trim_ = 0;
   place_ = 0;
 }
 
@@ -49,30 +50,44 @@ void Ear::mean(double frequency_hz) noexcept {
 }
 
 void Ear::listen(const double* bore_pressure, int count) noexcept {
-  double real = 0, imaginary = 0, power = 0;
-  for (int i = 0; i < count; ++i) {
-    const std::size_t at = static_cast<std::size_t>(place_ + i) % kPeriod;
-    real += bore_pressure[i] * cosine_[at];
-    imaginary -= bore_pressure[i] * sine_[at];
-    power += bore_pressure[i] * bore_pressure[i];
+  count = std::min(count, kPeriod - place_);
+  const auto add = [&](int i, Sums& sums) {
+    const double pressure = bore_pressure[i];
+    const auto at = static_cast<std::size_t>(place_ + i);
+    sums.real += pressure * cosine_[at];
+    sums.imaginary -= pressure * sine_[at];
+    sums.power += pressure * pressure;
+  };
+  // Samples of even and of odd place side by side, for each sum has to wait for itself; which sum
+  // takes a sample does not depend on how the stream is cut.
+  Sums even = even_, odd = odd_;
+  int i = 0;
+  if (place_ % 2 == 1 && count > 0)
+    add(i++, odd);
+  for (; i + 1 < count; i += 2) {
+    add(i, even);
+    add(i + 1, odd);
   }
-  sum_ += std::complex<double>(real, imaginary);
-  power_ += power;
+  if (i < count)
+    add(i, even);
+  even_ = even;
+  odd_ = odd;
   place_ += count;
 }
 
 double Ear::trim() noexcept {
   if (place_ == 0)
     return trim_;
-  const std::complex<double> heard = phase_ * sum_ / static_cast<double>(kPeriod);
+  const std::complex<double> sum(even_.real + odd_.real, even_.imaginary + odd_.imaginary);
+  const std::complex<double> heard = phase_ * sum / static_cast<double>(kPeriod);
   phase_ *= turn_;
   phase_ /= std::abs(phase_);
   const std::complex<double> before = smoother_;
   smooth_ = heard + pole_ * (smooth_ - heard);
   smoother_ = smooth_ + pole_ * (smoother_ - smooth_);
-  const double power = power_ / kPeriod;
+  const double power = (even_.power + odd_.power) / kPeriod;
   loudness_ = power + power_pole_ * (loudness_ - power);
-  sum_ = power_ = 0;
+  even_ = odd_ = {};
   place_ = 0;
   const double amplitude = 2 * std::abs(smoother_);
   if (!(amplitude < 1e9)) {

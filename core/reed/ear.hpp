@@ -32,8 +32,12 @@ public:
 private:
   double sample_rate_ = 48000, frequency_ = 0;
   std::array<double, kPeriod> cosine_{}, sine_{};
-  std::complex<double> turn_ = 1, phase_ = 1, sum_ = 0, smooth_ = 0, smoother_ = 0;
-  double pole_ = 0, power_ = 0, loudness_ = 0, power_pole_ = 0, trim_ = 0;
+  struct Sums {
+    double real = 0, imaginary = 0, power = 0;
+  };
+  Sums even_, odd_;
+  std::complex<double> turn_ = 1, phase_ = 1, smooth_ = 0, smoother_ = 0;
+  double pole_ = 0, loudness_ = 0, power_pole_ = 0, trim_ = 0;
   int place_ = 0;
 };
 

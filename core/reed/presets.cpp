@@ -140,7 +140,7 @@ constexpr Parameters trombone() {
           .brassiness = 5.9,
           .gain = 0.035,
           .embouchure = 0.65,
-          .aim = -50,
+          .aim = -25,
           .lip_mass = 1.86,
           .lip_opening = 0.275,
           .lip_width = 2.39,

@@ -52,7 +52,6 @@ public:
   void reset() noexcept {
     before_ = first_ = second_ = 0;
     past_ = {};
-    at_ = 0;
   }
   /// Share of the returning wave b that counts: a - b for the plain end, else a alone.
   [[nodiscard]] double returning_share() const noexcept { return constants_.plain ? 1 : 0; }
@@ -83,8 +82,7 @@ public:
 
 private:
   static constexpr int kReach = 24; // internal samples by which a piece may be early or late
-  static constexpr std::size_t kRing = 128;
-  static_assert(kRing >= static_cast<std::size_t>(kLongest + 2 * kReach + 6));
+  static constexpr std::size_t kMemory = 2 * kReach + 3;
 
   static double size(double x) noexcept { return x < 0 ? -x : x; }
 
@@ -113,32 +111,36 @@ private:
   /// found there. Whatever the lead, y is a value that the wave had (interpolated by Hermite's
   /// cubic), so that nothing grows; where pieces would overtake one another a jump stays.
   void steepen(double* sound, int count, double lead) noexcept {
+    std::array<double, kMemory + kLongest> wave;
+    for (std::size_t i = 0; i < kMemory; ++i)
+      wave[i] = past_[i];
     for (int i = 0; i < count; ++i)
-      past_[(at_ + static_cast<std::size_t>(i)) % kRing] = sound[i];
+      wave[kMemory + static_cast<std::size_t>(i)] = sound[i];
+    constexpr double kFarthest = kReach;
     for (int i = 0; i < count; ++i) {
-      // From here the ring is read 1 ahead of to 2 kReach + 2 behind the newest sample.
-      const std::size_t oldest = at_ + static_cast<std::size_t>(i) + kRing - 2 * kReach - 3;
-      double value = past_[(oldest + kReach + 1) % kRing];
-      for (int pass = 0; pass < 2; ++pass) {
-        double shift = lead * value;
-        shift = shift < -kReach ? -kReach : shift > kReach ? kReach : shift;
-        shift += kReach;
-        const int whole = static_cast<int>(shift);
-        const double f = shift - whole;
-        const std::size_t from = oldest + static_cast<std::size_t>(whole);
-        const double a = past_[from % kRing], b = past_[(from + 1) % kRing];
-        const double c = past_[(from + 2) % kRing], d = past_[(from + 3) % kRing];
-        value = b + 0.5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a)));
-      }
-      sound[i] = value;
+      const double* oldest = wave.data() + i; // 2 kReach + 3 before the newest
+      const auto place = [&](double value) {
+        const double shift = lead * value;
+        return (shift < -kFarthest ? -kFarthest : shift > kFarthest ? kFarthest : shift) + kReach;
+      };
+      double shift = place(oldest[kReach + 1]);
+      int whole = static_cast<int>(shift);
+      double f = shift - whole;
+      shift = place(oldest[whole + 1] + f * (oldest[whole + 2] - oldest[whole + 1]));
+      whole = static_cast<int>(shift);
+      f = shift - whole;
+      const double a = oldest[whole], b = oldest[whole + 1];
+      const double c = oldest[whole + 2], d = oldest[whole + 3];
+      sound[i] =
+          b + 0.5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a)));
     }
-    at_ = (at_ + static_cast<std::size_t>(count)) % kRing;
+    for (std::size_t i = 0; i < kMemory; ++i)
+      past_[i] = wave[static_cast<std::size_t>(count) + i];
   }
 
   RadiationConstants constants_{};
   double before_ = 0, first_ = 0, second_ = 0;
-  std::array<double, kRing> past_{};
-  std::size_t at_ = 0;
+  std::array<double, kMemory> past_{};
 };
 
 } // namespace tactus::reed
