@@ -21,15 +21,19 @@ class Technique:
     pressure: float             # mezzo forte
     reed_frequency: float       # the lip that goes with it
     level_db: dict = dataclasses.field(default_factory=dict)   # a pitch: so much more, for evenness
-    cents: dict = dataclasses.field(default_factory=dict)      # a pitch: so much sharper
     lip: dict = dataclasses.field(default_factory=dict)        # a pitch: its own reed frequency
     dynamic_range: float = 1.0  # dB of breath for each dB that the velocities ask for
-    early: float = 0.025        # how long before the beat the tongue lets go
-    attack: float = 0.012       # time the pressure takes to rise
+    firmness: float = 0.5       # the lip's f_r goes with this power of the effort
+    early: float = 0.025        # how long before the beat it starts from silence, else half of it
+    speaks: dict = dataclasses.field(default_factory=dict)  # a pitch: so early when from silence
+    attack: float = 0.008       # time the pressure takes to rise
     accent: float = 0.10        # by how much it overshoots
+    accent_time: float = 0.05   # how fast that fades
     release: float = 0.16       # time it takes to fall at the end of a phrase
     tongue: float = 0.050       # time the tongue is on the reed between two notes
-    stopped: float = 0.1        # share of the pressure that gets past it
+    # Share of the pressure that gets past it. With less, some of the remaining sound of the higher
+    # modes starts the next note there: a squeak.
+    stopped: float = 0.45
     slur_dip: float = 0.08
     vibrato_hz: float = 5.2
     vibrato_pressure: float = 0.035
@@ -53,6 +57,12 @@ class Gesture:
     @property
     def seconds(self):
         return len(self.pressure) / RATE
+
+
+def start(note, technique):
+    """When the tongue lets go for a note: before the onset, by the time that it takes to speak."""
+    early = technique.speaks.get(note.pitch, technique.early) if note.first else 0.5 * technique.early
+    return note.onset - early
 
 
 def smoothstep(x):
@@ -95,7 +105,7 @@ def play(score, technique, seed=1, lead=0.6, tail=1.0):
     shake = vibrato(notes, technique, t, random)
     lip = numpy.full(count, technique.reed_frequency)
     for note in notes:
-        lip[t >= note.onset - technique.early] = technique.lip.get(note.pitch, technique.reed_frequency)
+        lip[t >= start(note, technique)] = technique.lip.get(note.pitch, technique.reed_frequency)
     lip = glide(lip, 0.012)
     effort = 10 ** (level / 20)
     slow, tremor = wander(random, count, 0.3, 3), wander(random, count, 8, 12)
@@ -103,12 +113,10 @@ def play(score, technique, seed=1, lead=0.6, tail=1.0):
     pressure = technique.pressure * effort * envelope
     pressure *= 1 + technique.vibrato_pressure * shake
     pressure *= 1 + technique.unsteadiness * (slow + 0.3 * tremor)
-    reed = lip * numpy.sqrt(effort) * (1 + technique.vibrato_lip * shake)
+    reed = lip * effort ** technique.firmness * (1 + technique.vibrato_lip * shake)
     reed *= 1 + technique.unsteadiness / 3 * lip_noise
-    early = [note.onset - (technique.early if note.first else 0 if note.slurred
-                           else technique.early + 0.4 * technique.tongue) for note in notes]
-    events = [(time, note.pitch + technique.cents.get(note.pitch, 0) / 100)
-              for time, note in zip(early, notes)]
+    events = [(note.onset if note.slurred else start(note, technique) if note.first
+               else start(note, technique) - 0.4 * technique.tongue, note.pitch) for note in notes]
     body = [level[int(n.onset * RATE):max(int(n.end * RATE), int(n.onset * RATE) + 1)].mean()
             - technique.level_db.get(n.pitch, 0) for n in notes]
     return Gesture(pressure, reed, events, notes, body)
@@ -146,7 +154,7 @@ def breath(notes, technique, t):
     """Share of the pressure that reaches the reed: attacks, tongue, slurs, phrase ends."""
     share = numpy.zeros(len(t))
     for i, note in enumerate(notes):
-        begin = note.onset - technique.early
+        begin = start(note, technique)
         follower = notes[i + 1] if i + 1 < len(notes) else None
         if note.slurred:
             dip = numpy.exp(-0.5 * ((t - note.onset) / 0.010) ** 2)
@@ -154,14 +162,14 @@ def breath(notes, technique, t):
         else:
             since = t - begin
             rise = smoothstep(since / technique.attack)
-            rise *= 1 + technique.accent * numpy.exp(-numpy.clip(since, 0, None) / 0.05)
+            rise *= 1 + technique.accent * numpy.exp(-numpy.clip(since, 0, None) / technique.accent_time)
             floor = 0 if note.first else technique.stopped
             share = numpy.where(t >= begin, floor + (1 - floor) * rise, share)
         if note.last or follower is None:
             fall = 1 - smoothstep((t - (note.end - 0.6 * technique.release)) / technique.release)
             share *= numpy.where(t > note.onset, fall, 1)
         elif not follower.slurred:
-            stop = min(note.end, follower.onset - technique.early - technique.tongue)
+            stop = min(note.end, start(follower, technique) - technique.tongue)
             share *= numpy.where(t > note.onset,
                                  1 - (1 - technique.stopped) * smoothstep((t - stop) / 0.012), 1)
     return share

@@ -5,7 +5,8 @@ from harness import Patch
 from listening import decibels, envelope, fundamental_db, harmonic_pitch
 
 RATE = 48000
-GAP, HOLD, RISE = 0.15, 0.75, 0.012  # s
+GAP, HOLD, RISE = 0.15, 0.75, 0.008  # s
+QUIET = 0.01                         # gain far from the soft clip
 
 
 def blow(preset, trials, flags=("-tune", 1), hold=HOLD, rise=RISE):
@@ -34,7 +35,7 @@ def blow(preset, trials, flags=("-tune", 1), hold=HOLD, rise=RISE):
         sound = result["sound"][i * size + gap:(i + 1) * size].astype(float)
         level = numpy.sqrt((sound[len(sound) // 2:] ** 2).mean())
         there = numpy.flatnonzero(envelope(sound, RATE) > 0.5 * level)
-        speaks = 1000 * there[0] / RATE if level > 1e-4 else float("nan")
+        speaks = 1000 * there[0] / RATE if level > 1e-5 else float("nan")
         heard.append((sound, float(decibels(level)), speaks))
     return heard
 
@@ -64,20 +65,21 @@ def plays_its_fundamental(sound, hz):
     return fundamental_db(sound[len(sound) // 2:], RATE, hz) > -30
 
 
-def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.54, 0.72, 0.03)):
+def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.66, 0.80, 0.02)):
     """A blown-closed reed with `tune 1`: which share of the closing pressure to play at, and how
     much more breath each pitch needs.
 
     Returns (pressure Pa, reed Hz, {pitch: dB}, gain): the lowest of the shares at which every pitch
     speaks within 50 ms, in its first register and within 10 cents, the breath that makes all
     pitches equally loud (at most 5 dB), and the gain of [greed~] with which that mezzo forte peaks
-    at 0.2, so that a fortissimo stays below its soft clip. RuntimeError when no share does."""
+    at 0.2, so that a fortissimo stays below its soft clip. Below two thirds tongued notes tend to
+    squeak when there is air in the tone. RuntimeError when no share does."""
     own = own_settings(preset)
     lip = reed_frequency(own)
     pitches = sorted(pitches)
     hz = [frequency(p) for p in pitches]
     heard = blow(preset, [(f, s * own["P_M"], lip) for s in shares for f in hz],
-                 ("-tune", 1, "-gain", 0.1))
+                 ("-tune", 1, "-gain", QUIET))
     for i, share in enumerate(shares):
         these = heard[i * len(hz):(i + 1) * len(hz)]
         if all(speaks < 50 and plays_its_fundamental(sound, f)
@@ -90,4 +92,47 @@ def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.54, 0.72, 0.03)
     trims = numpy.clip(numpy.median(levels) - levels, -5, 5)
     peak = max(abs(sound).max() for sound, _, _ in these)
     return (float(share * own["P_M"]), lip, dict(zip(pitches, trims.tolist())),
-            float(0.1 * 0.2 / peak))
+            float(QUIET * 0.2 / peak))
+
+
+def learn_lips(preset, pitches, frequency, pressures, shares=(0.50, 0.56, 0.62, 0.68, 0.74),
+               slowest=500):
+    """A blown-open or swinging valve with `tune 1`, where the lips go with the note.
+
+    Lips that are blown too hard stay open: a pitch has a highest pressure, the last of `pressures` at
+    which it is in tune within 10 cents and at most 10 dB below its loudest. The player stays at one of
+    the shares of it, which leaves room for accents: the one that brings the pitch nearest to the
+    level of the others. Returns (pressure Pa, reed Hz, {pitch: dB}, {pitch: s}, gain): the breath of
+    each pitch in dB of the common pressure, the time it takes to speak from silence at 1.3 times
+    that, and the gain with which the loudest peaks at 0.25.
+    RuntimeError when a pitch does not play or takes longer than `slowest` ms."""
+    own = own_settings(preset)
+    pitches = sorted(pitches)
+    trials = [(frequency(p), pressure, 0) for p in pitches for pressure in pressures]
+    heard = blow(preset, trials, ("-tune", 1, "-gain", QUIET), hold=1.0)
+    highest = {}
+    for i, p in enumerate(pitches):
+        ways = [(pressure, level) for (hz, pressure, _), (sound, level, speaks)
+                in list(zip(trials, heard))[i * len(pressures):(i + 1) * len(pressures)]
+                if speaks < 1000 and abs(1200 * numpy.log2(pitch_of(sound, hz) / hz)) < 10]
+        loudest = max((level for _, level in ways), default=0)
+        usable = [pressure for pressure, level in ways if level > loudest - 10]
+        if not usable:
+            raise RuntimeError(f"{preset}: no pressure makes {frequency(p):.0f} Hz play in tune")
+        highest[p] = max(usable)
+    trials = [(frequency(p), share * highest[p], 0) for p in pitches for share in shares]
+    levels = numpy.reshape([level for _, level, _ in blow(
+        preset, trials, ("-tune", 1, "-gain", QUIET), hold=1.0)], (len(pitches), len(shares)))
+    wanted = numpy.median(levels)
+    breath = {p: highest[p] * shares[int(numpy.argmin(abs(row - wanted)))]
+              for p, row in zip(pitches, levels)}
+    again = blow(preset, [(frequency(p), f * breath[p], 0) for p in pitches for f in (1, 1.3)],
+                 ("-tune", 1, "-gain", QUIET), hold=1.0)
+    speaks = {p: again[2 * i + 1][2] for i, p in enumerate(pitches)}
+    late = {frequency(p): ms for p, ms in speaks.items() if not ms < slowest}
+    if late:
+        raise RuntimeError(f"{preset}: too slow to speak: {late} (Hz: ms)")
+    usual = float(numpy.median(list(breath.values())))
+    peak = max(abs(sound).max() for sound, *_ in again)
+    return (usual, reed_frequency(own), {p: float(20 * numpy.log10(b / usual)) for p, b in breath.items()},
+            {p: ms / 1000 for p, ms in speaks.items()}, float(QUIET * 0.25 / peak))

@@ -2,7 +2,7 @@
 """Writes fanfare.mid: two trumpets (channels 0, 1) and two trombones (2, 3), B flat major.
 
 Composed for this project and, like the rest of it, free to use. All notes are natural harmonics of
-B flat, as a bugle has them, but for the trombones' F.
+B flat, as a bugle has them, but for the trombone's D3.
 """
 import pathlib
 
@@ -10,8 +10,8 @@ import mido
 
 TICKS = 480
 TEMPO = 104         # quarters a minute
-DETACHED = 0.86     # of its length a note sounds
-BB2, F3, BB3, D4, F4, BB4 = 46, 53, 58, 62, 65, 70
+GAP = 0.12          # quarters of silence before the next note, at most an eighth of the note
+BB2, D3, F3, BB3, D4, F4, BB4 = 46, 50, 53, 58, 62, 65, 70
 REST = None
 # Voice: bars of (pitch, quarters).
 VOICES = {
@@ -24,18 +24,18 @@ VOICES = {
         [(F4, 2), (BB3, 1 / 3), (BB3, 1 / 3), (BB3, 1 / 3), (D4, 1)],
         [(F4, .75), (D4, .25), (BB3, .5), (D4, .5), (BB3, 1), (BB3, .5), (D4, .5)],
         [(F4, 1.5), (D4, .5), (BB3, 1 / 3), (BB3, 1 / 3), (BB3, 1 / 3), (D4, 1)],
-        [(F4, 4)]],
-    2: [[(F3, .75), (F3, .25), (F3, 1), (BB3, 2)],
-        [(F3, 1 / 3), (F3, 1 / 3), (F3, 1 / 3), (BB3, 1), (D4, 2)],
-        [(D4, 2), (BB3, 2)],
-        [(BB3, 1), (F3, 1), (D4, 1), (BB3, 1)],
-        [(D4, 2), (BB3, 1), (F3, 1)],
         [(D4, 4)]],
-    3: [[(BB2, .75), (BB2, .25), (BB2, 1), (F3, 2)],
-        [(BB2, 1 / 3), (BB2, 1 / 3), (BB2, 1 / 3), (F3, 1), (BB3, 2)],
+    2: [[(D3, .75), (D3, .25), (D3, 1), (F3, 2)],
+        [(D3, 1 / 3), (D3, 1 / 3), (D3, 1 / 3), (F3, 1), (BB3, 2)],
         [(BB3, 2), (F3, 2)],
-        [(F3, 1), (BB2, 1), (F3, 1), (BB2, 1)],
-        [(BB3, 2), (F3, 1), (F3, 1)],
+        [(F3, 1), (D3, 1), (F3, 1), (BB3, 1)],
+        [(BB3, 2), (F3, 1), (D3, 1)],
+        [(F3, 4)]],
+    3: [[(BB2, .75), (BB2, .25), (BB2, 1), (BB2, 2)],
+        [(BB2, 1 / 3), (BB2, 1 / 3), (BB2, 1 / 3), (BB2, 1), (F3, 2)],
+        [(F3, 2), (BB2, 2)],
+        [(BB2, 1), (BB2, 1), (D3, 1), (F3, 1)],
+        [(D3, 2), (BB2, 1), (F3, 1)],
         [(BB2, 4)]],
 }
 LOUDNESS = [72, 78, 88, 86, 92, 98]  # velocity, a bar each
@@ -51,7 +51,7 @@ def write(path):
             for pitch, length in bar:
                 if pitch is not REST:
                     events.append((round(now * TICKS), "note_on", pitch, velocity))
-                    events.append((round((now + length * DETACHED) * TICKS), "note_off", pitch, 0))
+                    events.append((round((now + length - min(GAP, length / 8)) * TICKS), "note_off", pitch, 0))
                 now += length
         track = mido.MidiTrack([
             mido.MetaMessage("track_name", name=NAMES[channel]),

@@ -15,7 +15,7 @@ TUNE = ROOT / "data" / "music" / "mozart_k622_adagio.mid"
 OCTAVE_DOWN = -12
 PRESET = "clarinet"
 SIGMA = (0, 5000, 1000, 3500)   # Pa, Pa, Hz, Hz: what the hand's box holds at least
-NOISE = 0.0
+NOISE = 0.02                    # of the breath: a little air in the tone
 RATE = 48000
 SIGNALS = ("reed-y", "reed-z", "reed-fp", "reed-gradient-y", "reed-gradient-z", "reed-force-y",
            "reed-force-z")

@@ -1,5 +1,5 @@
 """patches/reed played headless: its arithmetic on known playabilities, its direction, and the tune of
-./play reed."""
+./play reed; the lips and the syrinx of ./play fanfare."""
 import math
 import pathlib
 import sys
@@ -13,6 +13,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 REED = ROOT / "patches" / "reed"
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts" / "scenes")]
 
+import _birds  # noqa: E402
+import _brass  # noqa: E402
 import _reed_patch  # noqa: E402
 import listening  # noqa: E402
 import score  # noqa: E402
@@ -190,3 +192,32 @@ def test_a_click_put_into_the_tune_would_be_heard(tune):
     spoilt = sound.copy()
     spoilt[int((note.onset + 0.5 * note.duration) * RATE)] += 0.1  # a third of the tune's peak
     assert len(listening.clicks(spoilt, RATE)) == 1
+
+
+# ---- lips and syrinx -----------------------------------------------------------------------
+
+def test_the_fanfare_loses_no_note_and_holds_its_long_notes_in_tune():
+    for preset, channel, _, _, played, sound in _brass.perform():
+        judged = listening.judge(sound, RATE, played.notes, score.frequency)
+        voice = f"{preset} {channel}"
+        assert abs(sound).max() < 0.5, voice
+        for note, j in zip(played.notes, judged):
+            where = f"{voice} {note.onset:.2f} s {score.name(note.pitch)}"
+            assert abs(j["cents"]) < (10 if note.duration >= 0.7 else 60), where
+            assert j["fundamental_db"] > -30 and j["level_db"] > -50, where
+
+
+@pytest.mark.parametrize("bird", _birds.BIRDS)
+def test_every_syllable_of_a_bird_sounds_and_its_pitch_follows_the_valve(bird):
+    sound, pressure, reed = _birds.sing(bird)
+    heard, asked = [], []
+    for begin, length, points, _ in _birds.SONGS[bird]():
+        middle = slice(int((begin + 0.3 * length) * RATE), int((begin + 0.8 * length) * RATE))
+        part = sound[middle].astype(float)
+        assert numpy.sqrt((part ** 2).mean()) > 10 ** (-60 / 20), begin
+        valve = reed[middle].mean()
+        # 0.75..1.1: the windpipe holds the pitch down where the valve is tuned above its resonance.
+        heard.append(listening.pitch_near(part, RATE, 0.93 * valve, 300) / valve)
+        asked.append(valve)
+    assert numpy.isfinite(heard).all(), heard
+    assert 0.75 < min(heard) and max(heard) < 1.15, (min(heard), max(heard))

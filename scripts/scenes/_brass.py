@@ -1,0 +1,63 @@
+"""The fanfare of ./play fanfare: four players of lip reeds, each one [greed~]."""
+import pathlib
+
+import numpy
+from harness import Patch
+
+import gesture as gestures
+import practice
+import score
+
+FANFARE = pathlib.Path(__file__).resolve().parents[2] / "data" / "music" / "fanfare.mid"
+RATE = 48000
+GLIDE = RATE // 100 # samples that lips take from note to note
+PRESSURES = {"trumpet": range(2000, 9001, 500), "trombone": range(1200, 6001, 300)}
+# preset, MIDI channel, -1 left to 1 right, dB in the mix
+VOICES = [("trumpet", 0, -0.45, 0), ("trumpet", 1, -0.15, -2), ("trombone", 2, 0.2, -1),
+          ("trombone", 3, 0.5, 4)]
+
+
+def players():
+    """{preset: (technique, gain)}, each for all the notes of its voices."""
+    found = {}
+    for preset in PRESSURES:
+        pitches = {n.pitch for p, channel, *_ in VOICES if p == preset
+                   for n in score.read(FANFARE, channel=channel)}
+        pressure, lip, level_db, speaks, gain = practice.learn_lips(
+            preset, pitches, score.frequency, PRESSURES[preset])
+        found[preset] = gestures.Technique(
+            pressure, lip, level_db, speaks=speaks, firmness=0, early=0.06, attack=0.015, accent=0.1,
+            accent_time=0.08, release=0.10, tongue=0.04, stopped=0.5, vibrato_pressure=0.02,
+            vibrato_lip=0.006, vibrato_after=0.5, swell_db=0.3, arch_db=0.3, dynamic_range=0.3), gain
+    return found
+
+
+def blow(preset, gesture, gain, rate=RATE):
+    """The voice's sound, from one [greed~]."""
+    count = int(gesture.seconds * rate)
+    t = numpy.arange(count) / rate
+    rows = numpy.arange(len(gesture.pressure)) / gestures.RATE
+    times = numpy.array([max(time, 0) for time, _ in gesture.events])
+    which = numpy.maximum(numpy.searchsorted(times, t, "right") - 1, 0)
+    pitch = numpy.array([pitch for _, pitch in gesture.events], float)[which]
+    ahead = numpy.concatenate([pitch[GLIDE:], numpy.full(GLIDE, pitch[-1])])
+    total = numpy.cumsum(numpy.concatenate([[0], ahead]))
+    bore = score.frequency(numpy.concatenate([pitch[:GLIDE], (total[GLIDE:] - total[:-GLIDE])[:-1] / GLIDE]))
+    patch = Patch()
+    valve = patch.obj("greed~", "-preset", preset, "-tune", 1, "-gain", gain)
+    patch.signal(numpy.interp(t, rows, gesture.pressure)) >> valve[0]
+    patch.signal(numpy.interp(t, rows, gesture.reed)) >> valve[1]
+    patch.signal(bore) >> valve[2]
+    patch.record("sound", valve)
+    return patch.render(gesture.seconds, rate, timeout=300)["sound"]
+
+
+def perform():
+    """[(preset, channel, pan, level in the mix, gesture, sound)] of the fanfare's voices."""
+    known, found = players(), []
+    for seed, (preset, channel, pan, level_db) in enumerate(VOICES, 1):
+        technique, gain = known[preset]
+        gesture = gestures.play(score.read(FANFARE, channel=channel), technique, seed, tail=0.6)
+        found.append((preset, channel, pan, 10 ** (level_db / 20), gesture,
+                      blow(preset, gesture, gain)))
+    return found
