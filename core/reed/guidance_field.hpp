@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/reed/gradient_field.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace tactus::reed {
+
+/// How far it is to a place that plays, over the plane of mouth pressure and reed frequency, in
+/// units of the plane's side: D > 0 where nothing plays, the way to the nearest playing place;
+/// D < 0 where it plays, the way to the border. Made from any quality that is high where it plays
+/// (growth of linear theory, f_p by playing) and a threshold; then blurred by a Gaussian, so that
+/// the slope, of length 1 almost everywhere, turns smoothly where two ways are equally short.
+///
+/// Nodes are 1/80 apart and D is good to about half of that before blurring. Where all of the plane
+/// plays, or none, the slope is 0.
+class GuidanceField {
+public:
+  static constexpr std::size_t kNodes = 81; // along y and along z
+  static constexpr double kBlur = 0.015;    // standard deviation, of the plane's side
+
+  /// Allocates.
+  void prepare();
+  [[nodiscard]] bool empty() const noexcept { return distance_.empty(); }
+  /// Off the audio path: a few milliseconds. Places with quality >= threshold play.
+  void build(const GradientField& quality, double threshold) noexcept;
+
+  [[nodiscard]] double distance(double y, double z) const noexcept { return distance_.value(y, z); }
+  [[nodiscard]] Gradient slope(double y, double z) const noexcept {
+    return distance_.gradient(y, z);
+  }
+
+private:
+  void measure(bool inside, std::vector<double>& distance) noexcept;
+  void blur(std::vector<double>& values, std::size_t stride) noexcept;
+
+  GradientField distance_;
+  std::vector<char> plays_;
+  std::vector<double> outside_, inside_, line_;
+};
+
+} // namespace tactus::reed

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "core/dsp/random.hpp"
+#include "core/haptic/simulated_device.hpp"
+
+#include <cstdint>
+
+namespace tactus::study {
+
+/// Which hand explores. Both hold the handle through core/haptic's person: spring, damper, tremor,
+/// and an intention that yields to a lasting force. Neither hears anything nor aims at a note, and
+/// each is the same hand, move by move, whatever force it feels.
+enum class Manner {
+  kSearches, ///< goes to a place drawn evenly from the plane, stays a while, goes to the next
+  kWanders,  ///< drifts about the plane's middle as a slow noise
+};
+
+struct Habits {
+  Manner manner = Manner::kSearches;
+  // kSearches
+  double speed_m_per_s = 0.03; ///< mean over a move; its peak is 15/8 of it
+  double shortest_move_s = 0.5;
+  double shortest_stay_s = 1, longest_stay_s = 3;
+  // kWanders
+  double wander_m = 0.025; ///< RMS an axis
+  double wander_hz = 0.05;
+  double arrival_s = 8; ///< time in which the drift's middle comes from the start to the plane's
+};
+
+/// Leads a simulated hand from a given start.
+class Explorer {
+public:
+  Explorer(const Habits& habits, std::uint64_t seed) : habits_(habits), random_(seed) {}
+
+  /// The same person with this way of exploring.
+  [[nodiscard]] haptic::HandSettings adapted(haptic::HandSettings hand) const;
+  /// Puts handle and intention at the start; before the device's first tick.
+  void begin(haptic::SimulatedDevice& device, const haptic::Vec3& start, double period_s) const;
+  /// At every tick, before the device is read.
+  void advance(haptic::SimulatedDevice& device, double time_s);
+
+private:
+  Habits habits_;
+  Random random_;
+  double until_s_ = 0;
+};
+
+} // namespace tactus::study

@@ -1,0 +1,219 @@
+// tactus_reed_study PRESET [options] > trials.csv
+//
+// Does the feel help? Simulated hands that know nothing of the notes explore the plane of mouth
+// pressure and reed frequency, from a silent start, with and without force; one line a trial:
+//   preset,hand,stiffness,yield,ceiling,feel,seed,playing,losses,first_s,silence_s,
+//   force_n,playing_force_n,speed_mm_s,places
+// The columns are explained in trial.hpp and docs/results/reed_study.md. A seed is one person with
+// one start and one search, whatever is felt, so trials of one seed are pairs.
+//
+//   --feel NAME...        off reeds growth height guidance; otherwise all
+//   --hand searches|wanders
+//   --ceiling N...        largest force; otherwise 1 2
+//   --gain N              of the slopes, N for a slope of 1 per side; otherwise 0.3
+//   --stiffness N/M...    of the hand; otherwise 200
+//   --damping NS/M        of the hand; otherwise 2
+//   --yield S             time in which the hand gives way to a force, 0: never; otherwise 1
+//   --seeds FIRST LAST    otherwise 1 20
+//   --seconds S           otherwise 60
+//   --part I/N            every N-th trial from the I-th on (1 <= I <= N), for batches
+//   --trace               the course of each trial instead: feel,seed,t,y,z,f_p,force_y,force_z
+#include "core/reed/gradient_range.hpp"
+#include "core/reed/presets.hpp"
+#include "programs/reed_study/trial.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace {
+
+using namespace tactus;
+
+struct Order {
+  std::string preset;
+  std::vector<study::Feel> feels;
+  std::vector<double> ceilings{1, 2}, stiffnesses{200};
+  study::TrialSettings trial{};
+  std::size_t first = 1, last = 20, part = 1, parts = 1;
+  bool trace = false;
+};
+
+std::optional<double> number(std::string_view text, double low, double high) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= low && value <= high))
+    return std::nullopt;
+  return value;
+}
+
+std::optional<study::Feel> feel_named(std::string_view name) {
+  for (std::size_t i = 0; i < study::kFeels.size(); ++i)
+    if (study::kFeels[i] == name)
+      return static_cast<study::Feel>(i);
+  return std::nullopt;
+}
+
+/// The words after an option, up to the next one.
+std::span<char*> values_of(std::span<char*> words, std::size_t option) {
+  std::size_t end = option + 1;
+  while (end < words.size() && std::string_view(words[end]).substr(0, 2) != "--")
+    ++end;
+  return words.subspan(option + 1, end - option - 1);
+}
+
+/// All of the words as numbers; none when one is wrong or there are too few or too many.
+std::vector<double> numbers(std::span<char*> words, std::size_t most, double low, double high) {
+  std::vector<double> found;
+  for (const char* word : words) {
+    const auto value = number(word, low, high);
+    if (!value || found.size() == most)
+      return {};
+    found.push_back(*value);
+  }
+  return found;
+}
+
+/// A sentence when the option is not understood, else empty.
+std::string take(std::string_view option, std::span<char*> values, Order& order) {
+  constexpr std::size_t kMany = 20;
+  std::vector<double> v;
+  if (option == "--feel") {
+    for (const char* name : values) {
+      const auto feel = feel_named(name);
+      if (!feel)
+        return "--feel: off, reeds, growth, height or guidance, not " + std::string(name);
+      order.feels.push_back(*feel);
+    }
+  } else if (option == "--hand") {
+    const std::string_view name = values.size() == 1 ? values[0] : "";
+    if (name != "searches" && name != "wanders")
+      return "--hand: searches or wanders";
+    order.trial.habits.manner =
+        name == "wanders" ? study::Manner::kWanders : study::Manner::kSearches;
+  } else if (option == "--ceiling") {
+    order.ceilings = numbers(values, kMany, 0.01, 20);
+    if (order.ceilings.empty())
+      return "--ceiling: 0.01 to 20 N";
+  } else if (option == "--gain") {
+    if ((v = numbers(values, 1, 0, 1000)).empty())
+      return "--gain: 0 to 1000 N";
+    order.trial.gain_n = v[0];
+  } else if (option == "--stiffness") {
+    order.stiffnesses = numbers(values, kMany, 1, 5000);
+    if (order.stiffnesses.empty())
+      return "--stiffness: 1 to 5000 N/m";
+  } else if (option == "--damping") {
+    if ((v = numbers(values, 1, 0, 100)).empty())
+      return "--damping: 0 to 100 N s/m";
+    order.trial.hand.damping_n_s_per_m = v[0];
+  } else if (option == "--yield") {
+    if ((v = numbers(values, 1, 0, 100)).empty())
+      return "--yield: 0 to 100 s";
+    order.trial.hand.yield_s = v[0];
+  } else if (option == "--seeds") {
+    if ((v = numbers(values, 2, 1, 1e6)).size() != 2 || v[0] > v[1])
+      return "--seeds: first and last, 1 to 1000000";
+    order.first = static_cast<std::size_t>(v[0]);
+    order.last = static_cast<std::size_t>(v[1]);
+  } else if (option == "--seconds") {
+    if ((v = numbers(values, 1, 1, 3600)).empty())
+      return "--seconds: 1 to 3600";
+    order.trial.duration_s = v[0];
+  } else if (option == "--part") {
+    unsigned part = 0, parts = 0;
+    if (values.size() != 1 || std::sscanf(values[0], "%u/%u", &part, &parts) != 2 || part < 1 ||
+        part > parts)
+      return "--part: expected i/n with 1 <= i <= n";
+    order.part = part;
+    order.parts = parts;
+  } else if (option == "--trace" && values.empty()) {
+    order.trace = true;
+  } else {
+    return "what is " + std::string(option) + "?";
+  }
+  return "";
+}
+
+std::string read(std::span<char*> words, Order& order) {
+  if (words.empty() || !reed::find_preset(words[0]))
+    return "which preset? clarinet, sax, oboe, trumpet, trombone, voice or syrinx";
+  order.preset = words[0];
+  for (std::size_t i = 1; i < words.size();) {
+    const auto values = values_of(words, i);
+    const std::string refusal = take(words[i], values, order);
+    if (!refusal.empty())
+      return refusal;
+    i += 1 + values.size();
+  }
+  if (order.feels.empty())
+    for (std::size_t i = 0; i < study::kFeels.size(); ++i)
+      order.feels.push_back(static_cast<study::Feel>(i));
+  return "";
+}
+
+/// The planes of the reed patch for the two instruments it is shown with; else where notes lie.
+reed::ControlRange plane_of(const std::string& preset, const reed::Parameters& parameters) {
+  if (preset == "trumpet")
+    return {0, 8000, 80, 900};
+  if (preset == "clarinet")
+    return {0, 5000, 1000, 3500};
+  return reed::range_for(parameters);
+}
+
+void print(const Order& order, const study::TrialSettings& trial, const study::World& world) {
+  const std::string_view feel = study::kFeels[static_cast<std::size_t>(trial.feel)];
+  const auto seed = static_cast<unsigned long long>(trial.seed);
+  if (order.trace) {
+    std::vector<study::Sample> samples;
+    (void)run(world, trial, &samples);
+    for (const auto& s : samples)
+      std::printf("%s,%llu,%.2f,%.4f,%.4f,%.3f,%.3f,%.3f\n", feel.data(), seed, s.time_s, s.y, s.z,
+                  s.playability, s.force_y_n, s.force_z_n);
+    return;
+  }
+  const study::TrialResult r = run(world, trial);
+  const char* hand = trial.habits.manner == study::Manner::kWanders ? "wanders" : "searches";
+  std::printf("%s,%s,%g,%g,%g,%s,%llu,%.6f,%d,%.4f,%.4f,%.4f,%.4f,%.3f,%d\n", order.preset.c_str(),
+              hand, trial.hand.stiffness_n_per_m, trial.hand.yield_s, trial.ceiling_n, feel.data(),
+              seed, r.playing, r.losses, r.first_s, r.silence_s, r.force_n, r.playing_force_n,
+              1e3 * r.speed_m_per_s, r.places);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  Order order;
+  const std::string refusal = read(std::span(argv + 1, static_cast<std::size_t>(argc - 1)), order);
+  if (!refusal.empty()) {
+    std::fprintf(stderr, "tactus_reed_study: %s\n", refusal.c_str());
+    return 1;
+  }
+  const reed::Parameters parameters = *reed::find_preset(order.preset);
+  const study::World world(parameters, plane_of(order.preset, parameters));
+  if (order.part == 1)
+    std::puts(order.trace ? "feel,seed,t,y,z,f_p,force_y,force_z"
+                          : "preset,hand,stiffness,yield,ceiling,feel,seed,playing,losses,first_s,"
+                            "silence_s,force_n,playing_force_n,speed_mm_s,places");
+  std::size_t number = 0;
+  study::TrialSettings trial = order.trial;
+  for (const double stiffness : order.stiffnesses)
+    for (const study::Feel feel : order.feels)
+      for (const double ceiling : order.ceilings) {
+        if (feel == study::Feel::kOff && ceiling != order.ceilings.front())
+          continue; // no force has no ceiling
+        for (trial.seed = order.first; trial.seed <= order.last; ++trial.seed) {
+          if (number++ % order.parts != order.part - 1)
+            continue;
+          trial.hand.stiffness_n_per_m = stiffness;
+          trial.feel = feel;
+          trial.ceiling_n = feel == study::Feel::kOff ? 0 : ceiling;
+          print(order, trial, world);
+          std::fflush(stdout);
+        }
+      }
+  return std::fflush(stdout) == 0 ? 0 : 1;
+}

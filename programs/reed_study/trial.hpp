@@ -1,0 +1,71 @@
+#pragma once
+
+#include "core/haptic/chain.hpp"
+#include "core/reed/gradient.hpp"
+#include "core/reed/guidance.hpp"
+#include "core/reed/playability_map.hpp"
+#include "programs/reed_study/explorer.hpp"
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace tactus::study {
+
+/// What the hand feels.
+enum class Feel {
+  kOff,
+  kReeds,    ///< slope of f_p over five reeds, the paper's
+  kGrowth,   ///< slope of tanh(g/50), g the growth rate of linear theory
+  kHeight,   ///< slope of GrowthMap's height, which also knows the way out of silence
+  kGuidance, ///< Guidance over the same map
+};
+inline constexpr std::array<std::string_view, 5> kFeels{"off", "reeds", "growth", "height",
+                                                        "guidance"};
+
+/// An instrument, its plane, and what can be known about it before anybody plays.
+struct World {
+  World(const reed::Parameters& parameters, const reed::ControlRange& range);
+
+  reed::Parameters parameters;
+  reed::ControlRange range;
+  reed::PlayabilityMap played; ///< f_p from rest; the study's starts are where this is silent
+  reed::GrowthMap theory;
+  reed::GradientField growth; ///< tanh(g/50)
+  reed::GuidanceField guidance;
+};
+
+struct TrialSettings {
+  Feel feel = Feel::kOff;
+  std::uint64_t seed = 1;
+  double duration_s = 60;
+  double ceiling_n = 1; ///< F_max, of each axis for slopes, of the vector for Guidance
+  double gain_n = 0.3;  ///< of slopes
+  haptic::HandSettings hand{};
+  Habits habits{};
+};
+
+/// A note plays while f_p > 0.3; it is found, or lost, once that has changed for 0.1 s.
+inline constexpr double kPlays = 0.3, kHeard_s = 0.1;
+
+struct TrialResult {
+  double playing = 0;         ///< share of the time
+  int losses = 0;             ///< notes lost
+  double first_s = 0;         ///< until the first note; the duration if none
+  double silence_s = 0;       ///< mean time from losing (or the start) to finding a note
+  double force_n = 0;         ///< mean size of the force on the handle
+  double playing_force_n = 0; ///< the same while a note plays
+  double speed_m_per_s = 0;   ///< mean; well above that with no force, the force shakes the hand
+  int places = 0;             ///< squares of a tenth of the plane's side in which a note played
+};
+
+struct Sample {
+  double time_s, y, z, playability, force_y_n, force_z_n;
+};
+
+/// One trial; with a trace, its state every 10 ms.
+TrialResult run(const World& world, const TrialSettings& settings,
+                std::vector<Sample>* trace = nullptr);
+
+} // namespace tactus::study
