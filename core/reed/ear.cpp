@@ -7,7 +7,7 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kTime = 0.12;     // s, of the integral controller
+constexpr double kTime = 0.1;      // s, of the integral controller
 constexpr double kFarthest = 0.15; // two and a half semitones, as relative frequency
 constexpr double kLimit = 0.25;    // a little over four semitones
 constexpr double kQuiet = 10;      // Pa

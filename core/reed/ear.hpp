@@ -10,7 +10,7 @@ namespace tactus::reed {
 ///
 /// The bore pressure is multiplied by exp(-i 2 pi f t), f the pitch meant, and smoothed by two
 /// one-pole filters; the angle that the result turns by is the phase run ahead, and the trim
-/// follows with its negative, an integral controller with 0.12 s (a vibrato of 5 Hz passes). It
+/// follows with its negative, an integral controller with 0.1 s (a vibrato of 5 Hz passes). It
 /// keeps still where there is nothing to hear: no pressure at that pitch, or a pitch more than two
 /// and a half semitones away (another register: no trim would bring it back), and never goes beyond
 /// a little over four semitones.

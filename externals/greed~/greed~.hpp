@@ -49,6 +49,7 @@ public:
     chosen.breath_noise = now.breath_noise;
     chosen.seed = now.seed;
     chosen.tune = now.tune;
+    chosen.ear = now.ear;
     chosen.temperature = now.temperature;
     instrument_.set(chosen);
   }
