@@ -1,8 +1,9 @@
 """What a player does with breath and lips for a score: pressure and reed frequency over time.
 
-A reed's loudness follows the mouth pressure, and a lip that firms up with the square root of the
-pressure keeps the share gamma = p_m/P_M of the closing pressure, and with it the playing regime,
-the same from piano to forte: P_M = k x_0/(w lambda_m) grows as f_r^2. So one number a moment, the
+A reed's loudness follows the mouth pressure. A lip that firms up with the square root of the pressure
+would keep the share gamma = p_m/P_M of the closing pressure, and with it the playing regime, the
+same from piano to forte, for P_M = k x_0/(w lambda_m) grows as f_r^2; a lip that stays keeps the
+intonation. The player does half of each: f_r follows the fourth root. So one number a moment, the
 wanted level in dB, gives both. On top: the tongue's attack, a small dip where fingers change under
 a slur, a swell in long notes, an arch over the phrase, vibrato that sets in late, breath taken in
 rests, and what keeps a human from being a machine, from a seed.
@@ -23,7 +24,7 @@ class Technique:
     level_db: dict = dataclasses.field(default_factory=dict)   # a pitch: so much more, for evenness
     lip: dict = dataclasses.field(default_factory=dict)        # a pitch: its own reed frequency
     dynamic_range: float = 1.0  # dB of breath for each dB that the velocities ask for
-    firmness: float = 0.5       # the lip's f_r goes with this power of the effort
+    firmness: float = 0.25      # the lip's f_r goes with this power of the effort
     early: float = 0.025        # how long before the beat it starts from silence, else half of it
     speaks: dict = dataclasses.field(default_factory=dict)  # a pitch: so early when from silence
     attack: float = 0.008       # time the pressure takes to rise
@@ -191,7 +192,8 @@ def vibrato(notes, technique, t, random):
 def fitting_sigma(gesture, sigma):
     """sigma, its upper ends raised to the next 500 where the gesture would leave its box."""
     low, high, slow, fast = sigma
-    up = [500 * int(numpy.ceil(1.02 * values.max() / 500)) for values in (gesture.pressure, gesture.reed)]
+    up = [500 * int(numpy.ceil(1.02 * values.max() / 500))
+          for values in (gesture.pressure, gesture.reed)]
     return low, max(high, up[0]), slow, max(fast, up[1])
 
 
@@ -204,7 +206,8 @@ def positions(gesture, sigma):
     z = numpy.log(gesture.reed / slow) / numpy.log(fast / slow)
     for axis, values in (("y", y), ("z", z)):
         if values.min() < 0 or values.max() > 1:
-            raise ValueError(f"the gesture needs {axis} from {values.min():.3f} to {values.max():.3f}")
+            raise ValueError(f"the gesture needs {axis} from {values.min():.3f} to "
+                             f"{values.max():.3f}")
     return y, z
 
 

@@ -134,5 +134,6 @@ def learn_lips(preset, pitches, frequency, pressures, shares=(0.50, 0.56, 0.62, 
         raise RuntimeError(f"{preset}: too slow to speak: {late} (Hz: ms)")
     usual = float(numpy.median(list(breath.values())))
     peak = max(abs(sound).max() for sound, *_ in again)
-    return (usual, reed_frequency(own), {p: float(20 * numpy.log10(b / usual)) for p, b in breath.items()},
+    return (usual, reed_frequency(own),
+            {p: float(20 * numpy.log10(b / usual)) for p, b in breath.items()},
             {p: ms / 1000 for p, ms in speaks.items()}, float(QUIET * 0.25 / peak))

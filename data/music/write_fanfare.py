@@ -50,8 +50,9 @@ def write(path):
         for bar, velocity in zip(bars, LOUDNESS):
             for pitch, length in bar:
                 if pitch is not REST:
+                    end = now + length - min(GAP, length / 8)
                     events.append((round(now * TICKS), "note_on", pitch, velocity))
-                    events.append((round((now + length - min(GAP, length / 8)) * TICKS), "note_off", pitch, 0))
+                    events.append((round(end * TICKS), "note_off", pitch, 0))
                 now += length
         track = mido.MidiTrack([
             mido.MetaMessage("track_name", name=NAMES[channel]),

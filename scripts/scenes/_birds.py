@@ -1,8 +1,8 @@
 """Birds on [greed~ -preset syrinx]: a swinging valve on a short windpipe, swept by its muscles.
 
 A bird's song is breath and muscle: each syllable is a pulse of pressure while the tension of the
-valve, its f_r, moves. The three differ in size: the windpipe's length and width and the valve's mass. A wide windpipe
-loads the valve less and gives a fluted tone.
+valve, its f_r, moves. The three differ in size: the windpipe's length and width and the valve's
+mass. A wide windpipe loads the valve less and gives a fluted tone.
 """
 import numpy
 from harness import Patch
@@ -12,7 +12,8 @@ SECONDS = 19.0
 
 # flags of [greed~]; where it sits, -1 left to 1 right; how loud in the mix
 BIRDS = {
-    "thrush": {"flags": ("-length", 0.02, "-radius", 3e-3, "-radius_end", 6e-3, "-mass", 2e-7), "pan": -0.35, "level": 0.55},
+    "thrush": {"flags": ("-length", 0.02, "-radius", 3e-3, "-radius_end", 6e-3, "-mass", 2e-7),
+               "pan": -0.35, "level": 0.55},
     "warbler": {"flags": ("-length", 0.012, "-radius", 2.2e-3, "-radius_end", 4e-3,
                           "-mass", 1.5e-7, "-q", 8), "pan": 0.7, "level": 0.26},
     "dove": {"flags": ("-length", 0.17, "-radius", 3e-3, "-radius_end", 3e-3, "-mass", 6e-6, "-q", 8,
@@ -52,7 +53,8 @@ def warbler():
 def dove():
     """coo COO coo, coo coo: twice."""
     figure = [(0.00, 0.36, [490, 510], 520), (0.46, 0.62, [520, 580, 540], 800),
-              (1.14, 0.50, [520, 505], 600), (1.86, 0.34, [500, 510], 520), (2.28, 0.42, [500, 480], 560)]
+              (1.14, 0.50, [520, 505], 600), (1.86, 0.34, [500, 510], 520),
+              (2.28, 0.42, [500, 480], 560)]
     return [(at + b, d, f, p) for at in (5.6, 12.9) for b, d, f, p in figure]
 
 

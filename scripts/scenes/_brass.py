@@ -10,7 +10,7 @@ import score
 
 FANFARE = pathlib.Path(__file__).resolve().parents[2] / "data" / "music" / "fanfare.mid"
 RATE = 48000
-GLIDE = RATE // 100 # samples that lips take from note to note
+GLIDE = 0.01  # s that lips take from note to note
 PRESSURES = {"trumpet": range(2000, 9001, 500), "trombone": range(1200, 6001, 300)}
 # preset, MIDI channel, -1 left to 1 right, dB in the mix
 VOICES = [("trumpet", 0, -0.45, 0), ("trumpet", 1, -0.15, -2), ("trombone", 2, 0.2, -1),
@@ -37,12 +37,11 @@ def blow(preset, gesture, gain, rate=RATE):
     count = int(gesture.seconds * rate)
     t = numpy.arange(count) / rate
     rows = numpy.arange(len(gesture.pressure)) / gestures.RATE
-    times = numpy.array([max(time, 0) for time, _ in gesture.events])
-    which = numpy.maximum(numpy.searchsorted(times, t, "right") - 1, 0)
-    pitch = numpy.array([pitch for _, pitch in gesture.events], float)[which]
-    ahead = numpy.concatenate([pitch[GLIDE:], numpy.full(GLIDE, pitch[-1])])
-    total = numpy.cumsum(numpy.concatenate([[0], ahead]))
-    bore = score.frequency(numpy.concatenate([pitch[:GLIDE], (total[GLIDE:] - total[:-GLIDE])[:-1] / GLIDE]))
+    begins = numpy.array([max(time, 0) for time, _ in gesture.events])
+    pitches = numpy.array([pitch for _, pitch in gesture.events], float)
+    bore = score.frequency(numpy.interp(
+        t, numpy.stack([begins, begins + GLIDE], 1).ravel(),
+        numpy.stack([numpy.concatenate([pitches[:1], pitches[:-1]]), pitches], 1).ravel()))
     patch = Patch()
     valve = patch.obj("greed~", "-preset", preset, "-tune", 1, "-gain", gain)
     patch.signal(numpy.interp(t, rows, gesture.pressure)) >> valve[0]

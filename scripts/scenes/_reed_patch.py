@@ -27,7 +27,7 @@ def learn():
     notes = score.read(TUNE, OCTAVE_DOWN)
     pressure, lip, level_db, gain = practice.learn_reed(PRESET, {n.pitch for n in notes},
                                                         score.frequency)
-    return notes, gestures.Technique(pressure, lip, level_db, dynamic_range=2), gain
+    return notes, gestures.Technique(pressure, lip, level_db, dynamic_range=2.1), gain
 
 
 def gesture(seconds=None, seed=1):

@@ -45,7 +45,8 @@ def in_numbers(voices):
         speaks = [j["speaks_ms"] for j in judged if j["speaks_ms"] is not None]
         lost = sum(not abs(j["cents"]) < 50 or j["fundamental_db"] < -30 for j in judged)
         uneven = numpy.array([j["level_db"] - d for j, d in zip(judged, gesture.intended_db)])
-        rows.append([f"{preset} {channel % 2 + 1}", len(judged), *(f"{max(map(abs, o)):.1f}" for o in off),
+        rows.append([f"{preset} {channel % 2 + 1}", len(judged),
+                     *(f"{max(map(abs, o)):.1f}" for o in off),
                      f"{min(speaks):.0f} to {max(speaks):.0f}", lost,
                      f"{abs(uneven - numpy.median(uneven)).max():.1f}", f"{abs(sound).max():.2f}"])
     return rows

@@ -90,8 +90,8 @@ def draw_gesture(gesture, result):
                              linewidth=0)
     axes[2].plot(t, (low + y * (high - low)) / 1000, color="#2f4f5f", linewidth=1)
     axes[2].set_ylabel("mouth\npressure, kPa")
-    axes[2].text(0.995, 0.93, "green: where the note starts and plays", transform=axes[2].transAxes,
-                 ha="right", va="top", color="#4a7a56")
+    axes[2].text(0.005, 0.95, "green: where the note starts and plays", transform=axes[2].transAxes,
+                 va="top", color="#4a7a56")
     axes[3].plot(t, slow * (fast / slow) ** z, color="#2f4f5f", linewidth=1)
     axes[3].set_ylabel("reed\nfrequency, Hz")
     axes[4].plot(t, at(result, "reed-fp", t), color="#2f4f5f", linewidth=1)
@@ -101,7 +101,7 @@ def draw_gesture(gesture, result):
         axes[5].plot(t, at(result, f"reed-gradient-{axis}", t), linewidth=0.8, label=f"{axis}: {label}")
         axes[6].plot(t, at(result, f"reed-force-{axis}", t), linewidth=0.8)
         axes[7].plot(t, 100 * at(result, f"reed-{axis}", t) - 50, linewidth=0.8)
-    axes[5].set_ylim(-6, 6)
+    axes[5].set_ylim(numpy.clip(axes[5].get_ylim(), -6, 6))
     axes[5].legend(loc="upper right", ncols=2)
     axes[5].set_ylabel("slope of f_p\nper unit")
     axes[6].set_ylabel("force, N")
@@ -144,11 +144,16 @@ def summary(gesture, sound, judged):
     uneven -= numpy.median(uneven)
     speaks = numpy.array([j["speaks_ms"] for j in judged if j["speaks_ms"] is not None])
     levels = [j["level_db"] for j in sustained]
+    times, track = listening.track(sound, RATE, gesture.notes, score.frequency)
+    firsts = [track[i] for i in numpy.searchsorted(times, [n.onset for n in gesture.notes])]
+    firsts = numpy.array([c for c in firsts if c == c])
     lost = sum(not abs(j["cents"]) < 50 or j["fundamental_db"] < -30
                or j["level_db"] < numpy.median(levels) - 20 for j in judged)
     return [["sustained notes (0.3 s or more)", f"{len(sustained)} of {len(judged)}"],
             ["furthest from the score", f"{abs(off).max():.1f} cents"],
             ["rms of all sustained notes", f"{numpy.sqrt((off ** 2).mean()):.1f} cents"],
+            ["rms of all notes' beginnings (0.03 to 0.11 s), furthest",
+             f"{numpy.sqrt((firsts ** 2).mean()):.1f}, {abs(firsts).max():.1f} cents"],
             ["notes lost, or in another register", f"{lost}"],
             ["level against what the score asks, largest deviation", f"{abs(uneven).max():.1f} dB"],
             ["softest to loudest sustained note", f"{max(levels) - min(levels):.1f} dB"],
@@ -196,5 +201,5 @@ def make(scene):
                 f"hand {SPRING}: attacks are slower, and the force moves the hand")
     scene.text(f"Held by a spring of 2000 N/m and 20 N s/m, the handle of 100 g stayed, for 99 % "
                f"of the sustained notes, within {away[0]:.1f} mm of the intended breath and "
-               f"{away[1]:.1f} mm of the intended lip; {sum(o <= 10 for o in off)} of {len(off)} notes were within "
-               f"10 cents, the furthest {max(off):.1f} cents off.")
+               f"{away[1]:.1f} mm of the intended lip; {sum(o <= 10 for o in off)} of {len(off)} "
+               f"notes were within 10 cents, the furthest {max(off):.1f} cents off.")
