@@ -178,7 +178,7 @@ def make(scene):
     sound = result["sound"]
     scene.progress(f"{gesture.seconds:.0f} s of the patch in {result.wall_seconds:.1f} s")
     judged = listening.judge(sound, RATE, gesture.notes, score.frequency)
-    scene.sound("adagio", _room.full_scale(sound), RATE, "dry, as the patch gives it; measured below")
+    scene.sound("adagio", _room.full_scale(sound), RATE, "dry, as the patch gives it but for the level; measured below")
     scene.sound("adagio_room", _room.full_scale(_room.place(sound, RATE)), RATE, "in a small room")
     figure, axes = plt.subplots(figsize=(12, 4))
     spectrogram(axes, sound, RATE)
