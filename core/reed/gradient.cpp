@@ -1,30 +1,27 @@
 #include "core/reed/gradient.hpp"
 
+#include "core/reed/bore_design.hpp"
+#include "core/reed/soft_clip.hpp"
+#include "core/reed/tuning.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace tactus::reed {
-namespace {
-
-/// As Instrument's: y = x to 1/2, then sign(x) (1 - 1/(4|x|)).
-double soft_clip(double x) noexcept {
-  const double size = std::abs(x);
-  return size <= 0.5 ? x : std::copysign(1 - 0.25 / size, x);
-}
-
-} // namespace
-
 ReedGradient::ReedGradient(Instructions instructions)
     : ensemble_(make_reed_ensemble(instructions)) {
-  map_.prepare(kGrowthNodes, kGrowthNodes);
+  guidance_.set(guidance_settings_);
 }
 
-void ReedGradient::prepare(double sample_rate) { ensemble_->prepare(sample_rate); }
+void ReedGradient::prepare(double sample_rate) {
+  sample_rate_ = sample_rate;
+  ensemble_->prepare(sample_rate);
+}
 
 void ReedGradient::set(const Parameters& parameters) noexcept {
   parameters_ = clamped(parameters);
   ensemble_->set(parameters_);
-  stale_ = true;
+  ++revision_;
 }
 
 void ReedGradient::set(const PlayabilityParameters& judge) noexcept { ensemble_->set(judge); }
@@ -32,25 +29,46 @@ void ReedGradient::set(const PlayabilityParameters& judge) noexcept { ensemble_-
 void ReedGradient::set_range(const ControlRange& range) noexcept {
   range_ = range;
   retune_ = true;
-  stale_ = true;
+  ++revision_;
+}
+
+void ReedGradient::set_mode(Mode mode) noexcept {
+  if (mode == mode_)
+    return;
+  mode_ = mode;
+  guidance_.reset(force_);
+  smoother_.reset(force_);
+}
+
+void ReedGradient::set_ceiling(double ceiling_n) noexcept {
+  guidance_settings_.ceiling_n = ceiling_n;
+  guidance_.set(guidance_settings_);
+}
+
+void ReedGradient::let_go() noexcept {
+  force_ = {};
+  guidance_.reset();
+  smoother_.reset();
 }
 
 void ReedGradient::reset() noexcept {
   ensemble_->reset();
   aimed_ = false;
   phase_ = 0;
+  let_go();
 }
 
 void ReedGradient::move(double y, double z, double bore_frequency) noexcept {
   if (std::isfinite(y))
     y_ = y;
   if (std::isfinite(bore_frequency))
-    bore_frequency_ = bore_frequency;
+    bore_frequency_ = std::clamp(bore_frequency, 0.0, BoreDesign::kHighestFrequency);
   if (std::isfinite(z) && z != z_) {
     z_ = z;
     retune_ = true;
   }
   aim();
+  push();
 }
 
 /// Pressures are on their way from the last targets to those of the hand's new place.
@@ -78,6 +96,19 @@ void ReedGradient::aim() noexcept {
   aimed_ = true;
 }
 
+/// The force until the hand is read again.
+void ReedGradient::push() noexcept {
+  const double elapsed_s = static_cast<double>(kHold) / sample_rate_;
+  if (mode_ == Mode::kGuide) {
+    force_ = guide_ != nullptr ? guidance_.advance(guide_->way, stencil_.y[0], stencil_.z[0],
+                                                   playability(), elapsed_s)
+                               : guidance_.fade(elapsed_s);
+  } else {
+    force_ = smoother_.advance(
+        gradient_force(gradient(), force_gain_n_, guidance_settings_.ceiling_n), elapsed_s);
+  }
+}
+
 void ReedGradient::process(std::span<double> sound) noexcept {
   mouth_.first = phase_;
   ensemble_->process(mouth_, reed_frequency_, bore_frequency_, sound.size(), sound);
@@ -87,25 +118,23 @@ void ReedGradient::process(std::span<double> sound) noexcept {
 }
 
 Gradient ReedGradient::gradient() const noexcept {
-  if (mode_ == Mode::kGrowth)
-    return map_.height().gradient(stencil_.y[0], stencil_.z[0]);
-  std::array<double, GradientStencil::kPoints> f{};
-  for (std::size_t lane = 0; lane < f.size(); ++lane)
-    f[lane] = ensemble_->playability(lane);
-  return stencil_.gradient(f);
-}
-
-bool ReedGradient::map_lags() const noexcept {
-  return map_.working() || stale_ || std::abs(ensemble_->length() / map_length_ - 1) > 1e-3;
-}
-
-void ReedGradient::advance_map(std::size_t nodes) noexcept {
-  if (stale_ || !(std::abs(ensemble_->length() / map_length_ - 1) <= 1e-3)) {
-    stale_ = false;
-    map_length_ = ensemble_->length();
-    map_.begin(parameters_, map_length_, range_);
+  const double y = stencil_.y[0], z = stencil_.z[0];
+  if (mode_ == Mode::kReed) {
+    std::array<double, GradientStencil::kPoints> f{};
+    for (std::size_t lane = 0; lane < f.size(); ++lane)
+      f[lane] = ensemble_->playability(lane);
+    return stencil_.gradient(f);
   }
-  map_.advance(nodes);
+  if (guide_ == nullptr)
+    return {};
+  if (mode_ == Mode::kGrowth)
+    return guide_->height.gradient(y, z);
+  const Gradient away = guide_->way.slope(y, z);
+  return {-away.y, -away.z};
+}
+
+PlaneSettings ReedGradient::plane() const noexcept {
+  return {embouchure_for(parameters_, bore_frequency_, ensemble_->length()), range_, revision_};
 }
 
 } // namespace tactus::reed

@@ -2,7 +2,8 @@
 
 #include "core/reed/gradient_ensemble.hpp"
 #include "core/reed/gradient_plane.hpp"
-#include "core/reed/growth_map.hpp"
+#include "core/reed/guidance.hpp"
+#include "core/reed/plane_guide.hpp"
 
 #include <array>
 #include <cstddef>
@@ -11,15 +12,18 @@
 
 namespace tactus::reed {
 
-/// The paper's haptic gradient from one object: five reeds at and around the hand's place in the
-/// plane, each judged, and the central differences of their playability; or, in growth mode, the
-/// slope of the GrowthMap at the hand, with the one reed that sounds.
+/// The paper's haptic gradient from one object, and the force on the hand that follows from it.
+/// Five reeds at and around the hand's place in the plane, each judged, and then
+///   reed     the central differences of their playability;
+///   growth   the slope of a GrowthMap at the hand;
+///   guide    the way to where a note grows (GuidanceField), and Guidance's force.
+/// The force of the first two is gradient_force() through a ForceSmoother of 30 ms and 20 N/s.
 ///
-/// The hand's place is read every 32 samples; pressures move there in straight lines, reed
-/// frequencies at the reeds' own pace.
+/// The hand's place is read every 32 samples; then the force advances, pressures set out for the
+/// new place in straight lines, reed frequencies at the reeds' own pace.
 class ReedGradient {
 public:
-  enum class Mode { kReed, kGrowth };
+  enum class Mode { kReed, kGrowth, kGuide };
   static constexpr std::size_t kGrowthNodes = 41; // along y and along z
 
   explicit ReedGradient(Instructions instructions = best_instructions());
@@ -31,7 +35,12 @@ public:
   void set_range(const ControlRange& range) noexcept;
   /// 0 < delta <= 0.25, of the plane's side.
   void set_delta(double delta) noexcept { delta_ = delta; }
-  void set_mode(Mode mode) noexcept { mode_ = mode; }
+  /// The force goes on from what it was.
+  void set_mode(Mode mode) noexcept;
+  /// F_max >= 0, N: of each axis in modes reed and growth, of the whole vector in mode guide.
+  void set_ceiling(double ceiling_n) noexcept;
+  /// Force for a slope of 1 in modes reed and growth, N.
+  void set_force_gain(double gain_n) noexcept { force_gain_n_ = gain_n; }
   void reset() noexcept;
 
   /// The hand's place at one sample; what is not finite is ignored, the rest clamped to [0, 1].
@@ -45,23 +54,31 @@ public:
 
   /// f_p of the reed at the hand.
   [[nodiscard]] double playability() const noexcept { return ensemble_->playability(0); }
+  /// Towards where it plays better, for one unit of y and of z. In mode guide the slope of the
+  /// distance, turned round: of length 1, or 0 where there is no way. 0 without a guide.
   [[nodiscard]] Gradient gradient() const noexcept;
+  /// On the hand, N, towards where it plays better; since the last reading of the hand.
+  [[nodiscard]] const PlaneForce& force() const noexcept { return force_; }
+  /// No force, as long as the hand is not read again.
+  void let_go() noexcept;
 
-  /// Growth mode: true while the map lags behind the settings; advance_map() then computes up to
-  /// that many nodes. Off the audio path: a node takes up to some 100 us.
-  [[nodiscard]] bool map_lags() const noexcept;
-  void advance_map(std::size_t nodes) noexcept;
-  [[nodiscard]] const GrowthMap& map() const noexcept { return map_; }
+  /// What a guide for the present instrument, note and range depends on.
+  [[nodiscard]] PlaneSettings plane() const noexcept;
+  /// Of modes growth and guide; must live as long as it is set. Null: no slope and no force.
+  void set_guide(const PlaneGuide* guide) noexcept { guide_ = guide; }
 
   [[nodiscard]] const ReedEnsemble& ensemble() const noexcept { return *ensemble_; }
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   [[nodiscard]] const ControlRange& range() const noexcept { return range_; }
   [[nodiscard]] double delta() const noexcept { return delta_; }
   [[nodiscard]] Mode mode() const noexcept { return mode_; }
+  [[nodiscard]] double ceiling() const noexcept { return guidance_settings_.ceiling_n; }
+  [[nodiscard]] double force_gain() const noexcept { return force_gain_n_; }
   static constexpr std::size_t kHold = 32; // samples between readings of the hand
 
 private:
   void aim() noexcept;
+  void push() noexcept;
 
   std::unique_ptr<ReedEnsemble> ensemble_;
   Parameters parameters_{};
@@ -75,9 +92,13 @@ private:
   std::size_t phase_ = 0;
   bool aimed_ = false, retune_ = true;
   bool resting_ = false; // the hand has not moved since the last reading, nor do the pressures
-  GrowthMap map_;
-  bool stale_ = true;
-  double map_length_ = 0;
+  unsigned revision_ = 0;
+  const PlaneGuide* guide_ = nullptr;
+  double sample_rate_ = 48000, force_gain_n_ = 0.3;
+  Guidance::Settings guidance_settings_{};
+  Guidance guidance_;
+  ForceSmoother smoother_;
+  PlaneForce force_{};
 };
 
 } // namespace tactus::reed

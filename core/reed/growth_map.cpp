@@ -37,9 +37,9 @@ void GrowthMap::prepare(std::size_t columns, std::size_t rows) {
   ready_ = false;
 }
 
-void GrowthMap::begin(const Parameters& parameters, double length_m,
-                      const ControlRange& range) noexcept {
-  theory_.emplace(parameters, length_m);
+void GrowthMap::begin(const Playing& playing, const ControlRange& range) noexcept {
+  theory_.emplace(playing.valve, playing.length);
+  reed_scale_ = playing.reed_scale;
   range_ = range;
   next_ = 0;
 }
@@ -55,7 +55,7 @@ bool GrowthMap::advance(std::size_t nodes) noexcept {
   for (; next_ < end; ++next_) {
     const std::size_t i = next_ % working_.columns(), k = next_ / working_.columns();
     const double pressure = range_.pressure(working_.y_of(i));
-    const double frequency = range_.frequency(working_.z_of(k));
+    const double frequency = reed_scale_ * range_.frequency(working_.z_of(k));
     const Mode mode = theory_->dominant_mode(pressure, frequency);
     const bool free = theory_->equilibrium(pressure, frequency).free;
     working_.node(i, k) = mode.found ? mode.growth_rate : -1e3;

@@ -3,6 +3,7 @@
 #include "core/reed/gradient_field.hpp"
 #include "core/reed/gradient_plane.hpp"
 #include "core/reed/linear_stability.hpp"
+#include "core/reed/tuning.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -25,8 +26,9 @@ class GrowthMap {
 public:
   /// Allocates columns x rows nodes.
   void prepare(std::size_t columns, std::size_t rows);
-  /// Forgets unfinished work and starts a map; allocation-free.
-  void begin(const Parameters& parameters, double length_m, const ControlRange& range) noexcept;
+  /// Forgets unfinished work and starts a map of the instrument as it is played (embouchure_for());
+  /// allocation-free.
+  void begin(const Playing& playing, const ControlRange& range) noexcept;
   /// Computes up to that many nodes; true when the map is finished. Each takes 20 to 150 us.
   bool advance(std::size_t nodes) noexcept;
   [[nodiscard]] bool ready() const noexcept { return ready_; }
@@ -43,6 +45,7 @@ private:
 
   std::optional<LinearStability> theory_;
   ControlRange range_{};
+  double reed_scale_ = 1;
   GradientField working_, growth_, height_;
   std::vector<char> sounds_; // where a note starts, of the nodes at work
   std::vector<double> squares_, line_;

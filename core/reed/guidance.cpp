@@ -22,12 +22,17 @@ void ForceSmoother::set(double time_constant_s, double slew_n_per_s) noexcept {
 PlaneForce ForceSmoother::advance(const PlaneForce& wanted, double elapsed_s) noexcept {
   const double share = share_of(elapsed_s, time_constant_s_), most = slew_n_per_s_ * elapsed_s;
   const auto follow = [&](double from, double to) {
-    return from + std::clamp(share * ((std::isfinite(to) ? to : 0) - from), -most, most);
+    constexpr double kNothing = 1e-12; // N; denormals are dear
+    const double next =
+        from + std::clamp(share * ((std::isfinite(to) ? to : 0) - from), -most, most);
+    return std::abs(next) < kNothing ? 0 : next;
   };
   return force_ = {follow(force_.y, wanted.y), follow(force_.z, wanted.z)};
 }
 
 PlaneForce gradient_force(const Gradient& gradient, double gain_n, double ceiling_n) noexcept {
+  if (!(ceiling_n > 0))
+    return {};
   return {ceiling_n * std::tanh(gain_n * gradient.y / ceiling_n),
           ceiling_n * std::tanh(gain_n * gradient.z / ceiling_n)};
 }
@@ -37,17 +42,20 @@ void Guidance::set(const Settings& settings) noexcept {
   smoother_.set(settings.smoothing_s, settings.slew_n_per_s);
 }
 
-void Guidance::reset() noexcept {
-  smoother_.reset();
+void Guidance::reset(const PlaneForce& force) noexcept {
+  smoother_.reset(force);
   started_ = false;
+}
+
+PlaneForce Guidance::fade(double elapsed_s) noexcept {
+  started_ = false;
+  return smoother_.advance({}, elapsed_s);
 }
 
 PlaneForce Guidance::advance(const GuidanceField& field, double y, double z, double playability,
                              double elapsed_s) noexcept {
-  if (!std::isfinite(y) || !std::isfinite(z) || field.empty()) {
-    started_ = false;
-    return smoother_.advance({}, elapsed_s);
-  }
+  if (!std::isfinite(y) || !std::isfinite(z) || field.empty())
+    return fade(elapsed_s);
   if (!started_) {
     started_ = true;
     y_ = y;

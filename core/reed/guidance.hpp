@@ -16,7 +16,7 @@ class ForceSmoother {
 public:
   /// time_constant_s >= 0, slew_n_per_s > 0.
   void set(double time_constant_s, double slew_n_per_s) noexcept;
-  void reset() noexcept { force_ = {}; }
+  void reset(const PlaneForce& force = {}) noexcept { force_ = force; }
   /// The force elapsed_s > 0 later; what is not finite counts as no force.
   PlaneForce advance(const PlaneForce& wanted, double elapsed_s) noexcept;
 
@@ -56,12 +56,14 @@ public:
   static constexpr double kQuickGrowth = 8.0 / (8.0 + 50.0);
 
   void set(const Settings& settings) noexcept;
-  /// Forgets where the hand was; no force.
-  void reset() noexcept;
+  /// Forgets where the hand was; the force goes on from the given one.
+  void reset(const PlaneForce& force = {}) noexcept;
   /// The force for a hand at (y, z) in [0, 1], elapsed_s > 0 after the last; f_p of the reed there.
   /// What is not finite gives no force and is forgotten.
   PlaneForce advance(const GuidanceField& field, double y, double z, double playability,
                      double elapsed_s) noexcept;
+  /// As advance() while nothing is known: the force goes to 0 and the hand is forgotten.
+  PlaneForce fade(double elapsed_s) noexcept;
 
 private:
   Settings settings_{};

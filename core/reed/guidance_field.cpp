@@ -1,7 +1,10 @@
 #include "core/reed/guidance_field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
+#include <vector>
 
 namespace tactus::reed {
 namespace {
@@ -11,49 +14,52 @@ constexpr double kFar = 1e6; // squared distance where there is no such node
 constexpr int kReach = 4;    // of the blur, nodes: more than 3 standard deviations
 static_assert(kReach >= 3 * GuidanceField::kBlur / kSpacing);
 
+using Nodes = std::vector<double>;
+constexpr std::size_t kNodes = GuidanceField::kNodes;
+
 /// Squared distances along one row or column: least of f(q) + (p - q)^2 over all q (Felzenszwalb &
 /// Huttenlocher 2012), by direct search, the lines being short.
-void spread(std::vector<double>& squares, std::size_t start, std::size_t stride,
-            std::vector<double>& line) noexcept {
-  for (std::size_t p = 0; p < GuidanceField::kNodes; ++p) {
+void spread(Nodes& squares, std::size_t start, std::size_t stride) {
+  std::array<double, kNodes> line;
+  for (std::size_t p = 0; p < kNodes; ++p) {
     double least = kFar;
-    for (std::size_t q = 0; q < GuidanceField::kNodes; ++q) {
+    for (std::size_t q = 0; q < kNodes; ++q) {
       const double way = (static_cast<double>(p) - static_cast<double>(q)) * kSpacing;
       least = std::min(least, squares[start + q * stride] + way * way);
     }
     line[p] = least;
   }
-  for (std::size_t p = 0; p < GuidanceField::kNodes; ++p)
+  for (std::size_t p = 0; p < kNodes; ++p)
     squares[start + p * stride] = line[p];
 }
 
-} // namespace
-
-void GuidanceField::prepare() {
-  distance_.resize(kNodes, kNodes);
-  plays_.assign(kNodes * kNodes, 0);
-  outside_.assign(kNodes * kNodes, 0);
-  inside_.assign(kNodes * kNodes, 0);
-  line_.assign(kNodes, 0);
-}
-
 /// From every node to the nearest one that plays (inside) or does not.
-void GuidanceField::measure(bool inside, std::vector<double>& distance) noexcept {
-  for (std::size_t n = 0; n < plays_.size(); ++n)
-    distance[n] = (plays_[n] != 0) == inside ? 0 : kFar;
+Nodes distances(const std::vector<char>& plays, bool inside) {
+  Nodes distance(plays.size());
+  for (std::size_t n = 0; n < plays.size(); ++n)
+    distance[n] = (plays[n] != 0) == inside ? 0 : kFar;
   for (std::size_t k = 0; k < kNodes; ++k)
-    spread(distance, k * kNodes, 1, line_);
+    spread(distance, k * kNodes, 1);
   for (std::size_t i = 0; i < kNodes; ++i)
-    spread(distance, i, kNodes, line_);
+    spread(distance, i, kNodes);
   for (double& d : distance)
     d = std::sqrt(d);
+  return distance;
 }
 
 /// Along the lines of that stride. Beyond the plane's edge the values are mirrored through the edge
 /// (2 f(0) - f(j)), which leaves a slope as it is.
-void GuidanceField::blur(std::vector<double>& values, std::size_t stride) noexcept {
+void blur(Nodes& values, std::size_t stride) {
   const std::size_t other = stride == 1 ? kNodes : 1;
   constexpr int last = static_cast<int>(kNodes) - 1;
+  std::array<double, kReach + 1> weight;
+  double weights = 0;
+  for (std::size_t j = 0; j < weight.size(); ++j) {
+    const double x = static_cast<double>(j) * kSpacing / GuidanceField::kBlur;
+    weight[j] = std::exp(-0.5 * x * x);
+    weights += j == 0 ? weight[j] : 2 * weight[j];
+  }
+  std::array<double, kNodes> line;
   for (std::size_t at = 0; at < kNodes; ++at) {
     const auto value = [&](int p) {
       return values[at * other + static_cast<std::size_t>(p) * stride];
@@ -64,35 +70,35 @@ void GuidanceField::blur(std::vector<double>& values, std::size_t stride) noexce
                         : value(p);
     };
     for (int p = 0; p <= last; ++p) {
-      double sum = 0, weights = 0;
-      for (int j = -kReach; j <= kReach; ++j) {
-        const double x = j * kSpacing / kBlur;
-        const double weight = std::exp(-0.5 * x * x);
-        sum += weight * beyond(p + j);
-        weights += weight;
-      }
-      line_[static_cast<std::size_t>(p)] = sum / weights;
+      double sum = 0;
+      for (int j = -kReach; j <= kReach; ++j)
+        sum += weight[static_cast<std::size_t>(std::abs(j))] * beyond(p + j);
+      line[static_cast<std::size_t>(p)] = sum / weights;
     }
     for (std::size_t p = 0; p < kNodes; ++p)
-      values[at * other + p * stride] = line_[p];
+      values[at * other + p * stride] = line[p];
   }
 }
 
-void GuidanceField::build(const GradientField& quality, double threshold) noexcept {
+} // namespace
+
+void GuidanceField::build(const GradientField& quality, double threshold) {
+  distance_.resize(kNodes, kNodes);
+  std::vector<char> plays(kNodes * kNodes);
   for (std::size_t k = 0; k < kNodes; ++k)
     for (std::size_t i = 0; i < kNodes; ++i)
-      plays_[k * kNodes + i] =
+      plays[k * kNodes + i] =
           quality.value(distance_.y_of(i), distance_.z_of(k)) >= threshold ? 1 : 0;
-  measure(true, outside_);
-  measure(false, inside_);
+  Nodes distance = distances(plays, true);
+  const Nodes inside = distances(plays, false);
   // The border lies half-way between nodes; without any the distance is the same everywhere.
-  for (std::size_t n = 0; n < plays_.size(); ++n)
-    outside_[n] = plays_[n] ? 0.5 * kSpacing - inside_[n] : outside_[n] - 0.5 * kSpacing;
-  blur(outside_, 1);
-  blur(outside_, kNodes);
+  for (std::size_t n = 0; n < plays.size(); ++n)
+    distance[n] = plays[n] != 0 ? 0.5 * kSpacing - inside[n] : distance[n] - 0.5 * kSpacing;
+  blur(distance, 1);
+  blur(distance, kNodes);
   for (std::size_t k = 0; k < kNodes; ++k)
     for (std::size_t i = 0; i < kNodes; ++i)
-      distance_.node(i, k) = outside_[k * kNodes + i];
+      distance_.node(i, k) = distance[k * kNodes + i];
   distance_.differentiate();
 }
 

@@ -3,7 +3,6 @@
 #include "core/reed/gradient_field.hpp"
 
 #include <cstddef>
-#include <vector>
 
 namespace tactus::reed {
 
@@ -20,11 +19,11 @@ public:
   static constexpr std::size_t kNodes = 81; // along y and along z
   static constexpr double kBlur = 0.015;    // standard deviation, of the plane's side
 
-  /// Allocates.
-  void prepare();
+  /// Not yet built.
   [[nodiscard]] bool empty() const noexcept { return distance_.empty(); }
-  /// Off the audio path: a few milliseconds. Places with quality >= threshold play.
-  void build(const GradientField& quality, double threshold) noexcept;
+  /// Places with quality >= threshold play. Off the audio path: allocates and takes a few
+  /// milliseconds.
+  void build(const GradientField& quality, double threshold);
 
   [[nodiscard]] double distance(double y, double z) const noexcept { return distance_.value(y, z); }
   [[nodiscard]] Gradient slope(double y, double z) const noexcept {
@@ -32,12 +31,7 @@ public:
   }
 
 private:
-  void measure(bool inside, std::vector<double>& distance) noexcept;
-  void blur(std::vector<double>& values, std::size_t stride) noexcept;
-
   GradientField distance_;
-  std::vector<char> plays_;
-  std::vector<double> outside_, inside_, line_;
 };
 
 } // namespace tactus::reed

@@ -1,20 +1,25 @@
 #include "core/reed/instrument.hpp"
 
+#include "core/reed/soft_clip.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace tactus::reed {
 namespace {
 
-/// y = x to 1/2, then sign(x) (1 - 1/(4|x|)): continuous in slope, within +-1.
-double soft_clip(double x) noexcept {
-  const double size = std::abs(x);
-  return size <= 0.5 ? x : std::copysign(1 - 0.25 / size, x);
-}
-
 /// Single-precision hosts slow down on denormals, too.
 template <class S> S outgoing(double value) noexcept {
   return std::abs(value) < 1e-30 ? S(0) : static_cast<S>(value);
+}
+
+/// Far above all that the model takes: what is clamped there need not be told from infinity.
+constexpr double kHighestFrequency = 1e6;
+
+/// A control that is no number, or not finite, leaves the last good value. 0 and below are one wish.
+void follow(double& kept, double given) noexcept {
+  if (std::isfinite(given))
+    kept = std::clamp(given, 0.0, kHighestFrequency);
 }
 
 } // namespace
@@ -25,7 +30,7 @@ void Instrument::prepare(double sample_rate, std::size_t) {
 
 void Instrument::reset() noexcept {
   bank_.reset();
-  last_pressure_ = 0;
+  last_pressure_ = reed_frequency_ = bore_frequency_ = 0;
 }
 
 template <class S>
@@ -35,9 +40,11 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
   std::array<double, kStretch> mouth, radiated, angle, bore, through;
   const double gain = bank_.parameters().gain;
   for (std::size_t done = 0; done < mouth_pressure.size();) {
-    if (bank_.until_control() == 0)
-      bank_.control(static_cast<double>(reed_frequency[done]),
-                    static_cast<double>(bore_frequency[done]));
+    if (bank_.until_control() == 0) {
+      follow(reed_frequency_, static_cast<double>(reed_frequency[done]));
+      follow(bore_frequency_, static_cast<double>(bore_frequency[done]));
+      bank_.control(reed_frequency_, bore_frequency_);
+    }
     const std::size_t count =
         std::min(mouth_pressure.size() - done, static_cast<std::size_t>(bank_.until_control()));
     bool usable = true;

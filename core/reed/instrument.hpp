@@ -32,9 +32,10 @@ public:
   [[nodiscard]] double length() const noexcept { return bank_.length(); }
 
   /// One block; all spans of the same length, outputs may be inputs.
-  /// mouth_pressure p_m in Pa: no number counts as the last one.
-  /// reed_frequency f_r in Hz: not above 0 or no number means the parameters' own.
-  /// bore_frequency f_b in Hz: not above 0 or no number means the parameters' length.
+  /// mouth_pressure p_m in Pa.
+  /// reed_frequency f_r in Hz: not above 0 means the parameters' own.
+  /// bore_frequency f_b in Hz: not above 0 means the parameters' length.
+  /// Of each, no number means the last good one; an infinite frequency too.
   /// sound: gain times the pressure at 1 m, linear to 0.5, within +-1.
   /// theta in rad, p_b in Pa, U in m^3/s; with oversampling 2 (4) all four come 7.5 (9.25) samples
   /// later.
@@ -46,7 +47,7 @@ public:
 private:
   static constexpr std::size_t kStretch = ReedBank<double>::kControlPeriod;
   ReedBank<double> bank_;
-  double last_pressure_ = 0;
+  double last_pressure_ = 0, reed_frequency_ = 0, bore_frequency_ = 0;
 };
 
 } // namespace tactus::reed

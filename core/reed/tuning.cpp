@@ -78,10 +78,30 @@ private:
   double reed_frequency_, wanted_;
 };
 
+double aim_of(const Parameters& parameters, double bore_frequency) {
+  return bore_frequency * std::exp2(parameters.aim / 1200);
+}
+
+/// The player's lips for a note at `aimed` Hz, on the bore as given.
+Playing lips_for(const Parameters& parameters, double aimed) {
+  Playing playing{parameters, parameters.length};
+  Parameters& valve = playing.valve;
+  valve.mass *= parameters.lip_mass;
+  valve.rest_angle *= parameters.lip_opening;
+  valve.width *= parameters.lip_width;
+  valve.quality *= parameters.lip_quality;
+  if (parameters.embouchure > 0) {
+    playing.reed_scale = parameters.embouchure * aimed / parameters.reed_frequency;
+    valve.mass /= playing.reed_scale * playing.reed_scale;
+  }
+  valve = clamped(valve);
+  return playing;
+}
+
 } // namespace
 
-double tuned_length(const Parameters& parameters, double bore_frequency,
-                    double reed_frequency, double over_threshold) noexcept {
+double tuned_length(const Parameters& parameters, double bore_frequency, double reed_frequency,
+                    double over_threshold) noexcept {
   constexpr int kPressures = 32;
   constexpr int kBisections = 24;
   const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency);
@@ -110,28 +130,28 @@ double tuned_length(const Parameters& parameters, double bore_frequency,
   return std::clamp(best.length, 5e-3, bore.longest());
 }
 
-Playing tuned(const Parameters& parameters, double bore_frequency,
-              double reed_frequency) noexcept {
-  Playing playing{parameters, parameters.length};
-  Parameters& valve = playing.valve;
-  valve.mass *= parameters.lip_mass;
-  valve.rest_angle *= parameters.lip_opening;
-  valve.width *= parameters.lip_width;
-  valve.quality *= parameters.lip_quality;
-  const double aimed = bore_frequency * std::exp2(parameters.aim / 1200);
-  double reed = reed_frequency;
-  if (parameters.embouchure > 0) {
-    reed = parameters.embouchure * aimed;
-    playing.reed_scale = reed / parameters.reed_frequency;
-    valve.mass /= playing.reed_scale * playing.reed_scale;
-  }
-  valve = clamped(valve);
+Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency) noexcept {
+  const double aimed = aim_of(parameters, bore_frequency);
+  Playing playing = lips_for(parameters, aimed);
+  const Parameters& valve = playing.valve;
+  const double reed = parameters.embouchure > 0 ? parameters.embouchure * aimed : reed_frequency;
   BoreDesign bore;
   bore.set(parameters, 48000);
-  if (!(parameters.embouchure > 0) ||
-      aimed > kValveAlone * bore.ideal_frequency(parameters.length))
-    playing.length = tuned_length(valve, aimed, reed,
-                                  parameters.embouchure > 0 ? kPlayingLips : kPlaying);
+  if (!(parameters.embouchure > 0) || aimed > kValveAlone * bore.ideal_frequency(parameters.length))
+    playing.length =
+        tuned_length(valve, aimed, reed, parameters.embouchure > 0 ? kPlayingLips : kPlaying);
+  return playing;
+}
+
+Playing embouchure_for(const Parameters& parameters, double bore_frequency,
+                       double length_m) noexcept {
+  Playing playing{parameters, parameters.length};
+  if (parameters.tune && bore_frequency > 0 && !(parameters.length_override > 0)) {
+    const double note =
+        std::clamp(bore_frequency, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+    playing = lips_for(parameters, aim_of(parameters, note));
+  }
+  playing.length = length_m;
   return playing;
 }
 

@@ -34,4 +34,10 @@ struct Playing {
 [[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
                             double reed_frequency) noexcept;
 
+/// The instrument as it is held for the note bore_frequency (Hz; 0: none) on a bore of that length:
+/// with `tune`, a note and no length of one's own the lips are those of tuned(), else the valve is
+/// as given. What the `ear` adds is left out.
+[[nodiscard]] Playing embouchure_for(const Parameters& parameters, double bore_frequency,
+                                     double length_m) noexcept;
+
 } // namespace tactus::reed

@@ -3,7 +3,8 @@
 #include "core/object.hpp"
 #include "core/reed/gradient.hpp"
 #include "core/reed/gradient_range.hpp"
-#include "externals/greed_gradient~/reed_settings.hpp"
+#include "externals/greed_gradient~/guide_keeper.hpp"
+#include "externals/greed~/settings.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,15 +14,20 @@
 
 namespace tactus {
 
-/// [greed_gradient~]: one reed that sounds, and the slope of its playability around the hand
-/// (core/reed/gradient.hpp). docs/guidance.md.
+/// [greed_gradient~]: one reed that sounds, the slope of its playability around the hand, and the
+/// force that follows from it (core/reed/gradient.hpp). docs/guidance.md.
 class GreedGradient {
 public:
-  static constexpr std::array<std::string_view, 2> kModes{"reed", "growth"};
+  static constexpr std::array<std::string_view, 3> kModes{"reed", "growth", "guide"};
   static constexpr auto kParameters = greed::with_own(std::array{
       Parameter{"delta", "", 0.01, 1e-3, 0.25, "distance of the neighbours, of the plane's side"},
-      Parameter{"mode", "", 0, 0, 1, "slope of five reeds' playability, or of linear theory",
-                kModes},
+      Parameter{"mode", "", 0, 0, 2,
+                "slope of five reeds' playability, of linear theory, or the way to a note", kModes},
+      Parameter{"ceiling", "N", 2, 0, 40,
+                "largest force; with reed and growth on each axis, with guide in all"},
+      Parameter{"force_gain", "N", 0.3, 0, 100, "reed and growth: the force for a slope of 1"},
+      Parameter{"background", "", 1, 0, 1,
+                "0: maps are made in the host's time, 3000 nodes a second; repeatable"},
       Parameter{"attack", "ms", 5, 0.1, 5000, "playability~: time in which the envelope rises"},
       Parameter{"release", "ms", 80, 0.1, 5000, "playability~: time in which the envelope falls"},
       Parameter{"hp", "Hz", 10, 0.1, 1000, "playability~: high-pass of the angle"},
@@ -38,6 +44,7 @@ public:
       Port{Port::Kind::kSignal, "sound", "", "of the reed at the hand, within +-1"},
       Port{Port::Kind::kControl, "f_p", "", "playability of that reed, after each block"},
       Port{Port::Kind::kControl, "gradient", "", "list g_y g_z, for one unit of y and of z"},
+      Port{Port::Kind::kControl, "force", "N", "list F_y F_z, on the hand"},
   };
   static constexpr std::array kMessages{
       Message{"preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
@@ -51,14 +58,17 @@ public:
       "a reed and the slope of its playability in one object",
       "Five reeds of one instrument, one at the hand's place in the plane of mouth pressure and "
       "reed frequency and one on each side of it, judged as by playability~; their differences "
-      "are the slope that guides the hand. Costs about as much as one greed~. In growth mode the "
-      "slope comes from linear theory and leads also out of silence.",
+      "are the slope that guides the hand. Costs about as much as one greed~. In mode growth the "
+      "slope comes from linear theory and leads also out of silence, in mode guide the force pulls "
+      "to the nearest note and leaves the hand alone there. Both need a map, made in a thread of "
+      "its own when anything changes, while the last one goes on: map 0..1 at the info outlet.",
       "reed lips haptic gradient playability guidance",
       kInlets,
       kOutlets,
       kParameters,
       kMessages,
       kArguments};
+  static constexpr std::size_t timers = 1;
 
   void prepare(double sample_rate, std::size_t) {
     sample_rate_ = sample_rate;
@@ -68,10 +78,16 @@ public:
   [[nodiscard]] double get(std::size_t parameter) const noexcept;
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void report(Host& host);
+  /// No block for a while: the audio stands still, and nothing pulls.
+  void tick(std::size_t, Host& host) {
+    gradient_.let_go();
+    host.send(kForceOutlet, {0.0, 0.0});
+  }
   void dump(Host& host);
 
   template <class S> void process(const Block<S>& block) noexcept {
     std::array<double, reed::ReedGradient::kHold> sound;
+    gradient_.set_guide(guide_.newest());
     for (std::size_t done = 0; done < block.frames;) {
       const auto hand = [&](std::size_t inlet) {
         return static_cast<double>(block.inputs[inlet][done]);
@@ -93,6 +109,9 @@ private:
   enum Own : std::size_t {
     kDelta,
     kMode,
+    kCeiling,
+    kForceGain,
+    kBackground,
     kAttack,
     kRelease,
     kHighpass,
@@ -101,12 +120,15 @@ private:
     kHysteresis
   };
   static constexpr std::size_t kFirstOwn = greed::kParameters.size();
+  static constexpr std::size_t kPlayabilityOutlet = 1, kGradientOutlet = 2, kForceOutlet = 3;
 
   reed::ReedGradient gradient_;
   reed::Parameters parameters_{};
   reed::PlayabilityParameters judge_{};
   double sample_rate_ = 48000;
+  bool background_ = true;
   std::size_t unreported_ = 0;
+  reed::GuideKeeper guide_;
 };
 
 inline void GreedGradient::set(std::size_t parameter, double value) noexcept {
@@ -119,8 +141,14 @@ inline void GreedGradient::set(std::size_t parameter, double value) noexcept {
   case kDelta:
     return gradient_.set_delta(value);
   case kMode:
-    return gradient_.set_mode(value >= 0.5 ? reed::ReedGradient::Mode::kGrowth
-                                           : reed::ReedGradient::Mode::kReed);
+    return gradient_.set_mode(static_cast<reed::ReedGradient::Mode>(static_cast<int>(value)));
+  case kCeiling:
+    return gradient_.set_ceiling(value);
+  case kForceGain:
+    return gradient_.set_force_gain(value);
+  case kBackground:
+    background_ = value >= 0.5;
+    return;
   case kAttack:
     judge_.attack_s = 1e-3 * value;
     break;
@@ -150,7 +178,13 @@ inline double GreedGradient::get(std::size_t parameter) const noexcept {
   case kDelta:
     return gradient_.delta();
   case kMode:
-    return gradient_.mode() == reed::ReedGradient::Mode::kGrowth ? 1 : 0;
+    return static_cast<double>(gradient_.mode());
+  case kCeiling:
+    return gradient_.ceiling();
+  case kForceGain:
+    return gradient_.force_gain();
+  case kBackground:
+    return background_ ? 1 : 0;
   case kAttack:
     return 1e3 * judge_.attack_s;
   case kRelease:
@@ -181,16 +215,21 @@ inline void GreedGradient::message(std::size_t index, std::span<const Atom> argu
   }
 }
 
-/// After each block; the growth map grows here, in the time between blocks.
+/// After each block.
 inline void GreedGradient::report(Host& host) {
-  constexpr double kNodesPerSecond = 3000; // some 15 % of a core while the map is at work
   const double seconds = static_cast<double>(unreported_) / sample_rate_;
   unreported_ = 0;
-  if (gradient_.mode() == reed::ReedGradient::Mode::kGrowth && gradient_.map_lags())
-    gradient_.advance_map(1 + static_cast<std::size_t>(kNodesPerSecond * seconds));
+  if (gradient_.mode() != reed::ReedGradient::Mode::kReed) {
+    guide_.keep(gradient_.plane(), seconds, background_);
+    if (guide_.has_news())
+      host.info({"map", guide_.progress()});
+  }
   const reed::Gradient slope = gradient_.gradient();
-  host.send(2, {slope.y, slope.z});
-  host.send(1, {gradient_.playability()});
+  const reed::PlaneForce& force = gradient_.force();
+  host.send(kForceOutlet, {force.y, force.z});
+  host.send(kGradientOutlet, {slope.y, slope.z});
+  host.send(kPlayabilityOutlet, {gradient_.playability()});
+  host.wake_in(0, std::max(100.0, 3000 * seconds));
 }
 
 inline void GreedGradient::dump(Host& host) {

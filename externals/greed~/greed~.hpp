@@ -2,11 +2,11 @@
 
 #include "core/object.hpp"
 #include "core/reed/instrument.hpp"
-#include "core/reed/presets.hpp"
-#include "core/words.hpp"
 #include "externals/greed~/declaration.hpp"
+#include "externals/greed~/settings.hpp"
 
-#include <string>
+#include <cstddef>
+#include <span>
 
 namespace tactus {
 
@@ -40,18 +40,8 @@ public:
 
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
     if (index == greed::kReset) return instrument_.reset();
-    const auto preset = arguments[0].is_word ? reed::find_preset(arguments[0].word) : std::nullopt;
-    if (!preset) return host.error(unknown_preset(arguments[0]));
-    reed::Parameters chosen = *preset;
-    const reed::Parameters& now = instrument_.parameters();
-    chosen.flow = now.flow;
-    chosen.oversampling = now.oversampling;
-    chosen.breath_noise = now.breath_noise;
-    chosen.seed = now.seed;
-    chosen.tune = now.tune;
-    chosen.ear = now.ear;
-    chosen.temperature = now.temperature;
-    instrument_.set(chosen);
+    if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
+      instrument_.set(*preset);
   }
 
   template <class S> void process(const Block<S>& block) noexcept {
@@ -67,18 +57,6 @@ public:
   }
 
 private:
-  static std::string unknown_preset(const Atom& given) {
-    std::string sentence =
-        "preset " + (given.is_word ? std::string(given.word) : number_text(given.number)) +
-        ": expected ";
-    const auto all = reed::presets();
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (i > 0) sentence += i + 1 == all.size() ? " or " : ", ";
-      sentence += all[i].name;
-    }
-    return sentence;
-  }
-
   reed::Instrument instrument_;
 };
 

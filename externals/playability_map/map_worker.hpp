@@ -7,11 +7,17 @@
 #include <thread>
 #include <vector>
 
+#if defined(__unix__) || defined(__APPLE__)
+#include <pthread.h>
+#include <sched.h>
+#endif
+
 namespace tactus::reed {
 
-/// One computation of a grid's nodes in a thread of its own. The nodes are published in order:
-/// those below done() are final and may be read while the rest is at work. Nothing waits for
-/// anything but cancel(), which waits for the portion at hand.
+/// One computation of a grid's nodes in a thread of its own, which leaves the audio its priority.
+/// The nodes are published in order: those below done() are final and may be read while the rest is
+/// at work. Nothing waits for anything but cancel() and start(), which wait for the portion at hand;
+/// start() does not while idle().
 class MapWorker {
 public:
   /// Writes further nodes from `first` on and returns the number of those that are final; called
@@ -23,12 +29,15 @@ public:
   /// Cancels what is at work and begins anew.
   void start(std::size_t nodes, Portion portion) {
     renew(nodes);
+    running_.store(true, std::memory_order_relaxed);
     thread_ = std::jthread([this, work = std::move(portion)](std::stop_token stop) {
+      give_way();
       std::size_t done = 0;
       while (done < nodes_.size() && !stop.stop_requested()) {
         done = work(nodes_, done);
         done_.store(done, std::memory_order_release);
       }
+      running_.store(false, std::memory_order_release);
     });
   }
   /// The same without a thread: step() does one portion.
@@ -40,6 +49,11 @@ public:
     if (steps_ && !finished())
       done_.store(steps_(nodes_, done()), std::memory_order_release);
   }
+  /// Without waiting: the thread ends after the portion at hand.
+  void ask_to_stop() {
+    steps_ = nullptr;
+    thread_.request_stop();
+  }
   void cancel() {
     steps_ = nullptr;
     if (!thread_.joinable())
@@ -48,6 +62,10 @@ public:
     thread_.join();
   }
 
+  /// Nothing is at work.
+  [[nodiscard]] bool idle() const noexcept {
+    return by_steps() ? finished() : !running_.load(std::memory_order_acquire);
+  }
   [[nodiscard]] bool by_steps() const noexcept { return static_cast<bool>(steps_); }
   [[nodiscard]] std::size_t done() const noexcept { return done_.load(std::memory_order_acquire); }
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
@@ -62,7 +80,16 @@ private:
     done_.store(0, std::memory_order_release);
   }
   std::vector<double> nodes_;
+  /// A thread is born with its parent's priority, which may be that of the audio.
+  static void give_way() noexcept {
+#if defined(__unix__) || defined(__APPLE__)
+    sched_param ordinary{};
+    (void)pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
+#endif
+  }
+
   std::atomic<std::size_t> done_{0};
+  std::atomic<bool> running_{false};
   Portion steps_;
   std::jthread thread_;
 };

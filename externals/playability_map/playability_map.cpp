@@ -3,6 +3,7 @@
 #include "core/reed/gradient_range.hpp"
 #include "core/reed/linear_stability.hpp"
 #include "core/reed/playability_map.hpp"
+#include "core/reed/tuning.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,8 +85,11 @@ std::string PlayabilityMapObject::key() const {
 
 MapWorker::Portion PlayabilityMapObject::portion() const {
   if (growth_) {
-    const LinearStability theory(clamped(parameters_),
-                                 length_of(parameters_, own_[kBoreFrequency]));
+    const Playing playing =
+        embouchure_for(clamped(parameters_), own_[kBoreFrequency],
+                       length_of(parameters_, own_[kBoreFrequency]));
+    const LinearStability theory(playing.valve, playing.length);
+    const double scale = playing.reed_scale;
     const ControlRange range = range_;
     const std::size_t columns = columns_, rows = rows_;
     return [=](std::vector<double>& nodes, std::size_t first) {
@@ -93,7 +97,7 @@ MapWorker::Portion PlayabilityMapObject::portion() const {
       for (std::size_t n = first; n < end; ++n) {
         const double y = static_cast<double>(n % columns) / static_cast<double>(columns - 1);
         const double z = static_cast<double>(n / columns) / static_cast<double>(rows - 1);
-        nodes[n] = theory.dominant_mode(range.pressure(y), range.frequency(z)).growth_rate;
+        nodes[n] = theory.dominant_mode(range.pressure(y), scale * range.frequency(z)).growth_rate;
       }
       return end;
     };

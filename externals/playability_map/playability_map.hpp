@@ -4,7 +4,7 @@
 #include "core/reed/gradient_field.hpp"
 #include "core/reed/gradient_plane.hpp"
 #include "core/reed/parameters.hpp"
-#include "externals/greed_gradient~/reed_settings.hpp"
+#include "externals/greed~/settings.hpp"
 #include "externals/playability_map/map_store.hpp"
 #include "externals/playability_map/map_worker.hpp"
 

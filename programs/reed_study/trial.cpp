@@ -130,14 +130,13 @@ World::World(const reed::Parameters& given, const reed::ControlRange& plane)
   for (std::size_t n = 0; n < played.size();)
     n = played.advance(n);
   theory.prepare(kNodes, kNodes);
-  theory.begin(reed::clamped(given), played.length(), plane);
+  theory.begin({reed::clamped(given), played.length()}, plane);
   (void)theory.advance(kNodes * kNodes);
   growth.resize(kNodes, kNodes);
   for (std::size_t k = 0; k < kNodes; ++k)
     for (std::size_t i = 0; i < kNodes; ++i)
       growth.node(i, k) = std::tanh(theory.growth().node(i, k) / 50);
   growth.differentiate();
-  guidance.prepare();
   guidance.build(theory.height(), reed::Guidance::kQuickGrowth);
 }
 

@@ -179,6 +179,28 @@ def test_nothing_on_any_inlet_breaks_it():
     assert window(result, "p_b", start=1.2, end=1.4).std() > 1000
 
 
+def test_a_frequency_that_is_no_number_leaves_the_last_good_one():
+    """As a message, and as a signal."""
+    def played(*strange):
+        patch = Patch()
+        reed = patch.obj("sig~", 2000) >> patch.obj("greed~", "-preset", "clarinet")
+        for inlet, hertz in ((1, 2300), (2, 185)):
+            patch.at(10, reed[inlet], hertz)
+            for ms, value in strange:
+                patch.at(ms, reed[inlet], value)
+        patch.record("p_b", reed[2])
+        return patch.render(0.6, rate=48000)["p_b"]
+    steady = played()
+    assert numpy.array_equal(steady, played((200, math.nan), (300, math.inf), (400, -math.inf)))
+    assert not numpy.array_equal(steady, played((200, 0)))  # 0 asks for the preset's own
+
+    def signalled(spoilt):
+        f_b = numpy.full(28800, 185.0)
+        f_b[9600:] = math.nan if spoilt else 185.0
+        return play(["-preset", "clarinet"], 2000, f_b=f_b, seconds=0.6)["p_b"]
+    assert numpy.array_equal(signalled(False), signalled(True))
+
+
 def test_dump_tells_all_parameters_and_what_follows_from_them():
     result = play(["-preset", "clarinet"], 0, seconds=0.1, messages=[(20, "dump")])
     told = {atoms[0]: atoms[1] for _, atoms in result.logs["info"]}

@@ -1,6 +1,7 @@
 """[playability~], [greed_gradient~] and [playability_map] in a headless Pd."""
 
 import math
+import pathlib
 
 import numpy
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from harness import Patch
 
 RATE = 48000
+REED = pathlib.Path(__file__).resolve().parents[2] / "patches" / "reed"
 TRUMPET = ["trumpet", "-range", 0, 8000, 80, 900]
 HUGE = 1e30
 
@@ -68,6 +70,8 @@ def gradient(patch, y, z, *flags):
     patch.obj("sig~", z) >> reed[1]
     patch.log("f_p", reed[1])
     patch.log("gradient", reed[2])
+    patch.log("force", reed[3])
+    patch.log("info", reed[4])
     patch.record("sound", reed[0])
     return reed
 
@@ -98,10 +102,80 @@ def test_the_gradient_of_one_object_is_that_of_five_reeds():
 
 def test_growth_mode_leads_from_silence():
     patch = Patch()
-    gradient(patch, 0.05, 0.45, "-mode", "growth")
+    gradient(patch, 0.05, 0.45, "-mode", "growth", "-background", 0)
     result = patch.render(seconds=1.5, rate=RATE)
     assert last(result, "f_p")[0] < 1e-3
     assert last(result, "gradient")[0] > 0.5
+
+
+def size(force):
+    return math.hypot(*force)
+
+
+def test_guide_mode_pulls_to_a_note_once_its_map_is_made():
+    patch = Patch()
+    reed = gradient(patch, 0.05, 0.45, "-mode", "guide", "-background", 0)
+    patch.at(1200, reed, "ceiling 0.7")
+    result = patch.render(seconds=1.5, rate=RATE)
+    forces, times = numbers(result.logs["force"]), [ms for ms, _ in result.logs["force"]]
+    news = [(ms, atoms[1]) for ms, atoms in result.logs["info"] if atoms[0] == "map"]
+    shares = [share for _, share in news]
+    assert shares == sorted(shares) and shares[-1] == 1 and len(shares) > 5
+    done = news[-1][0]
+    assert 500 < done < 650  # 1681 nodes, 3000 a second
+    assert max(size(f) for ms, f in zip(times, forces) if ms < done) == 0
+    settled = [f for ms, f in zip(times, forces) if done + 200 < ms < 1200]
+    assert all(abs(size(f) - 2) < 0.05 and f[0] > 1 for f in settled)
+    assert abs(size(forces[-1]) - 0.7) < 0.02
+    slope = last(result, "gradient")
+    assert abs(forces[-1][0] - 0.7 * slope[0]) < 0.01 and abs(forces[-1][1] - 0.7 * slope[1]) < 0.01
+
+
+def test_a_map_made_in_a_thread_arrives_while_the_patch_plays():
+    """Pd renders faster than it lives: long enough that the thread has its tenth of a second."""
+    patch = Patch()
+    gradient(patch, 0.05, 0.45, "-mode", "guide")
+    result = patch.render(seconds=60, rate=RATE)
+    assert last(result, "info") == [1]
+    assert abs(size(last(result, "force")) - 2) < 0.05
+
+
+def test_the_old_map_goes_on_until_the_new_one_is_there():
+    patch = Patch()
+    reed = gradient(patch, 0.05, 0.45, "-mode", "guide", "-background", 0)
+    patch.at(1000, reed, "range 0 4000 80 900")
+    result = patch.render(seconds=2, rate=RATE)
+    assert [atoms[1] for _, atoms in result.logs["info"]].count(1) == 2
+    forces = [f for ms, f in zip((ms for ms, _ in result.logs["force"]),
+                                 numbers(result.logs["force"])) if ms > 900]
+    assert min(size(f) for f in forces) > 1.5
+
+
+def test_a_slope_s_force_is_the_patch_s_law():
+    patch = Patch()
+    reed = gradient(patch, 0.5, 0.42, "-ceiling", 1)
+    law = [patch.obj("reed_force"), patch.obj("reed_force")]
+    split = reed[2] >> patch.obj("unpack", "f", "f")
+    for axis in (0, 1):
+        split[axis] >> law[axis]
+        patch.log(f"law{axis}", law[axis])
+    result = patch.render(seconds=1.5, rate=RATE, path=[REED])
+    forces = numpy.array(numbers(result.logs["force"]))
+    for axis in (0, 1):
+        by_patch = numpy.array(numbers(result.logs[f"law{axis}"]))[:, 0]
+        # The patch smooths once a block, the object every 32 samples.
+        assert abs(forces[300:, axis] - by_patch[300:]).max() < 0.02
+        assert abs(by_patch[300:]).max() > 0.05
+
+
+def test_nothing_pulls_while_the_audio_stands_still():
+    patch = Patch()
+    reed = gradient(patch, 0.05, 0.45, "-mode", "guide", "-background", 0)
+    patch.at(1000, patch.obj("s", "pd"), "dsp 0")
+    result = patch.render(seconds=1.3, rate=RATE)
+    assert last(result, "force") == [0, 0]
+    times = [ms for ms, _ in result.logs["force"]]
+    assert 1090 < times[-1] < 1110 and size(numbers(result.logs["force"])[-2]) > 1.9
 
 
 def test_a_rebuilt_graph_plays_on():
@@ -127,6 +201,19 @@ def test_a_strange_hand_is_survived(strange):
     assert numpy.isfinite(numpy.array(numbers(result.logs["gradient"]))).all()
     assert abs(result["sound"]).max() <= 1
     assert last(result, "f_p")[0] > 0.3
+
+
+def test_a_bore_frequency_that_is_no_number_leaves_the_last_good_one():
+    def played(*strange):
+        patch = Patch()
+        reed = gradient(patch, 0.6, 0.42)
+        patch.at(10, reed[2], 233)
+        for ms, value in strange:
+            patch.at(ms, reed[2], value)
+        return patch.render(seconds=0.6, rate=RATE)["sound"]
+    steady = played()
+    assert numpy.array_equal(steady, played((200, math.nan), (300, math.inf), (400, -math.inf)))
+    assert not numpy.array_equal(steady, played((200, 0)))
 
 
 def test_the_gradient_refuses_a_plane_without_extent():

@@ -97,7 +97,7 @@ TEST_CASE("an instrument's own range holds its notes") {
 GrowthMap map_of(const Parameters& p, const ControlRange& range, std::size_t step) {
   GrowthMap map;
   map.prepare(41, 41);
-  map.begin(p, p.length, range);
+  map.begin({p, p.length}, range);
   CHECK_FALSE(map.ready());
   while (!map.advance(step))
     CHECK(map.progress() < 1);

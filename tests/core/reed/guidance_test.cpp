@@ -25,7 +25,6 @@ template <class F> GuidanceField field_of(F quality) {
     for (std::size_t i = 0; i < nodes.columns(); ++i)
       nodes.node(i, k) = quality(nodes.y_of(i), nodes.z_of(k));
   GuidanceField field;
-  field.prepare();
   field.build(nodes, 0);
   return field;
 }

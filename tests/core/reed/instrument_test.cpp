@@ -176,6 +176,37 @@ TEST_CASE("no number on any inlet, and no absurd value, breaks the sound") {
   }
 }
 
+TEST_CASE("a frequency that is no number leaves the last good one") {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const char* name : {"clarinet", "trumpet"}) {
+    Gesture held{ramp(2200, 1, 48000), {}, {}}, broken = held;
+    for (std::size_t n = 0; n < 48000; ++n) {
+      const bool late = n > 20000;
+      const double reed = late ? 400 : 380, bore = late ? 240 : 233;
+      held.reed.push_back(reed);
+      held.bore.push_back(bore);
+      const std::array bad{nan, infinity, -infinity};
+      // The first of all is good; so is the first after the change, looked at every 32 samples.
+      const bool good = n < 32 || (late && n < 20064);
+      broken.reed.push_back(good ? reed : bad[n % 3]);
+      broken.bore.push_back(good ? bore : bad[(n / 7) % 3]);
+    }
+    Parameters p = find_preset(name).value();
+    p.tune = true;
+    CAPTURE(name);
+    CHECK(in_blocks(p, broken, 64).sound == in_blocks(p, held, 64).sound);
+    // Zero and below are numbers: they ask for the preset's own again.
+    Gesture own = held, negative = held;
+    own.reed.assign(48000, 0);
+    own.bore.assign(48000, 0);
+    negative.reed.assign(48000, -3);
+    negative.bore.assign(48000, -1e300);
+    CHECK(in_blocks(p, own, 64).sound == in_blocks(p, negative, 64).sound);
+    CHECK(in_blocks(p, own, 64).sound != in_blocks(p, held, 64).sound);
+  }
+}
+
 TEST_CASE("fifteen hundred random instruments with jumping controls stay finite and bounded") {
   std::mt19937 random(12);
   const auto uniform = [&](double low, double high) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/object.hpp"
+#include "core/reed/gradient_plane.hpp"
 #include "core/reed/parameters.hpp"
 #include "core/reed/presets.hpp"
 #include "core/words.hpp"
@@ -9,9 +10,11 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 
-/// What the objects around [greed~] share: its parameters in front of their own, and its presets.
+/// What [greed~] and the objects around it share: its presets, and its parameters in front of their
+/// own.
 namespace tactus::greed {
 
 /// The parameters of [greed~], then those of an object that contains reeds.
@@ -25,8 +28,8 @@ template <std::size_t count>
   return all;
 }
 
-/// The preset's valve and bore with the numerics and the air of `now`; empty, after an error
-/// sentence, when there is none of that name.
+/// The preset's valve and bore with the numerics, the player and the air of `now`; empty, after an
+/// error sentence, when there is none of that name.
 [[nodiscard]] inline std::optional<Parameters> preset_of(const Atom& name, const Parameters& now,
                                                          Host& host) {
   auto preset = name.is_word ? reed::find_preset(name.word) : std::nullopt;
@@ -48,6 +51,7 @@ template <std::size_t count>
   preset->breath_noise = now.breath_noise;
   preset->seed = now.seed;
   preset->tune = now.tune;
+  preset->ear = now.ear;
   preset->temperature = now.temperature;
   return preset;
 }

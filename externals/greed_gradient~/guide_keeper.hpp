@@ -1,0 +1,41 @@
+#pragma once
+
+#include "core/haptic/mailbox.hpp"
+#include "core/reed/plane_guide.hpp"
+#include "externals/playability_map/map_worker.hpp"
+
+#include <cstddef>
+
+namespace tactus::reed {
+
+/// Keeps a PlaneGuide up to date with an instrument: in a thread of its own, or in portions of the
+/// host's time. The audio path takes the newest without waiting; the old one goes on until then.
+class GuideKeeper {
+public:
+  GuideKeeper();
+
+  /// Host time, after a block: `elapsed_s` seconds of sound further, this is what is wanted. Begins
+  /// a map when there is none for it; does a portion when `in_background` is false. Never waits.
+  void keep(const PlaneSettings& wanted, double elapsed_s, bool in_background);
+  /// True twenty times a second of sound while a map is made, and once when it is finished.
+  [[nodiscard]] bool has_news() noexcept;
+  /// 0..1, of the map at work or the last one.
+  [[nodiscard]] double progress() const noexcept;
+
+  /// Audio path. Null until the first map is finished; valid until the next call.
+  [[nodiscard]] const PlaneGuide* newest() noexcept;
+
+private:
+  void begin(const PlaneSettings& wanted, bool in_background);
+  [[nodiscard]] MapWorker::Portion portion();
+
+  GrowthMap map_;   // the worker's
+  PlaneGuide made_; // the worker's
+  haptic::Mailbox<PlaneGuide> mailbox_;
+  PlaneSettings asked_{};
+  bool has_asked_ = false, has_guide_ = false, told_ = true;
+  double length_m_ = 0, waited_s_ = 0, owed_ = 0, silent_s_ = 0;
+  MapWorker worker_; // last: ends before what it works on
+};
+
+} // namespace tactus::reed
