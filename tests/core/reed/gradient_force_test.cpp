@@ -9,7 +9,7 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
+#include <utility>
 #include <vector>
 
 namespace tactus::reed {
@@ -160,7 +160,9 @@ TEST_CASE("a hand that is nowhere gets a finite force in every mode") {
 
 TEST_CASE("theory maps the lips that the player of a tuned note takes") {
   // A note for each preset that is not its own length's: the lips go with it.
-  for (const auto& [name, note] : {std::pair{"trumpet", 311.0}, {"trombone", 92.0}}) {
+  for (const auto& choice : {std::pair{"trumpet", 311.0}, {"trombone", 92.0}}) {
+    const char* const name = choice.first;
+    const double note = choice.second;
     CAPTURE(name);
     Parameters p = find_preset(name).value();
     p.tune = true;
