@@ -79,7 +79,17 @@ PlaneForce Guidance::advance(const GuidanceField& field, double y, double z, dou
   const double urge = unit(2 + distance / settings_.margin);
   const double silence = std::isfinite(playability) ? unit((0.4 - playability) / 0.2) : 0;
   const double pull = settings_.ceiling_n * std::max(wall, silence * urge);
-  return smoother_.advance({-pull * slope.y, -pull * slope.z}, elapsed_s);
+  const double flat = 1 - std::min(1.0, slope.y * slope.y + slope.z * slope.z);
+  const double brake =
+      settings_.ceiling_n * settings_.anticipation_s / settings_.margin * flat *
+      std::min(unit(1 + distance / settings_.margin), unit(1 - 2 * distance / settings_.margin));
+  PlaneForce force{-pull * slope.y - brake * velocity_y_, -pull * slope.z - brake * velocity_z_};
+  const double size = std::hypot(force.y, force.z);
+  if (size > settings_.ceiling_n) {
+    force.y *= settings_.ceiling_n / size;
+    force.z *= settings_.ceiling_n / size;
+  }
+  return smoother_.advance(force, elapsed_s);
 }
 
 } // namespace tactus::reed

@@ -31,16 +31,20 @@ private:
                                         double ceiling_n) noexcept;
 
 /// Leads a hand to where the instrument plays and leaves it alone there:
-///   F = -F_max s grad D,          s = max(w, q u),
+///   F = -F_max (s grad D + b v),  s = max(w, q u),
 ///   w = clip(1 + D'/m, 0, 1),     D' = D + t_a v . grad D,
 ///   u = clip(2 + D/m, 0, 1),      q = clip((0.4 - f_p)/0.2, 0, 1),
+///   b = (t_a/m) (1 - |grad D|^2) min(clip(1 + D/m, 0, 1), clip(1 - 2D/m, 0, 1)),
 /// D the GuidanceField at the hand, v the hand's velocity in sides of the plane a second, f_p what
 /// is measured. w is the pull from silence, as strong as allowed however far the next note is, and
 /// the wall inside the border, which a hand on its way out meets t_a earlier and one on its way in
 /// later: damping that makes up for the delay of the loop. q u goes on pulling, to the depth 2 m,
 /// while a note that should sound does not. Deeper inside a sounding region there is no force.
+/// b brakes in the middle of a note narrower than 2 m: there grad D turns over, and with it goes the
+/// damping of the two walls that meet. |F| is at most F_max.
 ///
-/// Then a ForceSmoother. The wall is as stiff as F_max/m: 400 N/m for 2 N on a side of 100 mm.
+/// Then a ForceSmoother, whose slew lets the wall rise as fast as a hand comes: at 20 N/s it takes
+/// longer than a hand needs to cross a narrow note, which is then thrown to and fro. The wall is as stiff as F_max/m: 400 N/m for 2 N on a side of 100 mm.
 /// Steady where t_a exceeds the loop's delay (7 ms in a patch with blocks of 64 at 48 kHz).
 class Guidance {
 public:
@@ -49,8 +53,8 @@ public:
     double margin = 0.05;         ///< m, of the plane's side
     double anticipation_s = 0.03; ///< t_a
     double velocity_s = 5e-3;     ///< time constant of the estimate of v
-    double smoothing_s = 3e-3;
-    double slew_n_per_s = 20;
+    double smoothing_s = 2e-3;
+    double slew_n_per_s = 200;
   };
   /// Of a GrowthMap's height: a note grows at 8 1/s or faster.
   static constexpr double kQuickGrowth = 8.0 / (8.0 + 50.0);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 using namespace tactus;
 using namespace tactus::reed;
@@ -51,6 +52,37 @@ PlaneForce passing(const GuidanceField& field, double y, double velocity, double
   for (int i = 100; i >= 0; --i)
     force = guidance.advance(field, y - velocity * kBlock_s * i, 0.5, playability, kBlock_s);
   return force;
+}
+
+/// Least and greatest y of a handle in the last second, led along y through the whole loop: 1 kHz
+/// servo, 750 Hz blocks, the chain's interpolation, and a note that sounds.
+std::pair<double, double> led(haptic::SimulatedDevice& device, const GuidanceField& field,
+                              double seconds) {
+  haptic::ChainSettings limits;
+  limits.allowance_w = 0.05;
+  haptic::ChainState chain;
+  Guidance guidance;
+  guidance.set({});
+  double y = 0.5, lowest = 1, highest = 0;
+  constexpr std::uint64_t kStep = 16; // samples
+  const auto samples = static_cast<std::uint64_t>(seconds * 48000);
+  for (std::uint64_t n = 0; n < samples; n += kStep) {
+    const double time_s = static_cast<double>(n) / 48000;
+    if (n % 48 == 0) {
+      haptic::State state;
+      REQUIRE(device.read({n / 48, time_s, 1e-3}, state));
+      REQUIRE(
+          device.write(step(chain, limits, {time_s, time_s, state.position, state.velocity, {}})));
+      y = (state.position.y + 0.05) / 0.1;
+      lowest = time_s > seconds - 1 ? std::min(lowest, y) : 1;
+      highest = time_s > seconds - 1 ? std::max(highest, y) : 0;
+    }
+    if ((n + kStep) % 64 == 0) {
+      const PlaneForce force = guidance.advance(field, y, 0.5, 0.7, kBlock_s);
+      REQUIRE(command(chain, limits, {0, force.y, force.z}, time_s));
+    }
+  }
+  return {lowest, highest};
 }
 
 } // namespace
@@ -139,7 +171,6 @@ TEST_CASE("half-way between two notes the force turns over smoothly") {
 }
 
 TEST_CASE("a spring hand that reaches for silence rests F_max/K short of it, without a tremble") {
-  // Through the whole loop: 1 kHz servo, 750 Hz blocks, the chain's interpolation.
   for (const double stiffness : {50.0, 100.0, 200.0, 400.0}) {
     const auto field = half_plane();
     haptic::SimulatedDevice device;
@@ -149,29 +180,7 @@ TEST_CASE("a spring hand that reaches for silence rests F_max/K short of it, wit
     const haptic::Vec3 goal{0, 0.045, 0};
     device.follow(haptic::RowPath({{0, {}, 0}, {2, goal, 0}}));
     device.place({}, {});
-    haptic::ChainSettings limits;
-    limits.allowance_w = 0.05;
-    haptic::ChainState chain;
-    Guidance guidance;
-    guidance.set({});
-    double y = 0.5, lowest = 1, highest = 0;
-    constexpr std::uint64_t kStep = 16; // samples
-    for (std::uint64_t n = 0; n < 4 * 48000; n += kStep) {
-      const double time_s = static_cast<double>(n) / 48000;
-      if (n % 48 == 0) {
-        haptic::State state;
-        REQUIRE(device.read({n / 48, time_s, 1e-3}, state));
-        REQUIRE(device.write(
-            step(chain, limits, {time_s, time_s, state.position, state.velocity, {}})));
-        y = (state.position.y + 0.05) / 0.1;
-        lowest = time_s > 3 ? std::min(lowest, y) : 1;
-        highest = time_s > 3 ? std::max(highest, y) : 0;
-      }
-      if ((n + kStep) % 64 == 0) {
-        const PlaneForce force = guidance.advance(field, y, 0.5, 0.7, kBlock_s);
-        REQUIRE(command(chain, limits, {0, force.y, force.z}, time_s));
-      }
-    }
+    const auto [lowest, highest] = led(device, field, 4);
     // Outside the wall, or within it: K (goal - x) = F_max min(1, 1 + D/m), D = x/side - border.
     const double m = 0.05, border = 0.00625, side = 0.1, x_goal = goal.y;
     double x = x_goal - 2 / stiffness;
@@ -180,6 +189,25 @@ TEST_CASE("a spring hand that reaches for silence rests F_max/K short of it, wit
     CHECK(0.1 * (highest - lowest) < 20e-6);
     CHECK(0.1 * (0.5 * (highest + lowest) - 0.5) == doctest::Approx(x).epsilon(5e-3));
   }
+}
+
+TEST_CASE("a handle that nobody holds comes to rest in a note however narrow") {
+  for (const double width : {0.02, 0.03, 0.04, 0.06, 0.08, 0.12, 0.2})
+    for (const double mass : {0.1, 0.2, 0.4}) {
+      const auto field =
+          field_of([&](double y, double) { return 0.5 * width - std::abs(y - 0.5); });
+      haptic::SimulatedDevice device;
+      haptic::SimulatedDevice::Settings handle;
+      handle.mass_kg = mass;
+      handle.hand.hold = haptic::HandSettings::Hold::kFree;
+      device.set(handle);
+      device.place({0, 0.02, 0}, {}); // 20 mm beside its middle
+      const auto [lowest, highest] = led(device, field, 6);
+      CAPTURE(width);
+      CAPTURE(mass);
+      CHECK(std::abs(0.5 * (lowest + highest) - 0.5) < 0.5 * width);
+      CHECK(0.1 * (highest - lowest) < 0.5e-3); // a quarter of a millimetre to each side
+    }
 }
 
 TEST_CASE("the slopes' force law is linear for small slopes and ends at its ceiling") {
