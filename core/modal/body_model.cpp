@@ -1,0 +1,270 @@
+#include "core/modal/body_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace tactus::modal {
+namespace {
+
+constexpr double kHighestOfRate = 0.45;  // a mode above is not heard: it would alias
+constexpr double kNepersIn60dB = 6.907755278982137;
+constexpr double kUnknownModulus = 70e9, kUnknownDensity = 2700;
+
+Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Loss factor between the points of a curve, straight over the logarithms.
+double on_curve(const std::vector<std::array<double, 2>>& curve, double frequency) {
+  if (curve.empty())
+    return 0;
+  if (frequency <= curve.front()[0])
+    return curve.front()[1];
+  for (std::size_t i = 1; i < curve.size(); ++i)
+    if (frequency <= curve[i][0]) {
+      const double x = std::log(frequency / curve[i - 1][0]) / std::log(curve[i][0] / curve[i - 1][0]);
+      const double low = std::max(curve[i - 1][1], 1e-12), high = std::max(curve[i][1], 1e-12);
+      return low * std::pow(high / low, x);
+    }
+  return curve.back()[1];
+}
+
+/// The ear's sensitivity to quiet tones relative to 1 kHz, as a factor (IEC 61672-1, annex E).
+double a_weighting(double frequency) {
+  const double f = frequency * frequency;
+  const double poles = (f + 20.6 * 20.6) * std::sqrt((f + 107.7 * 107.7) * (f + 737.9 * 737.9)) *
+                       (f + 12194.0 * 12194.0);
+  return 1.2589 * 12194.0 * 12194.0 * f * f / poles;
+}
+
+} // namespace
+
+LoadedTable::LoadedTable(ModalTable read) : table(std::move(read)) {
+  if (table.triangle.empty())
+    return;
+  surface.build(table.vertex_m, table.triangle);
+  radiating.build(table, surface);
+}
+
+BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings& with)
+    : loaded(std::move(from)), settings(with), bank({}, with.sample_rate, 0, 0),
+      solver({}, with.sample_rate, 0, false) {
+  const ModalTable& table = loaded->table;
+  const Material& own = table.material;
+  const auto first = [](double a, double b, double c) { return a > 0 ? a : b > 0 ? b : c; };
+  youngs_modulus_pa = first(settings.youngs_modulus_pa, own.youngs_modulus_pa, kUnknownModulus);
+  density_kg_per_m3 = first(settings.density_kg_per_m3, own.density_kg_per_m3, kUnknownDensity);
+  poisson = settings.poisson >= 0 ? settings.poisson : own.poisson;
+  const double volume = settings.size * settings.size * settings.size;
+  const double heavier =
+      density_kg_per_m3 / first(own.density_kg_per_m3, kUnknownDensity, kUnknownDensity);
+  shape_scale = 1 / std::sqrt(heavier * volume);
+  mass_kg = table.mass_kg * heavier * volume;
+  find_rates();
+  const std::span<const std::complex<double>> all(rate);
+  bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, kMostListeners);
+  solver = ContactSolver(all, settings.sample_rate, settings.voices + 1,
+                         table.free && table.mass_kg > 0);
+  find_weights();
+  for (std::size_t l = 0; l < kMostListeners; ++l)
+    bank.jump_to_weight(l, weight[l]);
+}
+
+double BodyModel::decay_rate(std::size_t k, double omega) const {
+  const ModalTable& table = loaded->table;
+  const double before = 2 * std::numbers::pi * table.frequency_hz[k];
+  double rate_per_s = 0;
+  switch (settings.damping) {
+  case Damping::kRayleigh:
+    rate_per_s = 0.5 * (settings.rayleigh_a_per_s + settings.rayleigh_b_s * omega * omega);
+    break;
+  case Damping::kLoss:
+    rate_per_s = 0.5 * omega * settings.loss_factor;
+    break;
+  case Damping::kCurve:
+    rate_per_s = 0.5 * omega * on_curve(settings.loss_curve, omega / (2 * std::numbers::pi));
+    break;
+  case Damping::kTable:
+    rate_per_s = table.decay_rate.empty() ? 0.5 * omega * table.loss_factor[k]
+                                          : table.decay_rate[k] * omega / before;
+    break;
+  }
+  if (!table.radiation_decay_rate.empty()) // area times shape squared over mass, at the same k a
+    rate_per_s += table.radiation_decay_rate[k] * shape_scale * shape_scale * settings.size *
+                  settings.size;
+  if (settings.choke_t60_s > 0)
+    rate_per_s += kNepersIn60dB / settings.choke_t60_s;
+  return rate_per_s;
+}
+
+void BodyModel::find_rates() {
+  const ModalTable& table = loaded->table;
+  const Material& own = table.material;
+  const double modulus = own.youngs_modulus_pa > 0 ? own.youngs_modulus_pa : kUnknownModulus;
+  const double density = own.density_kg_per_m3 > 0 ? own.density_kg_per_m3 : kUnknownDensity;
+  const double faster = std::sqrt(youngs_modulus_pa / modulus / (density_kg_per_m3 / density)) /
+                        settings.size;
+  const double highest = kHighestOfRate * settings.sample_rate;
+  const std::size_t most = settings.most_modes > 0 ? settings.most_modes : table.modes();
+  std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
+  for (std::size_t k = 0; k < table.modes(); ++k) {
+    double frequency = table.frequency_hz[k] * faster;
+    if (!table.poisson_slope.empty() && settings.poisson >= 0)
+      frequency *= std::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
+    const double omega = 2 * std::numbers::pi * frequency;
+    // Beyond critical damping a mode has no rate of its own to swing at: kept just below.
+    const double decay = std::min(decay_rate(k, omega), 0.999 * omega);
+    const std::complex<double> s(-decay, std::sqrt(omega * omega - decay * decay));
+    if (frequency < highest && k < most)
+      low.push_back({s, k});
+    else if (frequency < kContactLimit)
+      high.push_back({s, k});
+  }
+  // Modes of like decay fall silent together, and the bank can leave them out together.
+  std::stable_sort(low.begin(), low.end(),
+                   [](const auto& a, const auto& b) { return a.first.real() > b.first.real(); });
+  heard = low.size();
+  low.insert(low.end(), high.begin(), high.end());
+  place_of.assign(table.modes(), low.size());
+  for (const auto& [s, k] : low) {
+    place_of[k] = mode.size();
+    rate.push_back(s);
+    mode.push_back(k);
+  }
+  scratch.assign(mode.size(), 0);
+  push_gain.assign(1 + settings.voices, std::vector<float>(mode.size(), 0.0F));
+  for (std::size_t i = 0; i < heard; ++i)
+    ear.push_back(a_weighting(rate[i].imag() / (2 * std::numbers::pi)));
+}
+
+void BodyModel::find_weights() {
+  const ModalTable& table = loaded->table;
+  const std::span<const std::complex<double>> rates = std::span<const std::complex<double>>(rate).first(heard);
+  const std::span<const std::size_t> modes = std::span<const std::size_t>(mode).first(heard);
+  const bool has_surface = !loaded->surface.empty();
+  for (std::size_t l = 0; l < kMostListeners; ++l) {
+    weight[l].assign(heard, 0);
+    old_weight[l].assign(heard, 0);
+    if (l >= settings.listeners)
+      continue;
+    ListenerTransfer transfer;
+    if (has_surface && settings.radiation == Radiation::kModal)
+      transfer = loaded->radiating.modal(rates, modes, settings.listener[l], settings.size,
+                                         shape_scale, table.air_density_kg_per_m3,
+                                         table.sound_speed_m_per_s);
+    else if (has_surface && settings.radiation == Radiation::kBody && !table.multipoles.empty())
+      transfer = multipole_transfer(table, rates, modes, settings.listener[l], settings.size,
+                                    shape_scale, table.air_density_kg_per_m3,
+                                    table.sound_speed_m_per_s);
+    else {
+      // What a vibrometer sees at the nearest place: the velocity along the normal, outwards.
+      transfer.pressure.assign(heard, 1);
+      if (has_surface) {
+        std::vector<double> gain(heard);
+        const SurfacePoint place = nearest(settings.listener[l]);
+        gains(place, place.normal, gain);
+        for (std::size_t k = 0; k < heard; ++k)
+          transfer.pressure[k] = -gain[k];
+      }
+    }
+    delay_s[l] = transfer.delay_s;
+    for (std::size_t k = 0; k < heard; ++k) {
+      // z stands for q' = Im(s z)/omega_d.
+      const auto w = transfer.pressure[k] * rates[k] / rates[k].imag();
+      weight[l][k] = std::isfinite(std::abs(w)) ? w : 0;
+    }
+  }
+}
+
+void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
+                      std::span<double> gain) const noexcept {
+  const ModalTable& table = loaded->table;
+  const std::size_t count = std::min(gain.size(), mode.size());
+  if (table.shape.empty()) {
+    std::fill_n(gain.begin(), count, shape_scale);
+    return;
+  }
+  const auto& corners = table.triangle[place.triangle];
+  for (std::size_t k = 0; k < count; ++k) {
+    Vec3 shape{};
+    for (std::size_t i = 0; i < 3; ++i)
+      shape += place.weight[i] * table.shape_at(mode[k], static_cast<std::size_t>(corners[i]));
+    gain[k] = -shape_scale * dot(shape, direction);
+  }
+}
+
+std::array<double, ContactSolver::kRigid>
+BodyModel::rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept {
+  std::array<double, ContactSolver::kRigid> gain{};
+  const ModalTable& table = loaded->table;
+  if (!table.free || !(mass_kg > 0))
+    return gain;
+  const Vec3 push = -direction;
+  for (int axis = 0; axis < 3; ++axis)
+    gain[static_cast<std::size_t>(axis)] = push[axis] / std::sqrt(mass_kg);
+  const auto& t = table.inertia_kg_m2;
+  if (!(t[0].x > 0))
+    return gain;
+  // I = L L^T; the momentum of a unit impulse about the centre, solved by L, has unit inertia.
+  const double scale = mass_kg / table.mass_kg * settings.size * settings.size;
+  const double l00 = std::sqrt(t[0].x * scale), l10 = t[1].x * scale / l00,
+               l20 = t[2].x * scale / l00;
+  const double square = t[1].y * scale - l10 * l10;
+  if (!(square > 0))
+    return gain;
+  const double l11 = std::sqrt(square), l21 = (t[2].y * scale - l20 * l10) / l11;
+  const double rest = t[2].z * scale - l20 * l20 - l21 * l21;
+  if (!(rest > 0))
+    return gain;
+  const Vec3 turn = cross(settings.size * (place.position - table.centre_of_mass_m), push);
+  gain[3] = turn.x / l00;
+  gain[4] = (turn.y - l10 * gain[3]) / l11;
+  gain[5] = (turn.z - l20 * gain[3] - l21 * gain[4]) / std::sqrt(rest);
+  return gain;
+}
+
+double BodyModel::left_out(const SurfacePoint& place) const noexcept {
+  const ModalTable& table = loaded->table;
+  if (table.residual_compliance.empty())
+    return 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    sum += place.weight[i] *
+           static_cast<double>(table.residual_compliance[static_cast<std::size_t>(
+               table.triangle[place.triangle][i])]);
+  const double modulus = table.material.youngs_modulus_pa;
+  return sum * (modulus > 0 ? modulus / youngs_modulus_pa : 1) / settings.size;
+}
+
+SurfacePoint BodyModel::nearest(const Vec3& point) const noexcept {
+  if (loaded->surface.empty())
+    return {};
+  SurfacePoint place = loaded->surface.nearest(point * (1 / settings.size));
+  place.distance *= settings.size;
+  return place;
+}
+
+void BodyModel::continue_from(BodyModel& before) noexcept {
+  before.bank.settle();
+  bank.set_clock(before.bank.clock());
+  const auto old_place = [&](std::size_t i) { return before.place_of[mode[i]]; };
+  for (std::size_t i = 0; i < heard; ++i) {
+    const std::size_t j = old_place(i);
+    if (j >= before.heard)
+      continue;
+    const std::complex<double> z = before.bank.state(j);
+    const double q = z.imag() / before.rate[j].imag();
+    const double speed = z.real() + before.rate[j].real() * q;
+    bank.set_state(i, {speed - rate[i].real() * q, rate[i].imag() * q});
+  }
+  for (std::size_t l = 0; l < kMostListeners; ++l) {
+    for (std::size_t i = 0; i < heard; ++i)
+      old_weight[l][i] = old_place(i) < before.heard ? before.weight[l][old_place(i)] : weight[l][i];
+    bank.jump_to_weight(l, old_weight[l]);
+    bank.set_weight(l, weight[l]);
+  }
+}
+
+} // namespace tactus::modal

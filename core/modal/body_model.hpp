@@ -1,0 +1,102 @@
+#pragma once
+
+#include "core/modal/contact_solver.hpp"
+#include "core/modal/modal_table.hpp"
+#include "core/modal/mode_bank.hpp"
+#include "core/modal/radiation.hpp"
+#include "core/modal/surface.hpp"
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tactus::modal {
+
+inline constexpr std::size_t kMostListeners = 2;
+inline constexpr std::size_t kMostContacts = 64;
+
+enum class Radiation { kModal, kRaw, kBody, kNone };
+enum class Damping { kTable, kRayleigh, kLoss, kCurve };
+
+/// What can be changed of a body while it sounds.
+struct BodySettings {
+  double youngs_modulus_pa = 0;   ///< 0: the table's
+  double density_kg_per_m3 = 0;   ///< 0: the table's
+  double poisson = -1;            ///< below 0: the table's
+  double size = 1;                ///< times the table's lengths
+  Damping damping = Damping::kTable;
+  double rayleigh_a_per_s = 0, rayleigh_b_s = 0;
+  double loss_factor = 0;
+  std::vector<std::array<double, 2>> loss_curve; ///< Hz, loss factor; ascending
+  double choke_t60_s = 0;         ///< above 0: damps every mode by this decay time besides
+  Radiation radiation = Radiation::kModal;
+  std::array<Vec3, kMostListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5}}; ///< m
+  std::size_t listeners = 2;
+  std::size_t most_modes = 0;     ///< 0: all that can be heard
+  std::size_t voices = 8;         ///< contacts at once
+  double sample_rate = 48000;
+};
+
+/// A table and what follows from it alone; shared by all models of the body.
+struct LoadedTable {
+  ModalTable table;
+  Surface surface;
+  RadiatingSurface radiating;
+
+  explicit LoadedTable(ModalTable read);
+};
+
+/// One body made of one material, heard from its listeners: everything that the audio path needs.
+/// Made off the audio path from table and settings.
+///
+/// Scaling at fixed Poisson's ratio: f ~ sqrt(E/rho)/L, phi ~ 1/sqrt(rho L^3), mass ~ rho L^3,
+/// inertia ~ rho L^5; a changed Poisson's ratio moves each mode by the table's d ln f/d nu.
+/// Decay: alpha = (a + b omega^2)/2 or omega eta/2, plus radiation's, plus the choke's 6.91/T60.
+struct BodyModel {
+  BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings& with);
+
+  std::shared_ptr<const LoadedTable> loaded;
+  BodySettings settings;
+  double youngs_modulus_pa, poisson, density_kg_per_m3;
+  double shape_scale, mass_kg;
+  /// Table's number of each mode: first those of the bank, then those that only give way in a
+  /// contact, up to kContactLimit.
+  std::vector<std::size_t> mode;
+  std::vector<std::size_t> place_of; ///< in `mode`, of each of the table's modes; its size: left out
+  std::size_t heard = 0;
+  std::vector<std::complex<double>> rate; ///< of `mode`
+  std::array<std::vector<std::complex<double>>, kMostListeners> weight; ///< of the first `heard`
+  std::array<double, kMostListeners> delay_s{};
+  ModeBank bank;
+  ContactSolver solver;
+
+  /// Gains b of the modes at the force inlet's point (first) and where pulses strike.
+  std::vector<std::vector<float>> push_gain;
+  std::vector<double> scratch; ///< as long as `mode`
+  std::vector<double> ear;     ///< A-weighting of the heard modes
+  std::array<std::vector<std::complex<double>>, kMostListeners> old_weight; ///< while a fade lasts
+
+  static constexpr double kContactLimit = 60000; ///< Hz
+
+  /// Gains b = -phi . direction of all modes at a place of the surface, 1/sqrt(kg), for a push
+  /// against `direction` (usually the outward normal). No allocation beyond `gain`'s size.
+  void gains(const SurfacePoint& place, const Vec3& direction, std::span<double> gain) const noexcept;
+  /// The same of a free body's three displacements and three rotations.
+  [[nodiscard]] std::array<double, ContactSolver::kRigid>
+  rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept;
+  /// Static compliance of the modes that the table leaves out, m/N.
+  [[nodiscard]] double left_out(const SurfacePoint& place) const noexcept;
+  /// The nearest place of the surface to a point in metres, in the body's present size.
+  [[nodiscard]] SurfacePoint nearest(const Vec3& point) const noexcept;
+  /// Lets this model go on where another of the same table was: modal displacement and velocity
+  /// stay, and so does the sound, whose weights change in a fade.
+  void continue_from(BodyModel& before) noexcept;
+
+private:
+  [[nodiscard]] double decay_rate(std::size_t mode, double omega) const;
+  void find_rates();
+  void find_weights();
+};
+
+} // namespace tactus::modal

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tactus::modal {
+
+/// A value of a JSON text (RFC 8259), for the tables' description of themselves.
+struct Json {
+  enum class Kind { kNull, kBoolean, kNumber, kText, kList, kObject };
+  Kind kind = Kind::kNull;
+  double number = 0; ///< also 0 or 1 of a boolean
+  std::string text;
+  std::vector<Json> list;          ///< elements of a list, or an object's values
+  std::vector<std::string> keys;   ///< their names in an object
+
+  /// Member of an object by name; null when there is none, or this is no object.
+  [[nodiscard]] const Json* find(std::string_view name) const noexcept;
+  /// Number of that name, or the other value.
+  [[nodiscard]] double number_or(std::string_view name, double otherwise) const noexcept;
+  [[nodiscard]] std::string text_or(std::string_view name, std::string_view otherwise) const;
+};
+
+/// Reads a whole text; false when it is not JSON, or deeper than 32 levels.
+[[nodiscard]] bool read_json(std::string_view text, Json& value);
+
+} // namespace tactus::modal

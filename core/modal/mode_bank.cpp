@@ -1,0 +1,334 @@
+#include "core/modal/mode_bank.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::modal {
+namespace {
+
+constexpr float kNothing = 1e-25F; // a state below it is zero: keeps denormal numbers away
+constexpr std::array<float, kMostSamples> kSilence{};
+
+} // namespace
+
+ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rate,
+                   std::size_t drives, std::size_t pickups, VectorSet set)
+    : modes_(rate.size()), blocks_((rate.size() + kLanes - 1) / kLanes), sample_rate_(sample_rate),
+      kernel_(bank_kernel(set)), poles_(blocks_), state_(blocks_),
+      gain_(std::min(drives, kMostDrives), std::vector<Lane>(blocks_)),
+      pickups_(std::min(pickups, kMostPickups)), echo_(gain_.size() * pickups_.size() * 2),
+      echo_stale_(gain_.size() * pickups_.size(), 1), active_(blocks_), is_active_(blocks_, 0),
+      history_(gain_.size()) {
+  if (!kernel_)
+    kernel_ = bank_kernel(VectorSet::kBaseline);
+  for (Pickup& pickup : pickups_) {
+    pickup.weight.resize(blocks_);
+    pickup.old_weight.resize(blocks_);
+  }
+  for (std::size_t k = 0; k < modes_; ++k) {
+    const auto [block, lane] = place(k);
+    for (std::size_t m = 1; m <= kLeap; ++m) {
+      const std::complex<double> power = std::exp(rate[k] * (static_cast<double>(m) / sample_rate));
+      poles_[block].real[m - 1].v[lane] = static_cast<float>(power.real());
+      poles_[block].imaginary[m - 1].v[lane] = static_cast<float>(power.imag());
+    }
+  }
+}
+
+void ModeBank::set_gain(std::size_t drive, std::span<const double> gain) noexcept {
+  if (drive >= gain_.size())
+    return;
+  settle();
+  for (std::size_t k = 0; k < std::min(modes_, gain.size()); ++k) {
+    const auto [block, lane] = place(k);
+    gain_[drive][block].v[lane] = static_cast<float>(gain[k] / sample_rate_);
+  }
+  for (std::size_t i = 0; i < pickups_.size(); ++i)
+    echo_stale_[drive * pickups_.size() + i] = 1;
+}
+
+void ModeBank::write_weight(std::vector<ComplexLane>& to,
+                            std::span<const std::complex<double>> weight) noexcept {
+  for (std::size_t k = 0; k < std::min(modes_, weight.size()); ++k) {
+    const auto [block, lane] = place(k);
+    to[block].real.v[lane] = static_cast<float>(weight[k].real());
+    to[block].imaginary.v[lane] = static_cast<float>(weight[k].imag());
+  }
+}
+
+void ModeBank::set_weight(std::size_t pickup,
+                          std::span<const std::complex<double>> weight) noexcept {
+  if (pickup >= pickups_.size())
+    return;
+  settle();
+  Pickup& at = pickups_[pickup];
+  if (at.fade_left > 0) {
+    // A fade under way goes on from the mixture it has reached.
+    const float rest = static_cast<float>(at.fade_left) / static_cast<float>(kFade);
+    for (std::size_t b = 0; b < blocks_; ++b)
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        float& real = at.old_weight[b].real.v[i];
+        float& imaginary = at.old_weight[b].imaginary.v[i];
+        real = at.weight[b].real.v[i] + rest * (real - at.weight[b].real.v[i]);
+        imaginary = at.weight[b].imaginary.v[i] + rest * (imaginary - at.weight[b].imaginary.v[i]);
+      }
+  } else {
+    std::copy(at.weight.begin(), at.weight.end(), at.old_weight.begin());
+  }
+  at.fade_left = kFade;
+  write_weight(at.weight, weight);
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    echo_stale_[d * pickups_.size() + pickup] = 1;
+}
+
+void ModeBank::jump_to_weight(std::size_t pickup,
+                              std::span<const std::complex<double>> weight) noexcept {
+  if (pickup >= pickups_.size())
+    return;
+  settle();
+  pickups_[pickup].fade_left = 0;
+  write_weight(pickups_[pickup].weight, weight);
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    echo_stale_[d * pickups_.size() + pickup] = 1;
+}
+
+void ModeBank::work_out_echo(std::size_t drive, std::size_t pickup) noexcept {
+  const std::size_t index = drive * pickups_.size() + pickup;
+  if (!echo_stale_[index])
+    return;
+  echo_stale_[index] = 0;
+  for (const bool old : {false, true}) {
+    Echo& out = echo(drive, pickup, old);
+    out.fill(0);
+    if (old && pickups_[pickup].fade_left == 0)
+      continue;
+    const auto& weight = old ? pickups_[pickup].old_weight : pickups_[pickup].weight;
+    std::array<double, kLeap> sum{};
+    for (std::size_t b = 0; b < blocks_; ++b)
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        const float gain = gain_[drive][b].v[i];
+        const float real = gain * weight[b].real.v[i];
+        const float imaginary = gain * weight[b].imaginary.v[i];
+        sum[0] += static_cast<double>(imaginary);
+        for (std::size_t m = 1; m < kLeap; ++m)
+          sum[m] += static_cast<double>(poles_[b].real[m - 1].v[i] * imaginary +
+                                        poles_[b].imaginary[m - 1].v[i] * real);
+      }
+    for (std::size_t m = 0; m < kLeap; ++m)
+      out[kLeap + m] = static_cast<float>(sum[m]);
+  }
+}
+
+BankView ModeBank::view() noexcept {
+  return {poles_.data(), state_.data(), std::span(active_).first(active_count_)};
+}
+
+void ModeBank::wake(std::size_t drive) noexcept {
+  if (active_count_ == blocks_)
+    return;
+  bool more = false;
+  for (std::size_t b = 0; b < blocks_; ++b)
+    if (!is_active_[b] && std::any_of(std::begin(gain_[drive][b].v), std::end(gain_[drive][b].v),
+                                      [](float x) { return x != 0; })) {
+      is_active_[b] = 1;
+      more = true;
+    }
+  if (more)
+    list_active();
+}
+
+void ModeBank::list_active() noexcept {
+  active_count_ = 0;
+  for (std::size_t b = 0; b < blocks_; ++b)
+    if (is_active_[b])
+      active_[active_count_++] = static_cast<std::uint32_t>(b);
+}
+
+void ModeBank::process(std::span<const float* const> force, std::span<float* const> out,
+                       std::size_t frames) noexcept {
+  std::size_t done = 0;
+  while (done < frames) {
+    const std::size_t to_grid = kMostSamples - static_cast<std::size_t>(clock_ % kMostSamples);
+    const std::size_t count = std::min(frames - done, to_grid);
+    for (std::size_t d = 0; d < gain_.size(); ++d)
+      force_[d] = d < force.size() && force[d] ? force[d] + done : nullptr;
+    for (std::size_t i = 0; i < pickups_.size(); ++i)
+      out_[i] = i < out.size() && out[i] ? out[i] + done : nullptr;
+    chunk(count);
+    done += count;
+  }
+}
+
+std::size_t ModeBank::find_pushing() noexcept {
+  std::size_t count = 0;
+  for (std::size_t d = 0; d < gain_.size(); ++d) {
+    const auto pushes = [](float f) { return f != 0; };
+    const bool now = force_[d] && std::any_of(force_[d], force_[d] + frames_, pushes);
+    if (now)
+      wake(d);
+    else
+      force_[d] = kSilence.data();
+    if (now || std::any_of(history_[d].begin(), history_[d].end(), pushes))
+      pushing_[count++] = static_cast<std::uint32_t>(d);
+  }
+  return count;
+}
+
+void ModeBank::chunk(std::size_t frames) noexcept {
+  frames_ = frames;
+  pushing_count_ = find_pushing();
+  ear_count_ = 0;
+  for (std::size_t i = 0; i < pickups_.size(); ++i) {
+    if (!out_[i])
+      continue;
+    ears_[ear_count_++] = {i, false};
+    if (pickups_[i].fade_left > 0)
+      ears_[ear_count_++] = {i, true};
+    for (std::size_t n = 0; n < pushing_count_; ++n)
+      work_out_echo(pushing_[n], i);
+  }
+  for (std::size_t done = 0; done < frames;) {
+    const std::size_t to_grid = kLeap - static_cast<std::size_t>(clock_ % kLeap);
+    std::size_t count = std::min(frames - done, to_grid);
+    if (phase_ == 0 && count == kLeap) {
+      count = (frames - done) / kLeap * kLeap;
+      whole_leaps(done, count / kLeap);
+    } else {
+      part_of_leap(done, count, count == to_grid);
+    }
+    clock_ += count;
+    done += count;
+  }
+  mix();
+  if (clock_ % kRestPeriod == 0)
+    rest();
+}
+
+std::size_t ModeBank::make_ears(std::size_t at) noexcept {
+  for (std::size_t e = 0; e < ear_count_; ++e) {
+    const Pickup& pickup = pickups_[ears_[e].pickup];
+    kernel_pickups_[e] = {(ears_[e].old ? pickup.old_weight : pickup.weight).data(),
+                          heard_[e].data() + at};
+  }
+  return ear_count_;
+}
+
+void ModeBank::whole_leaps(std::size_t at, std::size_t leaps) noexcept {
+  for (std::size_t n = 0; n < pushing_count_; ++n)
+    kernel_drives_[n] = {gain_[pushing_[n]].data(), force_[pushing_[n]] + at};
+  kernel_->run(view(), leaps, std::span(kernel_drives_).first(pushing_count_),
+               std::span(kernel_pickups_).first(make_ears(at)));
+  for (std::size_t l = 0; l < leaps; ++l)
+    for (std::size_t n = 0; n < pushing_count_; ++n)
+      add_echo(pushing_[n], force_[pushing_[n]] + at + l * kLeap, 0, kLeap, at + l * kLeap);
+}
+
+void ModeBank::part_of_leap(std::size_t at, std::size_t count, bool ends) noexcept {
+  kernel_->listen(view(), phase_, count, std::span(kernel_pickups_).first(make_ears(at)));
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    std::copy_n(force_[d] + at, count, history_[d].begin() + static_cast<std::ptrdiff_t>(phase_));
+  for (std::size_t n = 0; n < pushing_count_; ++n)
+    add_echo(pushing_[n], history_[pushing_[n]].data(), phase_, phase_ + count, at);
+  phase_ += count;
+  if (ends)
+    settle();
+}
+
+void ModeBank::settle() noexcept {
+  if (phase_ == 0)
+    return;
+  std::size_t count = 0;
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    if (std::any_of(history_[d].begin(), history_[d].end(), [](float f) { return f != 0; }))
+      kernel_drives_[count++] = {gain_[d].data(), history_[d].data()};
+  kernel_->advance(view(), phase_, std::span(kernel_drives_).first(count));
+  for (auto& history : history_)
+    history.fill(0);
+  phase_ = 0;
+}
+
+void ModeBank::add_echo(std::size_t drive, const float* force, std::size_t from, std::size_t to,
+                        std::size_t at) noexcept {
+  for (std::size_t e = 0; e < ear_count_; ++e) {
+    const float* response = echo(drive, ears_[e].pickup, ears_[e].old).data() + kLeap;
+    std::array<float, kLeap> sum{};
+    // The response is zero before its beginning, so that all sums can run together.
+    for (std::size_t j = 0; j < to; ++j)
+      for (std::size_t i = 0; i < kLeap; ++i)
+        sum[i] += force[j] * response[static_cast<std::ptrdiff_t>(i) - static_cast<std::ptrdiff_t>(j)];
+    for (std::size_t i = from; i < to; ++i)
+      heard_[e][at + i - from] += sum[i];
+  }
+}
+
+void ModeBank::mix() noexcept {
+  for (std::size_t e = 0; e < ear_count_; ++e) {
+    Pickup& pickup = pickups_[ears_[e].pickup];
+    float* out = out_[ears_[e].pickup];
+    if (!ears_[e].old) {
+      std::copy_n(heard_[e].begin(), frames_, out);
+      continue;
+    }
+    for (std::size_t n = 0; n < frames_ && pickup.fade_left > 0; ++n, --pickup.fade_left)
+      out[n] += static_cast<float>(pickup.fade_left) / static_cast<float>(kFade) *
+                (heard_[e][n] - out[n]);
+  }
+}
+
+void ModeBank::rest() noexcept {
+  std::size_t kept = 0;
+  for (std::size_t n = 0; n < active_count_; ++n) {
+    const std::size_t b = active_[n];
+    bool rings = false;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      float& real = state_[b].real.v[i];
+      float& imaginary = state_[b].imaginary.v[i];
+      const float size = std::abs(real) + std::abs(imaginary);
+      float loudest = 0;
+      for (const Pickup& pickup : pickups_)
+        loudest = std::max({loudest, std::abs(pickup.weight[b].real.v[i]),
+                            std::abs(pickup.weight[b].imaginary.v[i])});
+      if (size < kNothing || static_cast<double>(size * loudest) < floor_)
+        real = imaginary = 0;
+      else
+        rings = true;
+    }
+    if (rings)
+      active_[kept++] = static_cast<std::uint32_t>(b);
+    else
+      is_active_[b] = 0;
+  }
+  active_count_ = kept;
+}
+
+std::complex<double> ModeBank::state(std::size_t mode) const noexcept {
+  const auto [block, lane] = place(mode);
+  return {static_cast<double>(state_[block].real.v[lane]),
+          static_cast<double>(state_[block].imaginary.v[lane])};
+}
+
+void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
+  const auto [block, lane] = place(mode);
+  state_[block].real.v[lane] = static_cast<float>(z.real());
+  state_[block].imaginary.v[lane] = static_cast<float>(z.imag());
+  if (is_active_[block] || (z.real() == 0 && z.imag() == 0))
+    return;
+  is_active_[block] = 1;
+  list_active();
+}
+
+void ModeBank::skip(std::size_t samples) noexcept {
+  clock_ += samples;
+  for (Pickup& pickup : pickups_)
+    pickup.fade_left -= std::min(pickup.fade_left, samples);
+}
+
+void ModeBank::silence() noexcept {
+  std::fill(state_.begin(), state_.end(), ComplexLane{});
+  for (auto& history : history_)
+    history.fill(0);
+  std::fill(is_active_.begin(), is_active_.end(), static_cast<unsigned char>(0));
+  active_count_ = 0;
+}
+
+} // namespace tactus::modal

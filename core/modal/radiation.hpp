@@ -1,0 +1,61 @@
+#pragma once
+
+#include "core/modal/modal_table.hpp"
+#include "core/modal/surface.hpp"
+
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tactus::modal {
+
+/// What a listener hears of every mode: pressure for unit amplitude of modal velocity, at the
+/// mode's complex rate, with the delay of the shortest way taken out.
+struct ListenerTransfer {
+  std::vector<std::complex<double>> pressure; ///< T_k, Pa s/(m sqrt(kg))
+  double delay_s = 0;
+};
+
+/// The surface of a body as sources of sound.
+class RadiatingSurface {
+public:
+  /// Allocates: one source a triangle, with every mode's normal displacement there.
+  void build(const ModalTable& table, const Surface& surface);
+
+  /// Rayleigh's integral with complex rates s = -alpha + j omega_d:
+  ///   T_k = rho s_k  int phi_k,n exp(-s_k (d - d0)/c) / (2 pi d) dS,   d0 the shortest distance,
+  /// the pressure in front of a flat source in a rigid baffle. A flat body radiates with the faces
+  /// that look to the listener's side along its thin direction, any other body with all the faces
+  /// that the listener sees. `size` scales the body, `shape_scale` its mode shapes; the listener is
+  /// in metres in the body's axes.
+  [[nodiscard]] ListenerTransfer modal(std::span<const std::complex<double>> rate,
+                                       std::span<const std::size_t> mode, const Vec3& listener,
+                                       double size, double shape_scale, double air_density,
+                                       double sound_speed) const;
+  /// Number of sources that one transfer works through.
+  [[nodiscard]] std::size_t sources() const noexcept { return area_.size(); }
+
+private:
+  [[nodiscard]] std::vector<std::size_t> facing(const Vec3& listener) const;
+
+  std::vector<Vec3> centre_, normal_;
+  std::vector<double> area_;
+  std::vector<float> displacement_; ///< [K][T], along the normal
+  bool flat_ = false;
+  Vec3 thin_{0, 0, 1}, middle_{};
+};
+
+/// A body's radiation into all directions as outgoing spherical waves, from the table's multipoles:
+///   p = sum over l, m of c_lm h_l(k r) / h_l(k r_ref) Y_lm(direction),  exp(+j omega t),
+/// h_l spherical Hankel functions of the second kind, Y_lm the complex orthonormal harmonics with
+/// Condon and Shortley's phase, coefficient l^2 + l + m for unit amplitude of modal velocity.
+/// `ratio` is the present frequency over the table's at the same size.
+[[nodiscard]] ListenerTransfer multipole_transfer(const ModalTable& table,
+                                                  std::span<const std::complex<double>> rate,
+                                                  std::span<const std::size_t> mode,
+                                                  const Vec3& listener, double size,
+                                                  double shape_scale, double air_density,
+                                                  double sound_speed);
+
+} // namespace tactus::modal

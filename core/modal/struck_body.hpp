@@ -1,0 +1,138 @@
+#pragma once
+
+#include "core/modal/body_model.hpp"
+#include "core/modal/delay_line.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace tactus::modal {
+
+/// What strikes: a ball by Hertz, or a contact law given outright.
+struct Striker {
+  double mass_kg = 0.00710, radius_m = 0.006, youngs_modulus_pa = 206e9, poisson = 0.29;
+  double stiffness = 0, exponent = 1.5, loss_s_per_m = 0; ///< stiffness above 0 overrides Hertz
+  double restitution = 1; ///< on a resting wall; below 1 it sets the loss
+};
+
+/// One blow.
+struct Hit {
+  SurfacePoint place;
+  Vec3 direction{0, 0, 1}; ///< of length 1; the blow goes against it
+  double speed_m_per_s = 1;
+};
+
+/// A body that is struck, pushed and pressed, and heard: model, contacts, mode bank and the ways to
+/// the listeners. New models are handed over between threads and taken at a block's beginning.
+///
+/// Contacts run coupled with the body in ContactSolver, sample by sample; everything else rings in
+/// ModeBank. process() and hit() belong to one thread (or are called in turn), publish() to another.
+class StruckBody {
+public:
+  StruckBody() = default;
+  ~StruckBody();
+  StruckBody(const StruckBody&) = delete;
+  StruckBody& operator=(const StruckBody&) = delete;
+
+  /// Allocates. Models must be made for the same sample rate to sound.
+  void prepare(double sample_rate);
+
+  /// Hands over a model; the one that it replaces before the audio path has taken it is dropped.
+  /// `same_body`: it goes on ringing, else it is silent and the old sound is faded out.
+  void publish(std::unique_ptr<BodyModel> model, bool same_body);
+  /// Takes a published model now. Not while process() runs.
+  void adopt() noexcept;
+  /// The model at work; null before the first.
+  [[nodiscard]] const BodyModel* model() const noexcept { return model_.get(); }
+
+  void set_striker(const Striker& striker) noexcept { striker_ = striker; }
+  [[nodiscard]] const Striker& striker() const noexcept { return striker_; }
+  /// A blow now. False when there is no body.
+  bool hit(const Hit& hit) noexcept;
+  /// Where the outer force and the led striker meet the body.
+  void set_point(const SurfacePoint& place, const Vec3& direction) noexcept;
+  [[nodiscard]] const SurfacePoint& point() const noexcept { return point_; }
+  void reset() noexcept;
+  /// Levels in dB from full scale at the louder listener, of the lowest modes by frequency; -120
+  /// for what is at rest. Allocates.
+  [[nodiscard]] std::vector<double> levels(std::size_t most);
+
+  struct Options {
+    bool coupled = true;           ///< else blows are pulses of known shape
+    bool led = false;              ///< the second inlet holds a striker's height above the point
+    bool doppler = false;
+    double spring_n_per_m = 0;     ///< above 0: the led striker feels this spring, nothing sounds
+    double gain = 0.1;             ///< of the sound, 1/Pa (1 for `none`: s/m)
+    double cull_db = 90;
+  };
+  void set_options(const Options& options) noexcept { options_ = options; }
+  [[nodiscard]] const Options& options() const noexcept { return options_; }
+  /// Modes that the last blow left out as inaudible, and those that ring now.
+  [[nodiscard]] std::size_t culled() const noexcept { return culled_; }
+  [[nodiscard]] std::size_t contacts() const noexcept;
+
+  /// out: kMostListeners spans or fewer, overwritten, N samples each; force_out in N.
+  /// `force` N, `height` m above the point. Input and output may share memory.
+  template <class S>
+  void process(std::span<const S> force, std::span<const S> height,
+               std::span<const std::span<S>> out, std::span<S> force_out) noexcept;
+
+private:
+  static constexpr std::size_t kChunk = 64;
+  struct Pulse {
+    double impulse = 0, duration_s = 0, age_s = 0;
+    bool active = false;
+  };
+  struct Chunk {
+    std::array<float, kChunk> force{}, height{}, contact{};
+    std::array<std::array<float, kChunk>, kMostListeners> heard{};
+    std::array<std::array<float, kChunk>, kMostContacts> pulse{};
+  };
+  void run(std::size_t frames) noexcept;
+  [[nodiscard]] std::size_t in_contact(std::size_t from, std::size_t frames) noexcept;
+  [[nodiscard]] std::size_t in_flight(std::size_t from, std::size_t frames) noexcept;
+  void begin_led() noexcept;
+  void finish(std::size_t frames) noexcept;
+  void enter_contact() noexcept;
+  void leave_contact() noexcept;
+  void make_pulses(std::size_t frames) noexcept;
+  [[nodiscard]] ContactLaw law(const SurfacePoint& place, double speed) const noexcept;
+  void strike_coupled(std::size_t slot, const Hit& hit) noexcept;
+  void strike_pulse(std::size_t slot, const Hit& hit) noexcept;
+  [[nodiscard]] std::size_t free_slot() noexcept;
+  void renew_point() noexcept;
+
+  double sample_rate_ = 48000;
+  std::unique_ptr<BodyModel> model_;
+  struct Handover {
+    std::unique_ptr<BodyModel> model;
+    bool same_body = false;
+    Handover* next = nullptr;
+  };
+  void drop_retired() noexcept;
+  std::atomic<Handover*> incoming_{nullptr}, retired_{nullptr};
+  Striker striker_;
+  Options options_;
+  SurfacePoint point_;
+  Vec3 point_direction_{0, 0, 1};
+  bool point_set_ = false;
+  bool coupled_now_ = false;
+  std::array<Pulse, kMostContacts> pulses_{};
+  std::size_t culled_ = 0;
+  std::uint64_t turn_ = 0;
+  std::array<std::uint64_t, kMostContacts> begun_{};
+  double last_height_ = 0;
+  Chunk chunk_;
+  std::array<DelayLine, kMostListeners> delay_{};
+  // A change of body would be a step in the sound: what is left of the old one fades.
+  std::array<float, kMostListeners> left_over_{}, last_{};
+  std::size_t fade_left_ = 0;
+  double smooth_gain_ = 0.1;
+};
+
+} // namespace tactus::modal

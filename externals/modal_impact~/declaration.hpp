@@ -1,0 +1,113 @@
+#pragma once
+
+#include "core/declaration.hpp"
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+/// What [modal_impact~] says of itself.
+namespace tactus::modal_impact {
+
+inline constexpr std::array<std::string_view, 4> kRadiations{"modal", "raw", "body", "none"};
+inline constexpr std::array<std::string_view, 2> kContacts{"coupled", "pulse"};
+
+enum ParameterIndex : std::size_t {
+  kRadiation,
+  kContact,
+  kSize,
+  kModes,
+  kCull,
+  kChoke,
+  kGain,
+  kRestitution,
+  kSpring,
+  kPosition,
+  kDoppler,
+  kVoices,
+  kOut,
+  kSync,
+};
+inline constexpr std::array kParameters{
+    Parameter{"radiation", "", 0, 0, 3,
+              "how the body sounds to a listener: baffled surface mode by mode, recorded or computed "
+              "surface velocities, free body by its multipoles, or bare surface velocity",
+              kRadiations},
+    Parameter{"contact", "", 0, 0, 1,
+              "striker and body coupled, or a pulse of known shape for many blows at once",
+              kContacts},
+    Parameter{"size", "", 1, 0.01, 100, "times the table's lengths"},
+    Parameter{"modes", "", 0, 0, 20000, "most modes that sound; 0: all"},
+    Parameter{"cull", "dB", 90, 20, 200,
+              "a mode quieter to the ear than the blow's loudest by this is left out"},
+    Parameter{"choke", "s", 0, 0, 100, "decay time of a hand that damps the body; 0: none"},
+    Parameter{"gain", "1/Pa", 0.1, 0, 1000, "of the sound"},
+    Parameter{"restitution", "", 1, 0.01, 1,
+              "speed after over speed before on a wall; below 1 it sets the contact's loss"},
+    Parameter{"spring", "N/m", 0, 0, 100000,
+              "above 0, with pos: inlet 2 is answered by this spring in the force outlet"},
+    Parameter{"pos", "", 0, 0, 1, "1: inlet 2 is the height of a led striker above the point"},
+    Parameter{"doppler", "", 0, 0, 1, "1: a listener that moves hears the pitch bend"},
+    Parameter{"voices", "", 8, 1, 64, "contacts at once; a blow more ends the oldest"},
+    Parameter{"out", "", 2, 1, 2, "listeners; 1 sounds on both sides at half the cost"},
+    Parameter{"sync", "", 0, 0, 1,
+              "1: tables and changes are worked out at once, so that renders repeat; 0: beside"},
+};
+
+enum MessageIndex : std::size_t {
+  kLoad,
+  kHit,
+  kHitVertex,
+  kHitFace,
+  kBang,
+  kNormal,
+  kStriker,
+  kHardness,
+  kPoint,
+  kListener,
+  kMaterial,
+  kPreset,
+  kRayleigh,
+  kLoss,
+  kLossCurve,
+  kReset,
+  kInfo,
+  kRing,
+};
+inline constexpr std::array kMessages{
+    Message{"load", "file.npz [-sync]", 1, 2, "read a body's table; the old body goes on until then"},
+    Message{"hit", "[x y z] v", 1, 4, "blow at x y z mm with v m/s; without a place where the last one was"},
+    Message{"hitv", "vertex v", 2, 2, "blow at a vertex of the table"},
+    Message{"hitf", "face u v speed", 4, 4,
+            "blow on a triangle, u and v the weights of its second and third corner"},
+    Message{"bang", "", 0, 0, "the last blow again"},
+    Message{"normal", "[x y z]", 0, 3, "direction out of the body that blows go against; none: the surface's"},
+    Message{"striker", "mass radius E nu", 4, 4, "a ball: kg, m, Pa (Hertz' contact)"},
+    Message{"hardness", "k exponent loss", 1, 3,
+            "contact law k d^exponent (1 + loss v) instead of Hertz'; 0: Hertz"},
+    Message{"point", "x y z or vertex", 1, 3, "where inlets 1 and 2 meet the body, mm"},
+    Message{"listener", "i x y z", 4, 4, "places listener 1 or 2, mm"},
+    Message{"material", "E rho", 2, 2, "Pa and kg/m^3; 0: the table's"},
+    Message{"preset", "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|polycarbonate|rubber|table",
+            1, 1, "elasticity, density and damping of a material"},
+    Message{"rayleigh", "a b", 2, 2, "damping (a + b omega^2)/2 in 1/s"},
+    Message{"loss", "eta", 1, 1, "the same loss factor at all frequencies"},
+    Message{"losscurve", "f1 eta1 f2 eta2 ...", 2, 64, "loss factor over frequency in Hz"},
+    Message{"reset", "", 0, 0, "silence"},
+    Message{"info", "", 0, 0, "body, counts, frequencies and decay times, out of the info outlet"},
+    Message{"ring", "", 0, 0,
+            "levels of the modes that ring, dB from full scale, by frequency, out of the info outlet"},
+};
+
+inline constexpr std::array kArguments{CreationArgument{"load"}};
+inline constexpr std::array kInlets{
+    Port{Port::Kind::kSignal, "force", "N", "pushes into the body at the point"},
+    Port{Port::Kind::kSignal, "height", "m", "with pos 1: of a led striker above the point"},
+};
+inline constexpr std::array kOutlets{
+    Port{Port::Kind::kSignal, "left", "", "pressure at listener 1 times gain"},
+    Port{Port::Kind::kSignal, "right", "", "pressure at listener 2 times gain"},
+    Port{Port::Kind::kSignal, "contact", "N", "force between strikers and body, impulses exact"},
+};
+
+} // namespace tactus::modal_impact

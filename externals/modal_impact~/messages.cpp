@@ -1,0 +1,309 @@
+#include "core/modal/materials.hpp"
+#include "core/words.hpp"
+#include "externals/modal_impact~/modal_impact~.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace tactus::modal {
+
+using namespace modal_impact;
+
+namespace {
+
+constexpr double kMillimetre = 0.001;
+constexpr double kFarthest = 1e6;   // mm
+constexpr double kFastest = 50;     // m/s
+constexpr double kFarFromBody = 0.1; // of its diagonal
+
+/// What a number must be, or a sentence about the first that is not.
+struct Range {
+  std::string_view name, unit;
+  double lowest, highest;
+};
+
+bool within(std::string_view message, std::span<const double> numbers,
+            std::initializer_list<Range> ranges, Host& host) {
+  std::size_t i = 0;
+  for (const Range& range : ranges) {
+    if (i >= numbers.size())
+      break;
+    const double x = numbers[i++];
+    if (x >= range.lowest && x <= range.highest)
+      continue;
+    std::string sentence = std::string(message) + ": " + std::string(range.name) + " " +
+                           number_text(x);
+    if (!range.unit.empty())
+      sentence += " " + std::string(range.unit);
+    host.error(sentence + ": expected " + number_text(range.lowest) + ".." +
+               number_text(range.highest));
+    return false;
+  }
+  return true;
+}
+
+constexpr Range kX{"x", "mm", -kFarthest, kFarthest}, kY{"y", "mm", -kFarthest, kFarthest},
+    kZ{"z", "mm", -kFarthest, kFarthest}, kSpeed{"v", "m/s", 1e-6, kFastest};
+
+} // namespace
+
+void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+  host_ = &host;
+  if (index == kLoad)
+    return load(arguments, host);
+  if (index == kPreset)
+    return set_preset(arguments[0], host);
+  std::vector<double> numbers;
+  for (const Atom& atom : arguments) {
+    if (atom.is_word || !std::isfinite(atom.number))
+      return host.error(std::string(kMessages[index].name) + ": expected numbers (" +
+                        std::string(kMessages[index].arguments) + ")");
+    numbers.push_back(atom.number);
+  }
+  switch (index) {
+  case kHit: return hit(numbers, host);
+  case kHitVertex: return hit_vertex(numbers, host);
+  case kHitFace: return hit_face(numbers, host);
+  case kBang: return hit(std::array{last_speed_}, host);
+  case kNormal: return set_normal(numbers, host);
+  case kStriker: return set_striker(numbers, host);
+  case kHardness: return set_hardness(numbers, host);
+  case kPoint: return set_point(numbers, host);
+  case kListener: return set_listener(numbers, host);
+  case kMaterial: return set_material(numbers, host);
+  case kRayleigh:
+  case kLoss:
+  case kLossCurve: return set_damping(index, numbers, host);
+  case kReset: return body_.reset();
+  case kInfo: body_.adopt(); return tell_info(host);
+  case kRing: return tell_ring(host);
+  default: return;
+  }
+}
+
+void ModalImpact::load(std::span<const Atom> arguments, Host& host) {
+  if (!arguments[0].is_word)
+    return host.error("load: expected a file's name");
+  bool at_once = value_[kSync] >= 0.5;
+  if (arguments.size() > 1) {
+    if (!arguments[1].is_word || arguments[1].word != "-sync")
+      return host.error("load: expected a file's name and perhaps -sync");
+    at_once = true;
+  }
+  const std::string name(arguments[0].word);
+  if (created_ || at_once)
+    return load(name, at_once, host);
+  first_name_ = name;
+}
+
+void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
+  const std::string path = host.find_file(name);
+  if (path.empty())
+    return host.error("load " + name + ": there is no such file");
+  TableWorker::Request request{path, name, table_, settings()};
+  if (at_once)
+    return accept(TableWorker::carry_out(request), &host);
+  worker_.request(std::move(request), [waiting = &host] { waiting->wake_from_thread(); });
+}
+
+void ModalImpact::warn_of_distance(const SurfacePoint& place, Host& host) {
+  const BodyModel* model = body_.model();
+  const double diagonal = model->loaded->surface.empty()
+                              ? 0
+                              : model->loaded->surface.diagonal() * model->settings.size;
+  if (warned_ || place.distance <= kFarFromBody * diagonal || diagonal == 0)
+    return;
+  warned_ = true;
+  host.log("a place " + number_text(place.distance * 1000) +
+           " mm beside the body is taken to the nearest place on it; said once");
+}
+
+void ModalImpact::strike(const SurfacePoint& place, double speed, Host& host) {
+  warn_of_distance(place, host);
+  last_place_ = place;
+  last_speed_ = speed;
+  body_.hit({place, normal_.value_or(place.normal), speed});
+}
+
+void ModalImpact::hit(Numbers n, Host& host) {
+  if (n.size() != 1 && n.size() != 4)
+    return host.error("hit: expected v, or x y z v");
+  if (n.size() == 4 ? !within("hit", n, {kX, kY, kZ, kSpeed}, host)
+                    : !within("hit", n, {kSpeed}, host))
+    return;
+  const BodyModel* model = body(host);
+  if (!model)
+    return;
+  if (n.size() == 4)
+    return strike(model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]}), n[3], host);
+  strike(last_place_.value_or(body_.point()), n[0], host);
+}
+
+SurfacePoint ModalImpact::at_vertex(std::size_t vertex) const noexcept {
+  const LoadedTable& loaded = *body_.model()->loaded;
+  if (loaded.surface.empty())
+    return {};
+  return loaded.surface.nearest(loaded.table.vertex_m[vertex]);
+}
+
+void ModalImpact::hit_vertex(Numbers n, Host& host) {
+  const BodyModel* model = body(host);
+  if (!model)
+    return;
+  const double last =
+      std::max<double>(static_cast<double>(model->loaded->table.vertices()), 1) - 1;
+  if (within("hitv", n, {{"vertex", "", 0, last}, kSpeed}, host))
+    strike(at_vertex(static_cast<std::size_t>(n[0])), n[1], host);
+}
+
+void ModalImpact::hit_face(Numbers n, Host& host) {
+  const BodyModel* model = body(host);
+  if (!model)
+    return;
+  const Surface& surface = model->loaded->surface;
+  const double last = std::max<double>(static_cast<double>(surface.triangles()), 1) - 1;
+  if (!within("hitf", n, {{"face", "", 0, last}, {"u", "", 0, 1}, {"v", "", 0, 1 - n[1]},
+                          {"speed", "m/s", 1e-6, kFastest}}, host))
+    return;
+  strike(surface.empty() ? SurfacePoint{}
+                         : surface.on(static_cast<std::size_t>(n[0]), n[1], n[2]),
+         n[3], host);
+}
+
+void ModalImpact::set_normal(Numbers n, Host& host) {
+  if (n.empty()) {
+    normal_.reset();
+    return;
+  }
+  if (n.size() != 3)
+    return host.error("normal: expected x y z, or nothing for the surface's own");
+  const Vec3 given{n[0], n[1], n[2]};
+  const double size = norm(given);
+  if (!(size > 0))
+    return host.error("normal 0 0 0: expected a direction");
+  normal_ = given * (1 / size);
+}
+
+void ModalImpact::set_striker(Numbers n, Host& host) {
+  if (!within("striker", n,
+              {{"mass", "kg", 1e-9, 1e4},
+               {"radius", "m", 1e-6, 10},
+               {"E", "Pa", 1e3, 1e13},
+               {"nu", "", -0.99, 0.499}},
+              host))
+    return;
+  Striker striker = body_.striker();
+  striker.mass_kg = n[0];
+  striker.radius_m = n[1];
+  striker.youngs_modulus_pa = n[2];
+  striker.poisson = n[3];
+  striker.stiffness = 0;
+  body_.set_striker(striker);
+}
+
+void ModalImpact::set_hardness(Numbers n, Host& host) {
+  if (!within("hardness", n,
+              {{"k", "N/m^a", 0, 1e15}, {"exponent", "", 1, 5}, {"loss", "s/m", 0, 100}}, host))
+    return;
+  Striker striker = body_.striker();
+  striker.stiffness = n[0];
+  striker.exponent = n.size() > 1 ? n[1] : 1.5;
+  striker.loss_s_per_m = n.size() > 2 ? n[2] : 0;
+  body_.set_striker(striker);
+}
+
+void ModalImpact::set_point(Numbers n, Host& host) {
+  if (n.size() == 2)
+    return host.error("point: expected x y z, or a vertex");
+  const BodyModel* model = body(host);
+  if (!model)
+    return;
+  SurfacePoint place;
+  if (n.size() == 3) {
+    if (!within("point", n, {kX, kY, kZ}, host))
+      return;
+    place = model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]});
+  } else {
+    const double last =
+        std::max<double>(static_cast<double>(model->loaded->table.vertices()), 1) - 1;
+    if (!within("point", n, {{"vertex", "", 0, last}}, host))
+      return;
+    place = at_vertex(static_cast<std::size_t>(n[0]));
+  }
+  warn_of_distance(place, host);
+  body_.set_point(place, normal_.value_or(place.normal));
+}
+
+void ModalImpact::set_listener(Numbers n, Host& host) {
+  if (!within("listener", n, {{"i", "", 1, static_cast<double>(kMostListeners)}, kX, kY, kZ}, host))
+    return;
+  settings_.listener[static_cast<std::size_t>(n[0]) - 1] = kMillimetre * Vec3{n[1], n[2], n[3]};
+  renew();
+}
+
+void ModalImpact::set_material(Numbers n, Host& host) {
+  for (std::size_t i = 0; i < 2; ++i)
+    if (n[i] != 0 && !within("material", n.subspan(i, 1),
+                             {i == 0 ? Range{"E", "Pa", 1e3, 1e13}
+                                     : Range{"rho", "kg/m^3", 1, 1e5}}, host))
+      return;
+  settings_.youngs_modulus_pa = n[0];
+  settings_.density_kg_per_m3 = n[1];
+  renew();
+}
+
+void ModalImpact::set_preset(const Atom& name, Host& host) {
+  const std::string word = name.is_word ? std::string(name.word) : number_text(name.number);
+  if (word == "table") {
+    settings_.youngs_modulus_pa = settings_.density_kg_per_m3 = 0;
+    settings_.damping = Damping::kTable;
+    return renew();
+  }
+  const auto preset = find_material(word);
+  if (!preset) {
+    std::string sentence = "preset " + word + ": expected ";
+    for (const MaterialPreset& known : kMaterialPresets)
+      sentence += std::string(known.name) + ", ";
+    return host.error(sentence + "or table");
+  }
+  settings_.youngs_modulus_pa = preset->youngs_modulus_pa;
+  settings_.density_kg_per_m3 = preset->density_kg_per_m3;
+  settings_.damping = preset->loss_factor > 0 ? Damping::kLoss : Damping::kRayleigh;
+  settings_.loss_factor = preset->loss_factor;
+  settings_.rayleigh_a_per_s = preset->rayleigh_a_per_s;
+  settings_.rayleigh_b_s = preset->rayleigh_b_s;
+  renew();
+}
+
+void ModalImpact::set_damping(std::size_t index, Numbers n, Host& host) {
+  if (index == kRayleigh) {
+    if (!within("rayleigh", n, {{"a", "1/s", 0, 1e6}, {"b", "s", 0, 1}}, host))
+      return;
+    settings_.damping = Damping::kRayleigh;
+    settings_.rayleigh_a_per_s = n[0];
+    settings_.rayleigh_b_s = n[1];
+  } else if (index == kLoss) {
+    if (!within("loss", n, {{"eta", "", 0, 2}}, host))
+      return;
+    settings_.damping = Damping::kLoss;
+    settings_.loss_factor = n[0];
+  } else {
+    if (n.size() % 2 != 0)
+      return host.error("losscurve: expected pairs of frequency and loss factor");
+    std::vector<std::array<double, 2>> curve;
+    for (std::size_t i = 0; i < n.size(); i += 2) {
+      const double least = curve.empty() ? 1e-3 : curve.back()[0] * (1 + 1e-9);
+      if (!within("losscurve", n.subspan(i, 2),
+                  {{"f", "Hz", least, 1e6}, {"eta", "", 0, 2}}, host))
+        return;
+      curve.push_back({n[i], n[i + 1]});
+    }
+    settings_.damping = Damping::kCurve;
+    settings_.loss_curve = std::move(curve);
+  }
+  renew();
+}
+
+} // namespace tactus::modal

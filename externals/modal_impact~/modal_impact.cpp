@@ -1,0 +1,182 @@
+#include "externals/modal_impact~/modal_impact~.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace tactus::modal {
+
+using namespace modal_impact;
+
+namespace {
+
+/// Products of modes, sources and listeners that are worked out within a millisecond.
+constexpr std::size_t kSoonDone = 15000;
+constexpr double kNepersIn60dB = 6.907755278982137;
+
+} // namespace
+
+ModalImpact::ModalImpact() {
+  for (std::size_t i = 0; i < value_.size(); ++i)
+    value_[i] = kParameters[i].initial;
+  body_.prepare(sample_rate_);
+  take_options();
+}
+
+void ModalImpact::prepare(double sample_rate, std::size_t) {
+  const bool changed = sample_rate != sample_rate_;
+  sample_rate_ = sample_rate;
+  body_.prepare(sample_rate);
+  if (!changed || !table_)
+    return;
+  // Models belong to a rate: this one must be there when the sound goes on.
+  body_.publish(std::make_unique<BodyModel>(table_, settings()), true);
+  body_.adopt();
+}
+
+BodySettings ModalImpact::settings() const {
+  BodySettings now = settings_;
+  now.sample_rate = sample_rate_;
+  now.size = value_[kSize];
+  now.choke_t60_s = value_[kChoke];
+  now.most_modes = static_cast<std::size_t>(value_[kModes]);
+  now.voices = static_cast<std::size_t>(value_[kVoices]);
+  now.listeners = static_cast<std::size_t>(value_[kOut]);
+  now.radiation = static_cast<Radiation>(static_cast<int>(value_[kRadiation]));
+  return now;
+}
+
+void ModalImpact::take_options() noexcept {
+  StruckBody::Options options;
+  options.coupled = value_[kContact] < 0.5;
+  options.led = value_[kPosition] >= 0.5;
+  options.doppler = value_[kDoppler] >= 0.5;
+  options.spring_n_per_m = value_[kSpring];
+  options.gain = value_[kGain];
+  options.cull_db = value_[kCull];
+  body_.set_options(options);
+  Striker striker = body_.striker();
+  striker.restitution = value_[kRestitution];
+  body_.set_striker(striker);
+}
+
+void ModalImpact::set(std::size_t parameter, double value) noexcept {
+  if (value_[parameter] == value)
+    return;
+  value_[parameter] = value;
+  take_options();
+  const bool of_the_model = parameter == kRadiation || parameter == kSize || parameter == kModes ||
+                            parameter == kChoke || parameter == kVoices || parameter == kOut;
+  if (of_the_model && table_)
+    renew();
+}
+
+void ModalImpact::renew() {
+  if (!table_)
+    return;
+  TableWorker::Request request{{}, {}, table_, settings()};
+  const std::size_t work =
+      request.settings.radiation == Radiation::kBody
+          ? kSoonDone + 1
+          : table_->table.modes() * table_->radiating.sources() * request.settings.listeners;
+  if (value_[kSync] >= 0.5 || work <= kSoonDone || !host_)
+    return accept(TableWorker::carry_out(request), nullptr);
+  worker_.request(std::move(request), [host = host_] { host->wake_from_thread(); });
+}
+
+void ModalImpact::accept(TableWorker::Result result, Host* host) {
+  if (!result.refusal.empty()) {
+    if (host)
+      host->error(result.refusal);
+    return;
+  }
+  if (!result.model)
+    return;
+  const bool same = result.table == table_;
+  const BodySettings wanted = settings();
+  const bool stale = result.model->settings.sample_rate != wanted.sample_rate ||
+                     result.model->settings.voices != wanted.voices;
+  table_ = result.table;
+  if (!same)
+    last_place_.reset();
+  body_.publish(std::move(result.model), same);
+  if (result.loaded && host) {
+    const ModalTable& table = table_->table;
+    host->info({"loaded", std::string_view(table.body_name.empty() ? "body" : table.body_name),
+                static_cast<double>(table.modes())});
+    if (table.shape.empty())
+      host->log("the table has frequencies alone: every mode rings with the same gain");
+  }
+  if (stale)
+    renew();
+}
+
+void ModalImpact::posted(Host& host) {
+  host_ = &host;
+  if (auto result = worker_.take())
+    accept(std::move(*result), &host);
+}
+
+void ModalImpact::created(Host& host) {
+  host_ = &host;
+  created_ = true;
+  if (!first_name_.empty())
+    load(first_name_, value_[kSync] >= 0.5, host);
+}
+
+const BodyModel* ModalImpact::body(Host& host) {
+  body_.adopt();
+  if (!body_.model())
+    host.error("there is no body yet: load one");
+  return body_.model();
+}
+
+void ModalImpact::dump(Host& host) { tell_info(host); }
+
+void ModalImpact::tell_info(Host& host) {
+  host.info({"version", "0.1.0"});
+  const BodyModel* model = body_.model();
+  if (!model) {
+    host.info({"body", "none"});
+    return;
+  }
+  const ModalTable& table = model->loaded->table;
+  host.info({"body", std::string_view(table.body_name.empty() ? "unnamed" : table.body_name)});
+  host.info({"modes", static_cast<double>(table.modes()), static_cast<double>(model->heard)});
+  host.info({"culled", static_cast<double>(body_.culled())});
+  host.info({"contacts", static_cast<double>(body_.contacts())});
+  host.info({"mass", model->mass_kg});
+  host.info({"material", model->youngs_modulus_pa, model->density_kg_per_m3, model->poisson});
+  if (!model->loaded->surface.empty()) {
+    const Vec3 low = model->loaded->surface.lowest(), high = model->loaded->surface.highest();
+    const double mm = 1000 * model->settings.size;
+    host.info({"box", mm * low.x, mm * low.y, mm * low.z, mm * high.x, mm * high.y, mm * high.z});
+  }
+  constexpr std::size_t kMost = 128;
+  std::vector<std::pair<double, double>> modes;
+  for (std::size_t k = 0; k < model->heard; ++k)
+    modes.emplace_back(std::abs(model->rate[k]) / (2 * std::numbers::pi),
+                       kNepersIn60dB / std::max(-model->rate[k].real(), 1e-9));
+  std::sort(modes.begin(), modes.end());
+  std::vector<Atom> frequencies{"frequencies"}, times{"t60"};
+  for (std::size_t k = 0; k < std::min(modes.size(), kMost); ++k) {
+    frequencies.emplace_back(modes[k].first);
+    times.emplace_back(std::min(modes[k].second, 1e6));
+  }
+  host.info(frequencies);
+  host.info(times);
+}
+
+void ModalImpact::tell_ring(Host& host) {
+  body_.adopt();
+  constexpr std::size_t kMost = 64;
+  const auto levels = body_.levels(kMost);
+  std::vector<Atom> list{"ring"};
+  for (const double level : levels)
+    list.emplace_back(level);
+  host.info(list);
+}
+
+} // namespace tactus::modal

@@ -1,0 +1,92 @@
+#pragma once
+
+#include "core/modal/struck_body.hpp"
+#include "core/object.hpp"
+#include "externals/modal_impact~/declaration.hpp"
+#include "externals/modal_impact~/table_worker.hpp"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace tactus::modal {
+
+/// [modal_impact~]: a body from a modal table, struck anywhere with anything, heard anywhere.
+/// docs/modal_impact.md.
+class ModalImpact {
+public:
+  static constexpr Declaration declaration{
+      "modal_impact~",
+      "any solid body, struck anywhere and heard anywhere",
+      "Rings the modes of a body that modal_fem has worked out. Blows are contacts between striker "
+      "and body, coupled as in nature; material, size and damping can be changed while it sounds, "
+      "forces from other objects push it, and the contact's own force comes out for the hand.",
+      "physical model modal synthesis impact contact finite elements",
+      modal_impact::kInlets,
+      modal_impact::kOutlets,
+      modal_impact::kParameters,
+      modal_impact::kMessages,
+      modal_impact::kArguments};
+
+  ModalImpact();
+  void prepare(double sample_rate, std::size_t max_block);
+  void set(std::size_t parameter, double value) noexcept;
+  [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
+  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
+  void posted(Host& host);
+  void created(Host& host);
+  void dump(Host& host);
+
+  template <class S> void process(const Block<S>& block) noexcept {
+    const std::array<std::span<S>, 2> out{block.out(0), block.out(1)};
+    body_.process<S>(block.in(0), block.in(1), out, block.out(2));
+  }
+
+private:
+  using Numbers = std::span<const double>;
+  void load(std::span<const Atom> arguments, Host& host);
+  void load(const std::string& name, bool at_once, Host& host);
+  void hit(Numbers numbers, Host& host);
+  void hit_vertex(Numbers numbers, Host& host);
+  void hit_face(Numbers numbers, Host& host);
+  void strike(const SurfacePoint& place, double speed, Host& host);
+  void set_normal(Numbers numbers, Host& host);
+  void set_striker(Numbers numbers, Host& host);
+  void set_hardness(Numbers numbers, Host& host);
+  void set_point(Numbers numbers, Host& host);
+  void set_listener(Numbers numbers, Host& host);
+  void set_material(Numbers numbers, Host& host);
+  void set_preset(const Atom& name, Host& host);
+  void set_damping(std::size_t index, Numbers numbers, Host& host);
+  void tell_info(Host& host);
+  void tell_ring(Host& host);
+
+  /// The body that hits meet now; null after one sentence when there is none.
+  const BodyModel* body(Host& host);
+  [[nodiscard]] SurfacePoint at_vertex(std::size_t vertex) const noexcept;
+  void warn_of_distance(const SurfacePoint& place, Host& host);
+  [[nodiscard]] BodySettings settings() const;
+  void take_options() noexcept;
+  /// Makes a new model of the settings: now when it is soon done or must be, else in the thread.
+  void renew();
+  void accept(TableWorker::Result result, Host* host);
+
+  std::array<double, modal_impact::kParameters.size()> value_{};
+  BodySettings settings_;
+  StruckBody body_;
+  std::shared_ptr<const LoadedTable> table_;
+  Host* host_ = nullptr; ///< lives as long as the object; for the worker's call back
+  bool created_ = false;
+  std::string first_name_; ///< a creation argument: read when all flags are known
+  std::optional<Vec3> normal_;
+  std::optional<SurfacePoint> last_place_;
+  double last_speed_ = 1;
+  bool warned_ = false;
+  double sample_rate_ = 48000;
+  TableWorker worker_; // last: its thread ends before what it uses
+};
+
+} // namespace tactus::modal

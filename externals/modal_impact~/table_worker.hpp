@@ -1,0 +1,54 @@
+#pragma once
+
+#include "core/modal/body_model.hpp"
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace tactus::modal {
+
+/// Reads tables and makes models in a thread of its own, or at once. Of requests that wait only the
+/// last load and the last settings count.
+class TableWorker {
+public:
+  struct Request {
+    std::string path; ///< empty: only a new model of the same table
+    std::string name; ///< of the file, as the user wrote it
+    std::shared_ptr<const LoadedTable> table;
+    BodySettings settings;
+  };
+  struct Result {
+    std::string refusal; ///< a sentence when there is no model
+    std::shared_ptr<const LoadedTable> table;
+    std::unique_ptr<BodyModel> model;
+    bool loaded = false;
+  };
+
+  TableWorker() = default;
+  ~TableWorker();
+  TableWorker(const TableWorker&) = delete;
+  TableWorker& operator=(const TableWorker&) = delete;
+
+  /// `ready` is called in the worker's thread when a result waits.
+  void request(Request request, std::function<void()> ready);
+  [[nodiscard]] std::optional<Result> take();
+  /// The work itself.
+  [[nodiscard]] static Result carry_out(const Request& request);
+
+private:
+  void work(const std::stop_token& stop);
+
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::optional<Request> waiting_;
+  std::optional<Result> done_;
+  std::function<void()> ready_;
+  std::jthread thread_;
+};
+
+} // namespace tactus::modal

@@ -1,0 +1,209 @@
+#include "core/modal/contact_solver.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+using namespace tactus::modal;
+using Complex = std::complex<double>;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// A steel ball of 6 mm radius that fell 100 mm, and aluminium below it.
+const double kBall = 7850 * 4.0 / 3 * kPi * 0.006 * 0.006 * 0.006;
+const double kSpeed = std::sqrt(2 * 9.81 * 0.1);
+const double kStiffness = hertz_stiffness(0.006, 206e9, 0.29, 70.3e9, 0.33);
+
+struct Blow {
+  double impulse = 0, rebound = 0, time = 0, highest = 0, gained = 0;
+};
+
+Blow strike(ContactSolver& solver, double rate, ContactSolver::Contact contact,
+            std::span<const double> gain, std::array<double, 6> rigid = {}) {
+  Blow blow;
+  solver.begin(0, contact, gain, rigid);
+  const double before = 0.5 * contact.striker_mass_kg * contact.speed_m_per_s * contact.speed_m_per_s;
+  for (int n = 0; n < 100000 && solver.touching(); ++n) {
+    const double force = solver.step();
+    blow.impulse += force / rate;
+    blow.time += force > 0 ? 1 / rate : 0;
+    blow.highest = std::max(blow.highest, force);
+    blow.gained = std::max(blow.gained, solver.energy() / before - 1);
+  }
+  blow.rebound = -solver.contact(0).speed_m_per_s / contact.speed_m_per_s;
+  return blow;
+}
+
+ContactSolver::Contact ball() {
+  ContactSolver::Contact contact;
+  contact.law.stiffness = kStiffness;
+  contact.striker_mass_kg = kBall;
+  contact.speed_m_per_s = kSpeed;
+  return contact;
+}
+
+
+} // namespace
+
+TEST_CASE("Hertz' numbers for the ball are the closed form's") {
+  CHECK(kBall == doctest::Approx(7.103e-3).epsilon(1e-3));
+  CHECK(kStiffness == doctest::Approx(6.032e9).epsilon(1e-3));
+  const ContactLaw law{kStiffness, 1.5, 0};
+  CHECK(law.deepest(kBall, kSpeed) == doctest::Approx(24.2e-6).epsilon(2e-3));
+  CHECK(law.duration(kBall, kSpeed) == doctest::Approx(50.9e-6).epsilon(2e-3));
+  CHECK(law.duration(kBall, kSpeed) ==
+        doctest::Approx(2.9432 * law.deepest(kBall, kSpeed) / kSpeed).epsilon(1e-4));
+  // A linear spring's contact is half a period.
+  const ContactLaw spring{1000, 1, 0};
+  CHECK(spring.duration(0.1, 1) == doctest::Approx(kPi * std::sqrt(0.1 / 1000)));
+}
+
+TEST_CASE("on a wall the ball returns as fast as it came, at every sample rate, after Hertz' time") {
+  for (const double rate : {8000.0, 22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
+    CAPTURE(rate);
+    ContactSolver solver({}, rate, 1, false);
+    const Blow blow = strike(solver, rate, ball(), {});
+    CHECK(blow.rebound == doctest::Approx(1).epsilon(0.002));
+    CHECK(blow.impulse == doctest::Approx(2 * kBall * kSpeed).epsilon(0.002));
+  }
+  // At a rate that resolves the contact its length and height are seen.
+  ContactSolver solver({}, 4e6, 1, false);
+  const Blow blow = strike(solver, 4e6, ball(), {});
+  CHECK(blow.time == doctest::Approx(50.9e-6).epsilon(0.01));
+  CHECK(blow.highest == doctest::Approx(719).epsilon(0.01));
+}
+
+TEST_CASE("two free bodies part as momentum and energy demand") {
+  // A block of 20 g, hit in its middle.
+  ContactSolver solver({}, 48000, 1, true);
+  const Blow blow = strike(solver, 48000, ball(), {}, {1 / std::sqrt(0.02), 0, 0, 0, 0, 0});
+  const double expected = (0.02 - kBall) / (0.02 + kBall); // -v'/v of the lighter body
+  CHECK(blow.rebound == doctest::Approx(expected).epsilon(0.003));
+}
+
+TEST_CASE("the error shrinks with the square of the step") {
+  // Contacts of one duration met by coarser and coarser samples: force the number of steps by a
+  // softer spring law, whose half period is known.
+  const auto error = [](double rate) {
+    ContactSolver solver({}, rate, 1, false);
+    ContactSolver::Contact contact = ball();
+    contact.law = {1e6, 1, 0};
+    const Blow blow = strike(solver, rate, contact, {});
+    return std::abs(blow.rebound - 1);
+  };
+  CHECK(error(48000) < 2e-3);
+  CHECK(error(192000) < 2e-3);
+}
+
+TEST_CASE("a body that swings takes energy, and none is ever made") {
+  for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0})
+    for (const double stiffness : {1e4, 1e6, 1e8, kStiffness, 1e12})
+      for (const double mass : {1e-5, 1e-3, kBall, 1.0}) {
+        CAPTURE(rate);
+        CAPTURE(stiffness);
+        CAPTURE(mass);
+        std::vector<Complex> rates;
+        std::vector<double> gain;
+        for (int k = 0; k < 40; ++k) {
+          rates.emplace_back(-1.0 - k, 2 * kPi * (300.0 + 1400.0 * k));
+          gain.push_back((k % 2 ? -1 : 1) * 2.0);
+        }
+        ContactSolver solver(rates, rate, 1, true);
+        auto contact = ball();
+        contact.law.stiffness = stiffness;
+        contact.striker_mass_kg = mass;
+        const Blow blow = strike(solver, rate, contact, gain, {2, 0, 0, 0.3, 0, 0});
+        CHECK(blow.gained < 1e-8);
+        CHECK(blow.rebound <= 1);
+        CHECK(solver.energy() <= 0.5 * mass * kSpeed * kSpeed * (1 + 1e-8));
+      }
+}
+
+TEST_CASE("the impulse is the same within half a percent at the usual rates") {
+  std::vector<Complex> rates;
+  std::vector<double> gain;
+  for (int k = 0; k < 14; ++k) {
+    rates.emplace_back(-5.0, 2 * kPi * (5890.0 + 1400.0 * k));
+    gain.push_back(1.5);
+  }
+  std::vector<double> impulse;
+  for (const double rate : {44100.0, 48000.0, 96000.0}) {
+    ContactSolver solver(rates, rate, 1, true);
+    impulse.push_back(strike(solver, rate, ball(), gain, {2, 0, 0, 0, 0, 0}).impulse);
+  }
+  CHECK(impulse[1] == doctest::Approx(impulse[0]).epsilon(0.005));
+  CHECK(impulse[2] == doctest::Approx(impulse[0]).epsilon(0.005));
+}
+
+TEST_CASE("restitution is met by the loss that is worked out for it") {
+  for (const double e : {0.2, 0.5, 0.8, 0.95}) {
+    CAPTURE(e);
+    ContactSolver solver({}, 48000, 1, false);
+    auto contact = ball();
+    contact.law.loss_s_per_m = loss_for_restitution(e, kSpeed);
+    CHECK(strike(solver, 48000, contact, {}).rebound == doctest::Approx(e).epsilon(0.01));
+  }
+  CHECK(loss_for_restitution(1, 1) == 0);
+}
+
+TEST_CASE("a hand that presses slowly feels the contact law in series with the body") {
+  // One stiff mode: static compliance b^2 / omega^2.
+  const Complex rate(-2000, 2 * kPi * 500);
+  const double gain = 2;
+  ContactSolver solver({&rate, 1}, 48000, 1, false);
+  ContactSolver::Contact contact;
+  contact.law = {1e5, 1, 0};
+  contact.led = true;
+  solver.begin(0, contact, {&gain, 1}, {});
+  const double depth = 1e-3;
+  double force = 0, place = 0;
+  for (int n = 0; n < 48000; ++n) {
+    const double next = depth * std::min(1.0, n / 24000.0);
+    solver.lead(0, place, (next - place) * 48000);
+    place = next;
+    force = solver.step();
+  }
+  const double compliance = gain * gain / std::norm(rate);
+  CHECK(force == doctest::Approx(depth / (1e-5 + compliance)).epsilon(0.002));
+}
+
+TEST_CASE("what the table leaves out makes the contact softer by its compliance") {
+  ContactSolver solver({}, 48000, 1, false);
+  ContactSolver::Contact contact;
+  contact.law = {1e6, 1, 0};
+  contact.compliance_m_per_n = 1e-6;
+  contact.led = true;
+  solver.begin(0, contact, {}, {});
+  solver.lead(0, 1e-3, 0);
+  static_cast<void>(solver.step()); // the way in
+  CHECK(solver.step() == doctest::Approx(500).epsilon(1e-6));
+}
+
+TEST_CASE("many contacts at once: any order gives the same motion") {
+  std::vector<Complex> rates;
+  for (int k = 0; k < 20; ++k)
+    rates.emplace_back(-10.0, 2 * kPi * (200.0 + 333.0 * k));
+  const auto play = [&](const std::vector<std::size_t>& order) {
+    ContactSolver solver(rates, 48000, 8, true);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      std::vector<double> gain;
+      for (int k = 0; k < 20; ++k)
+        gain.push_back(std::cos(1.0 + static_cast<double>(order[i]) * 0.7 + k));
+      auto contact = ball();
+      contact.speed_m_per_s = 0.3 + 0.2 * static_cast<double>(order[i]);
+      solver.begin(i, contact, gain, {1, 0.1 * static_cast<double>(order[i]), 0, 0, 0, 0});
+    }
+    double impulse = 0;
+    for (int n = 0; n < 200; ++n)
+      impulse += solver.step() / 48000;
+    return std::pair(impulse, solver.state(7));
+  };
+  const auto a = play({0, 1, 2, 3, 4, 5, 6, 7}), b = play({6, 3, 0, 7, 5, 1, 4, 2});
+  CHECK(a.first == doctest::Approx(b.first).epsilon(1e-9));
+  CHECK(std::abs(a.second - b.second) < 1e-9 * std::abs(a.second));
+}
