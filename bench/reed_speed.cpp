@@ -5,10 +5,14 @@
 //
 // prints nanoseconds a sample. The last lines, ratios of rounds that were run in turn within
 // milliseconds of each other, are what to trust on a shared machine.
+#include "core/reed/bore_line.hpp"
 #include "core/reed/gradient.hpp"
 #include "core/reed/instrument.hpp"
 #include "core/reed/playability_follower.hpp"
 #include "core/reed/presets.hpp"
+#include "core/reed/radiation_path.hpp"
+#include "core/reed/round_trip_filter.hpp"
+#include "core/reed/valve_bore_step.hpp"
 
 #include <benchmark/benchmark.h>
 #ifdef TACTUS_HAS_STK
@@ -104,37 +108,33 @@ public:
     mouth_.fill(2000);
     for (std::size_t n = 0; n < kBlock; ++n)
       wave_[n] = source_[n] = n % 32 < 16 ? 700.0 : -700.0;
-    line_.assign(4096, 0.1);
+    line_.prepare(longest_delay(kRate));
+    path_.set(RadiationConstants::from(parameters_, design_, kRate));
   }
   void valve() {
-    wave_ = source_;
     const ValveSignals<double> signal{mouth_.data(), nullptr,      wave_.data(),
                                       angle_.data(), bore_.data(), flow_.data()};
+    wave_ = source_;
     step_valve<false, false>(constants_, &coefficients_, 0, state_, signal,
                              static_cast<int>(kBlock));
     benchmark::DoNotOptimize(wave_);
   }
   void filters() {
-    wave_ = source_;
-    filter_.run(trip_, wave_.data(), radiated_.data(), static_cast<int>(kBlock));
+    RoundTripFilter<double>::Stretch filter(filter_, trip_, 0);
+    for (std::size_t n = 0; n < kBlock; ++n)
+      wave_[n] = filter(source_[n], radiated_[n]);
     benchmark::DoNotOptimize(wave_);
   }
   void delay() {
-    for (std::size_t n = 0; n < kBlock; ++n) {
-      const std::size_t at = place_ + n;
-      wave_[n] = 0.02 * line_[(at + 1) & 4095] + 0.6 * line_[(at + 2) & 4095] +
-                 0.4 * line_[(at + 3) & 4095] - 0.02 * line_[(at + 4) & 4095];
-      line_[(at + 137) & 4095] = source_[n];
-    }
-    place_ = (place_ + kBlock) & 4095;
+    constexpr auto kCount = static_cast<int>(kBlock);
+    line_.read(trip_.delay, 1e-20, wave_.data(), kCount);
+    line_.write(source_.data(), kCount);
     benchmark::DoNotOptimize(wave_);
   }
   void radiation() {
-    for (std::size_t n = 0; n < kBlock; ++n) {
-      out_[n] = 1e-3 * (source_[n] - last_);
-      last_ = source_[n];
-    }
-    benchmark::DoNotOptimize(out_);
+    radiated_ = source_;
+    path_.run(radiated_.data(), static_cast<int>(kBlock), parameters_.length);
+    benchmark::DoNotOptimize(radiated_);
   }
   void judge() {
     follower_.prepare(kRate);
@@ -153,10 +153,9 @@ private:
   ValveState<double> state_;
   RoundTripFilter<double> filter_;
   PlayabilityFollower<double> follower_;
-  Signal mouth_{}, source_{}, wave_{}, radiated_{}, out_{}, angle_{}, bore_{}, flow_{};
-  std::vector<double> line_;
-  std::size_t place_ = 0;
-  double last_ = 0;
+  Signal mouth_{}, source_{}, wave_{}, radiated_{}, angle_{}, bore_{}, flow_{};
+  BoreLine<double, static_cast<int>(kBlock)> line_;
+  RadiationPath path_;
 };
 
 #ifdef TACTUS_HAS_STK
@@ -243,9 +242,9 @@ int main(int argc, char** argv) {
   add("greed~ clarinet, silent", silence);
   add("greed~ trumpet, playing", trumpet);
   add("part: valve and jet", valve);
-  add("part: bore and bell filters", filters);
+  add("part: bore filters", filters);
   add("part: delay line", delay);
-  add("part: radiated pressure", radiation);
+  add("part: bell", radiation);
   add("playability~ without analysis", judge);
   add("greed_gradient~ clarinet, playing", lanes);
   add("greed_gradient~ clarinet, silent", silent_lanes);

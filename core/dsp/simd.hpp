@@ -77,8 +77,7 @@ template <std::floating_point T, int N, class Set = Baseline> struct Lanes {
   /// The same number in every lane.
   [[gnu::always_inline]] Lanes(double value) noexcept {
     for (int i = 0; i < registers; ++i)
-      for (int k = 0; k < R::width; ++k)
-        v[i][k] = static_cast<T>(value);
+      v[i] = static_cast<T>(value) - typename R::Vector{}; // x - 0 is x, also for -0
   }
 
   [[gnu::always_inline]] friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept {

@@ -14,8 +14,9 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 constexpr double kShortest = 5e-3; // m
-// A section of more nepers than this is silent behind; keeps gains within single precision.
-constexpr double kMostAttenuation = 8;
+// Nepers of one section. A bore so long and narrow that one has more is silent behind all of
+// them; the limit keeps the poles apart, by a factor of two or more in frequency.
+constexpr double kMostAttenuation = 2;
 
 /// A section whose continuous form is (1 + s/zero)/(1 + s/pole), s = K (1 - z^-1)/(1 + z^-1).
 struct Section {
@@ -86,25 +87,34 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
     return trip;
   }
   const double loss = wall_loss(parameters_, length, air_.sound_speed);
-  for (std::size_t k = 0; k < frequency_.size(); ++k) {
+  std::array<Section, RoundTrip::kLossSections> row;
+  for (std::size_t k = 0; k < row.size(); ++k) {
     const double attenuation = std::min(loss * weight_[k], kMostAttenuation);
     const double spread = std::exp(attenuation / 2);
     const double ratio = bilinear_[k] / frequency_[k];
-    const Section s = section(ratio / spread, ratio * spread);
-    trip.pole[k] = s.pole;
-    trip.excess[k] = s.excess;
-    trip.arriving_gain *= s.gain;
+    row[k] = section(ratio / spread, ratio * spread);
+    trip.arriving_gain *= row[k].gain;
   }
-  std::copy(end_pole_.begin(), end_pole_.end(), trip.pole.begin() + RoundTrip::kLossSections);
-  std::copy(end_excess_.begin(), end_excess_.end(), trip.excess.begin() + RoundTrip::kLossSections);
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    trip.loss_pole[k] = row[k].pole;
+    trip.loss_residue[k] = row[k].excess;
+    for (std::size_t j = 0; j < row.size(); ++j)
+      if (j != k)
+        trip.loss_residue[k] *= 1 + row[j].excess / (row[k].pole - row[j].pole);
+  }
+  trip.end_pole = end_pole_;
+  trip.end_excess = end_excess_;
   trip.returning_gain = trip.arriving_gain * end_gain_;
 
   // What the filters' phase lacks at the lowest resonance, the delay makes up for.
   const double omega = 2 * kPi * std::min(ideal_frequency(length), 0.1 * rate_);
   const Complex s(0, omega), back = std::exp(-s / rate_);
-  Complex filters = trip.returning_gain;
-  for (std::size_t k = 0; k < trip.pole.size(); ++k)
-    filters *= 1.0 + trip.excess[k] * back / (1.0 - trip.pole[k] * back);
+  Complex filters = 1;
+  for (std::size_t k = 0; k < row.size(); ++k)
+    filters += trip.loss_residue[k] * back / (1.0 - trip.loss_pole[k] * back);
+  filters *= trip.returning_gain;
+  for (std::size_t k = 0; k < end_pole_.size(); ++k)
+    filters *= 1.0 + end_excess_[k] * back / (1.0 - end_pole_[k] * back);
   const Complex wanted = std::exp(-loss * std::sqrt(s)) *
                          OpenEnd::reflection(s * parameters_.end_radius / air_.sound_speed);
   const double lead = std::arg(filters / wanted);

@@ -7,28 +7,30 @@
 
 namespace tactus::reed {
 
-/// Digital filters of one round trip through the bore: first-order sections
-///   H_k = 1 + c_k z^-1/(1 - p_k z^-1)
-/// in a row, so that a section's state is as small as its effect (single-precision lanes keep
-/// their accuracy), and two gains: behind the wall-loss sections stands what reaches the open end,
-/// behind all of them what comes back.
+/// Digital filters of one round trip through the bore: the wall loss, sections side by side,
+///   H_l = 1 + sum_k r_k z^-1/(1 - p_k z^-1),
+/// then the open end's two, one behind the other,
+///   H_k = 1 + c_k z^-1/(1 - p_k z^-1).
+/// Each state is as small as its effect, so that single-precision lanes keep their accuracy. Two
+/// gains: behind the loss stands what reaches the open end, behind all what comes back.
 struct RoundTrip {
-  static constexpr int kLossSections = 7;
-  static constexpr int kSections = kLossSections + 2;
-  double delay = 3;                               // D, internal samples, fractional
-  std::array<double, kSections> pole{}, excess{}; // p_k, c_k
+  static constexpr int kLossSections = 8; // a power of two
+  double delay = 3;                       // D, internal samples, fractional
+  std::array<double, kLossSections> loss_pole{}, loss_residue{};
+  std::array<double, 2> end_pole{}, end_excess{};
   double arriving_gain = 1;
   double returning_gain = -1;
 };
 
 /// From the shape of the bore to its filters, at one internal sample rate.
 ///
-/// The wall loss exp(-G sqrt(s)) follows from sqrt(s) = 1/pi int_0^inf s/(s + q) q^(-1/2) dq: seven
+/// The wall loss exp(-G sqrt(s)) follows from sqrt(s) = 1/pi int_0^inf s/(s + q) q^(-1/2) dq: eight
 /// values q_k spaced by a factor e^h from 2 pi 8 to 2 pi min(0.4 fs, 20000) rad/s, each giving a
 /// pole at q_k e^(-delta/2) and a zero at q_k e^(delta/2), delta_k = G h/pi sqrt(q_k), the lowest
 /// raised for the tail of the integral below it. Bilinear, exact at q_k. Every section has
-/// |H| <= 1, so has the row. The open end is OpenEnd, bilinear. The delay makes the phase of the
-/// whole round trip exact at the lowest resonance.
+/// |H| <= 1, so has the row of them; its partial fractions are what is computed. The open end is
+/// OpenEnd, bilinear. The delay makes the phase of the whole round trip exact at the lowest
+/// resonance.
 class BoreDesign {
 public:
   /// Lowest bore frequency a line has room for, Hz.

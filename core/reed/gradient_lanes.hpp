@@ -38,7 +38,8 @@ public:
       simd::set_lane(slope, lane, static_cast<Scalar>(mouth.slope[at]));
     }
     constexpr int kStretch = ReedBank<V>::kControlPeriod;
-    V pressure[kStretch], radiated[kStretch], angle[kStretch], bore[kStretch], flow[kStretch];
+    V pressure[kStretch], angle[kStretch], bore[kStretch], flow[kStretch];
+    double radiated[kStretch];
     for (int done = 0; done < static_cast<int>(frames);) {
       if (bank_.until_control() == 0)
         bank_.control(reed, bore_frequency);
@@ -53,7 +54,7 @@ public:
       follower_.run(angle, count);
       if (!sound.empty())
         for (int i = 0; i < count; ++i)
-          sound.data()[done + i] = static_cast<double>(simd::lane(radiated[i], 0));
+          sound.data()[done + i] = radiated[i];
       angle_ = angle[count - 1];
       pressure_ = bore[count - 1];
       done += count;

@@ -17,10 +17,15 @@ double unit(double x) noexcept { return std::clamp(x, 0.0, 1.0); }
 void ForceSmoother::set(double time_constant_s, double slew_n_per_s) noexcept {
   time_constant_s_ = time_constant_s;
   slew_n_per_s_ = slew_n_per_s;
+  elapsed_s_ = 0;
 }
 
 PlaneForce ForceSmoother::advance(const PlaneForce& wanted, double elapsed_s) noexcept {
-  const double share = share_of(elapsed_s, time_constant_s_), most = slew_n_per_s_ * elapsed_s;
+  if (elapsed_s != elapsed_s_) {
+    elapsed_s_ = elapsed_s;
+    share_ = share_of(elapsed_s, time_constant_s_);
+  }
+  const double share = share_, most = slew_n_per_s_ * elapsed_s;
   const auto follow = [&](double from, double to) {
     constexpr double kNothing = 1e-12; // N; denormals are dear
     const double next =

@@ -22,6 +22,7 @@ public:
 
 private:
   double time_constant_s_ = 30e-3, slew_n_per_s_ = 20;
+  double elapsed_s_ = 0, share_ = 0; // what the last step of this length covers of the way
   PlaneForce force_{};
 };
 
@@ -40,12 +41,13 @@ private:
 /// the wall inside the border, which a hand on its way out meets t_a earlier and one on its way in
 /// later: damping that makes up for the delay of the loop. q u goes on pulling, to the depth 2 m,
 /// while a note that should sound does not. Deeper inside a sounding region there is no force.
-/// b brakes in the middle of a note narrower than 2 m: there grad D turns over, and with it goes the
-/// damping of the two walls that meet. |F| is at most F_max.
+/// b brakes in the middle of a note narrower than 2 m: there grad D turns over, and with it goes
+/// the damping of the two walls that meet. |F| is at most F_max.
 ///
 /// Then a ForceSmoother, whose slew lets the wall rise as fast as a hand comes: at 20 N/s it takes
-/// longer than a hand needs to cross a narrow note, which is then thrown to and fro. The wall is as stiff as F_max/m: 400 N/m for 2 N on a side of 100 mm.
-/// Steady where t_a exceeds the loop's delay (7 ms in a patch with blocks of 64 at 48 kHz).
+/// longer than a hand needs to cross a narrow note, which is then thrown to and fro. The wall is as
+/// stiff as F_max/m: 400 N/m for 2 N on a side of 100 mm. Steady where t_a exceeds the loop's delay
+/// (7 ms in a patch with blocks of 64 at 48 kHz).
 class Guidance {
 public:
   struct Settings {

@@ -36,4 +36,24 @@ private:
   std::array<V, kKept + longest> history_{};
 };
 
+/// From 4 times or twice the sample rate to the sample rate.
+template <class V, int longest> class Decimator {
+public:
+  void reset() noexcept {
+    wide_.reset();
+    steep_.reset();
+  }
+
+  /// count outputs from oversampling * count inputs (at most longest), which are used up.
+  void run(int oversampling, V* signal, V* output, int count) noexcept {
+    if (oversampling == 4)
+      wide_.run(signal, signal, 2 * count);
+    steep_.run(signal, output, count);
+  }
+
+private:
+  Halfband<V, 4, longest> wide_{};
+  Halfband<V, 8, longest> steep_{};
+};
+
 } // namespace tactus::reed

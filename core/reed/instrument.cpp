@@ -9,14 +9,16 @@ namespace tactus::reed {
 namespace {
 
 /// Single-precision hosts slow down on denormals, too.
-template <class S> S outgoing(double value) noexcept {
-  return std::abs(value) < 1e-30 ? S(0) : static_cast<S>(value);
+template <class S> void send(const double* value, S* out, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i)
+    out[i] = static_cast<S>(std::abs(value[i]) < 1e-30 ? 0.0 : value[i]);
 }
 
 /// Far above all that the model takes: what is clamped there need not be told from infinity.
 constexpr double kHighestFrequency = 1e6;
 
-/// A control that is no number, or not finite, leaves the last good value. 0 and below are one wish.
+/// A control that is no number, or not finite, leaves the last good value. 0 and below are one
+/// wish.
 void follow(double& kept, double given) noexcept {
   if (std::isfinite(given))
     kept = std::clamp(given, 0.0, kHighestFrequency);
@@ -61,12 +63,18 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
     last_pressure_ = mouth[count - 1];
     bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
               static_cast<int>(count));
+    bool loud = false;
     for (std::size_t i = 0; i < count; ++i) {
-      sound[done + i] = outgoing<S>(soft_clip(gain * radiated[i]));
-      theta[done + i] = outgoing<S>(angle[i]);
-      bore_pressure[done + i] = outgoing<S>(bore[i]);
-      flow[done + i] = outgoing<S>(through[i]);
+      radiated[i] *= gain;
+      loud |= std::abs(radiated[i]) > kClipped;
     }
+    if (loud)
+      for (std::size_t i = 0; i < count; ++i)
+        radiated[i] = soft_clip(radiated[i]);
+    send(radiated.data(), sound.data() + done, count);
+    send(angle.data(), theta.data() + done, count);
+    send(bore.data(), bore_pressure.data() + done, count);
+    send(through.data(), flow.data() + done, count);
     done += count;
   }
 }

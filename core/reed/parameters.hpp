@@ -2,7 +2,7 @@
 
 namespace tactus::reed {
 
-enum class ValveType { kClosed, kOpen, kSwinging };  ///< blown closed, blown open, swinging door
+enum class ValveType { kClosed, kOpen, kSwinging }; ///< blown closed, blown open, swinging door
 enum class BoreShape { kCylinder, kCone };
 enum class FlowMethod { kImplicit, kPaper };
 
@@ -13,50 +13,50 @@ enum class FlowMethod { kImplicit, kPaper };
 struct Parameters {
   // valve
   ValveType type = ValveType::kClosed;
-  double rest_angle = -0.04;         // theta_0
-  double arm_length = 0.01;          // l, m
-  double mass = 3.376e-6;            // m, kg
-  double reed_frequency = 2500;      // f_r, Hz: used while the player's control is 0
-  double quality = 5;                // Q
-  double width = 13e-3;              // w, m
-  double mouth_length = 6.5e-3;      // lambda_m, m: length of reed that sees the mouth pressure
-  double bore_length = 6.5e-3;       // lambda_b, m: length of reed that sees the bore pressure
-  double flow_length = 0;            // mu, m: length of reed that sees the flow
-  double channel_length = 1e-3;      // lambda, m
-  double leak_area = 0;              // A_leak, m^2
-  double restitution = 0;            // of the stop, 0..1
-  double displacement_limit = 5e-3;  // x_max, m
-  bool sweep = true;                 // the moving valve's own volume flow enters the bore
+  double rest_angle = -0.04;        // theta_0
+  double arm_length = 0.01;         // l, m
+  double mass = 3.376e-6;           // m, kg
+  double reed_frequency = 2500;     // f_r, Hz: used while the player's control is 0
+  double quality = 5;               // Q
+  double width = 13e-3;             // w, m
+  double mouth_length = 6.5e-3;     // lambda_m, m: length of reed that sees the mouth pressure
+  double bore_length = 6.5e-3;      // lambda_b, m: length of reed that sees the bore pressure
+  double flow_length = 0;           // mu, m: length of reed that sees the flow
+  double channel_length = 1e-3;     // lambda, m
+  double leak_area = 0;             // A_leak, m^2
+  double restitution = 0;           // of the stop, 0..1
+  double displacement_limit = 5e-3; // x_max, m
+  bool sweep = true;                // the moving valve's own volume flow enters the bore
 
   // bore
   BoreShape shape = BoreShape::kCylinder;
-  double length = 0.48;           // L, m: used while neither override nor bore frequency is given
-  double length_override = 0;     // m; > 0 stands above the bore frequency
-  double input_radius = 7.5e-3;   // r, m
-  double end_radius = 7.5e-3;     // r_e, m, of the radiating opening (bell, tone-hole lattice)
-  double apex_distance = 0.2;     // r_0, m, cone only
-  double cup_volume = 0;          // V, m^3
-  double wall_loss = 1;           // times the theoretical loss
-  double bell = 0;            // Hz, above which bell or open holes let sound out; 0: plain open end
-  double bell_quality = 1;    // Q of its opening
-  double brassiness = 0;      // bore lengths over which the radiated wave steepens
-  double scalar_reflection = 0;   // R_0; > 0 replaces loss and radiation (Raman's model)
-  double temperature = 20;        // deg C
+  double length = 0.48;         // L, m: used while neither override nor bore frequency is given
+  double length_override = 0;   // m; > 0 stands above the bore frequency
+  double input_radius = 7.5e-3; // r, m
+  double end_radius = 7.5e-3;   // r_e, m, of the radiating opening (bell, tone-hole lattice)
+  double apex_distance = 0.2;   // r_0, m, cone only
+  double cup_volume = 0;        // V, m^3
+  double wall_loss = 1;         // times the theoretical loss
+  double bell = 0;         // Hz, above which bell or open holes let sound out; 0: plain open end
+  double bell_quality = 1; // Q of its opening
+  double brassiness = 0;   // bore lengths over which the radiated wave steepens
+  double scalar_reflection = 0; // R_0; > 0 replaces loss and radiation (Raman's model)
+  double temperature = 20;      // deg C
 
   // numerics and voice
   FlowMethod flow = FlowMethod::kImplicit;
-  int oversampling = 0;      // 1, 2 or 4; 0: 4 for the swinging valve, else 1
-  double breath_noise = 0;   // relative to the mouth pressure
+  int oversampling = 0;    // 1, 2 or 4; 0: 4 for the swinging valve, else 1
+  double breath_noise = 0; // relative to the mouth pressure
   unsigned seed = 1;
-  bool tune = false;         // a player plays f_b: chooses length and embouchure, and listens
-  bool ear = true;           // with tune: correct what is heard out of tune
-  double gain = 2;           // of the sound outlet, 1/Pa at 1 m before the soft clip
+  bool tune = false; // a player plays f_b: chooses length and embouchure, and listens
+  bool ear = true;   // with tune: correct what is heard out of tune
+  double gain = 2;   // of the sound outlet, 1/Pa at 1 m before the soft clip
 
   // the player's lips, with tune: what they keep of the note, and factors on the valve above
-  double embouchure = 0;     // f_r/f_b; 0: a reed, whose f_r stays as given
-  double aim = 0;            // cents beside f_b: what sounding loud adds, known by practice
+  double embouchure = 0; // f_r/f_b; 0: a reed, whose f_r stays as given
+  double aim = 0;        // cents beside f_b: what sounding loud adds, known by practice
   double lip_mass = 1;
-  double lip_opening = 1;    // of theta_0
+  double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
 };
@@ -75,4 +75,4 @@ struct Parameters {
 /// Dimensionless strength zeta = Z_0 w |x_0| sqrt(2/(rho P_M)) of valve against bore.
 [[nodiscard]] double strength(const Parameters& parameters) noexcept;
 
-}  // namespace tactus::reed
+} // namespace tactus::reed

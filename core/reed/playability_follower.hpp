@@ -59,6 +59,7 @@ public:
       window_ = window;
       clear_counts();
     }
+    rate_of_one_ = sample_rate_ / (static_cast<double>(window_) * hop_);
     mean_gain_ = 1 - std::exp(-hop_ / (kMeanTime * sample_rate_));
   }
 
@@ -175,9 +176,10 @@ private:
       envelope = select(size > envelope, rise, fall);
       const V h = hysteresis * envelope + least;
       armed = armed | (high < -h);
-      const auto crossed = armed & (high > h);
+      const typename simd::LaneTraits<V>::MaskType crossed = armed & (high > h);
       if (any(crossed)) {
-        note(crossed, before, high, h, i);
+        const Crossing crossing{crossed, before, high, h}; // a copy: the state stays in registers
+        note(crossing, i);
         armed = armed & (!crossed);
       }
     }
@@ -187,15 +189,17 @@ private:
     armed_ = armed;
   }
 
+  struct Crossing {
+    typename simd::LaneTraits<V>::MaskType crossed;
+    V before, after, level;
+  };
   /// Notes when each lane's crossing happened, offset samples after now_.
-  [[gnu::noinline]] void note(const typename simd::LaneTraits<V>::MaskType& crossed,
-                              const V& before, const V& after, const V& level,
-                              int offset) noexcept {
+  [[gnu::noinline]] void note(const Crossing& crossing, int offset) noexcept {
     for (int i = 0; i < lanes; ++i) {
-      if (!simd::lane(crossed, i))
+      if (!simd::lane(crossing.crossed, i))
         continue;
-      const double from = simd::lane(before, i), to = simd::lane(after, i);
-      const double part = to > from ? (simd::lane(level, i) - from) / (to - from) : 1;
+      const double from = simd::lane(crossing.before, i), to = simd::lane(crossing.after, i);
+      const double part = to > from ? (simd::lane(crossing.level, i) - from) / (to - from) : 1;
       times_[i][crossings_[i] % kTimes] =
           static_cast<double>(now_ + offset) + (part > 0 ? part : 0);
       ++crossings_[i];
@@ -209,14 +213,14 @@ private:
       // What was counted in the hop that ended comes in, the oldest hop goes out.
       const int ended = hop_index_ > 0 ? hop_index_ - 1 : window_ - 1;
       total_[i] += counts_[i][ended];
-      rate_[i] = total_[i] * sample_rate_ / (static_cast<double>(window_) * hop_);
+      rate_[i] = total_[i] * rate_of_one_;
       total_[i] -= counts_[i][hop_index_];
       counts_[i][hop_index_] = 0;
       if (envelope(i) < kAudible * parameters_.reference_rad) {
         sounding_[i] = 0;
       } else if (++sounding_[i] > window_) {
         const int heard = sounding_[i] - window_;
-        const double gain = 1.0 / heard > mean_gain_ ? 1.0 / heard : mean_gain_;
+        const double gain = heard * mean_gain_ < 1 ? 1.0 / heard : mean_gain_;
         mean_[i] = heard == 1 ? rate_[i] : mean_[i] + gain * (rate_[i] - mean_[i]);
         if (sounding_[i] > kLongest)
           sounding_[i] = kLongest;
@@ -241,7 +245,7 @@ private:
   static constexpr int kLongest = 1 << 20; // hops, where counting of sound stops
   PlayabilityParameters parameters_{};
   double sample_rate_ = 0;
-  double pole_ = 0, attack_ = 0, release_ = 0, mean_gain_ = 0;
+  double pole_ = 0, attack_ = 0, release_ = 0, mean_gain_ = 0, rate_of_one_ = 0;
   int hop_ = 24, window_ = 0, place_ = 0, hop_index_ = 0;
   bool primed_ = false;
   V last_{0.0}, high_{0.0}, envelope_{0.0};

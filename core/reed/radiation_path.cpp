@@ -12,9 +12,11 @@ RadiationConstants RadiationConstants::from(const Parameters& p, const BoreDesig
   constexpr double kAtmosphere = 101325; // P_0, Pa
   RadiationConstants c;
   c.plain = !(p.bell > 0);
-  c.scale = bore.air().density / bore.impedance() * internal_rate / (4 * kPi);
-  if (c.plain)
+  if (c.plain) {
+    c.b0 = bore.air().density / bore.impedance() * internal_rate / (4 * kPi);
+    c.b1 = -c.b0;
     return c;
+  }
   const double speed = bore.air().sound_speed;
   const double cutoff = 2 * kPi * std::min(p.bell, 0.4 * internal_rate);
   const double opening = p.shape == BoreShape::kCone

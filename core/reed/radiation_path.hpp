@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/dsp/simd.hpp"
 #include "core/reed/bore_design.hpp"
 #include "core/reed/parameters.hpp"
 
@@ -31,16 +30,16 @@ namespace tactus::reed {
 /// has travelled it several times over, so that brassiness may be above 1.
 struct RadiationConstants {
   bool plain = true;
-  double scale = 0;                                  // plain: of the difference between samples
-  double b0 = 0, b1 = 0, b2 = 0, a1 = 0, a2 = 0;     // else: bilinear, exact at w_c
+  // Bilinear, exact at w_c; the plain end as the difference between samples.
+  double b0 = 0, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
   double lead = 0; // internal samples for each Pa and metre of bore
 
   static RadiationConstants from(const Parameters& parameters, const BoreDesign& bore,
                                  double internal_rate) noexcept;
 };
 
-/// Computes it, for the first lane of V alone.
-template <class V> class RadiationPath {
+/// Computes it.
+class RadiationPath {
 public:
   static constexpr int kLongest = 64; // internal samples of one run
 
@@ -50,34 +49,61 @@ public:
     constants_ = constants;
   }
   void reset() noexcept {
-    before_ = first_ = second_ = 0;
+    wave_ = before_ = sound_ = last_ = 0;
     past_ = {};
   }
   /// Share of the returning wave b that counts: a - b for the plain end, else a alone.
   [[nodiscard]] double returning_share() const noexcept { return constants_.plain ? 1 : 0; }
   [[nodiscard]] bool sane() const noexcept {
-    return size(before_) < 1e9 && size(first_) < 1e12 && size(second_) < 1e12;
+    return size(wave_) < 1e9 && size(sound_) < 1e9 && size(last_) < 1e9;
   }
   void quieten() noexcept {
-    for (double* value : {&before_, &first_, &second_})
+    for (double* value : {&wave_, &before_, &sound_, &last_})
       if (size(*value) < 1e-20)
         *value = 0;
   }
+  /// Loud waves change their shape: steepen() goes before the rest.
+  [[nodiscard]] bool steepens() const noexcept { return constants_.lead > 0; }
 
-  /// count <= kLongest samples in place; length is the bore's, m.
-  void run(V* wave, int count, double length) noexcept {
-    double sound[kLongest];
-    for (int i = 0; i < count; ++i)
-      sound[i] = static_cast<double>(simd::lane(wave[i], 0));
-    if (constants_.plain) {
-      differentiate(sound, count);
-    } else {
-      if (constants_.lead > 0)
-        steepen(sound, count, constants_.lead * length);
-      let_out(sound, count);
+  /// The way out of the bore, sample by sample; its state goes back into the path at the end of
+  /// its life.
+  class Exit {
+  public:
+    [[gnu::always_inline]] explicit Exit(RadiationPath& path) noexcept
+        : path_(path), c_(path.constants_), wave_(path.wave_), before_(path.before_),
+          sound_(path.sound_), last_(path.last_) {}
+    Exit(const Exit&) = delete;
+    Exit& operator=(const Exit&) = delete;
+    [[gnu::always_inline]] ~Exit() {
+      path_.wave_ = wave_;
+      path_.before_ = before_;
+      path_.sound_ = sound_;
+      path_.last_ = last_;
     }
+    /// From the wave at the end to the pressure at 1 m, Pa.
+    [[gnu::always_inline]] double operator()(double wave) noexcept {
+      const double sound =
+          ((c_.b0 * wave + c_.b1 * wave_) + (c_.b2 * before_ - c_.a2 * last_)) - c_.a1 * sound_;
+      before_ = wave_;
+      wave_ = wave;
+      last_ = sound_;
+      sound_ = sound;
+      return sound;
+    }
+
+  private:
+    RadiationPath& path_;
+    RadiationConstants c_;
+    double wave_, before_, sound_, last_;
+  };
+
+  /// Replaces count <= kLongest samples of wave by the sound of a bore of that length, m.
+  void run(double* wave, int count, double length) noexcept {
+    if (steepens())
+      steepen(wave, count, constants_.lead * length);
+    Exit exit(*this);
     for (int i = 0; i < count; ++i)
-      wave[i] = V(sound[i]);
+      wave[i] = exit(wave[i]);
   }
 
 private:
@@ -86,51 +112,42 @@ private:
 
   static double size(double x) noexcept { return x < 0 ? -x : x; }
 
-  void differentiate(double* sound, int count) noexcept {
-    for (int i = 0; i < count; ++i) {
-      const double now = sound[i];
-      sound[i] = constants_.scale * (now - before_);
-      before_ = now;
-    }
-  }
-
-  void let_out(double* sound, int count) noexcept {
-    const RadiationConstants c = constants_;
-    double first = first_, second = second_;
-    for (int i = 0; i < count; ++i) {
-      const double in = sound[i], out = c.b0 * in + first;
-      first = c.b1 * in - c.a1 * out + second;
-      second = c.b2 * in - c.a2 * out;
-      sound[i] = out;
-    }
-    first_ = first;
-    second_ = second;
-  }
-
   /// y(t) = a(t + lead y(t)), the lead found from the wave at t, then once more from what was
   /// found there. Whatever the lead, y is a value that the wave had (interpolated by Hermite's
   /// cubic), so that nothing grows; where pieces would overtake one another a jump stays.
   void steepen(double* sound, int count, double lead) noexcept {
+    if (count < 1 || count > kLongest)
+      return;
     std::array<double, kMemory + kLongest> wave;
     for (std::size_t i = 0; i < kMemory; ++i)
       wave[i] = past_[i];
     for (int i = 0; i < count; ++i)
       wave[kMemory + static_cast<std::size_t>(i)] = sound[i];
-    constexpr double kFarthest = kReach;
+    // In three passes: a processor looks ahead within each, but not across so long a way.
+    std::array<double, kLongest> place;
+    const auto find = [&](double value, int i) {
+      constexpr double kFarthest = kReach;
+      const double shift = lead * value, early = shift < kFarthest ? shift : kFarthest;
+      // Samples after the oldest that counts for sample i; of no number: as early as can be.
+      place[static_cast<std::size_t>(i)] = (early > -kFarthest ? early : -kFarthest) + kFarthest;
+    };
+    const auto piece = [&](int i, double& f) {
+      const double at = place[static_cast<std::size_t>(i)];
+      const int whole = static_cast<int>(at);
+      f = at - whole;
+      return wave.data() + i + whole;
+    };
+    for (int i = 0; i < count; ++i)
+      find(wave[static_cast<std::size_t>(i + kReach + 1)], i);
     for (int i = 0; i < count; ++i) {
-      const double* oldest = wave.data() + i; // 2 kReach + 3 before the newest
-      const auto place = [&](double value) {
-        const double shift = lead * value;
-        return (shift < -kFarthest ? -kFarthest : shift > kFarthest ? kFarthest : shift) + kReach;
-      };
-      double shift = place(oldest[kReach + 1]);
-      int whole = static_cast<int>(shift);
-      double f = shift - whole;
-      shift = place(oldest[whole + 1] + f * (oldest[whole + 2] - oldest[whole + 1]));
-      whole = static_cast<int>(shift);
-      f = shift - whole;
-      const double a = oldest[whole], b = oldest[whole + 1];
-      const double c = oldest[whole + 2], d = oldest[whole + 3];
+      double f;
+      const double* at = piece(i, f);
+      find(at[1] + f * (at[2] - at[1]), i);
+    }
+    for (int i = 0; i < count; ++i) {
+      double f;
+      const double* at = piece(i, f);
+      const double a = at[0], b = at[1], c = at[2], d = at[3];
       sound[i] =
           b + 0.5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a)));
     }
@@ -139,7 +156,8 @@ private:
   }
 
   RadiationConstants constants_{};
-  double before_ = 0, first_ = 0, second_ = 0;
+  double wave_ = 0, before_ = 0, sound_ = 0,
+         last_ = 0; // the last wave, the one before; so the sound
   std::array<double, kMemory> past_{};
 };
 

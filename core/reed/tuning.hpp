@@ -25,12 +25,12 @@ struct Playing {
 ///
 /// Linear theory knows nothing of amplitude: the choice is made for Parameters::aim beside f_b.
 /// The player's lips change the valve (Parameters::lip_...), and the length is tuned_length() of
-/// that valve where notes are usually played: at one and a half times the threshold, lips at two and
-/// a half.
-/// With an embouchure (lips, folds, membranes) the valve also goes with the note: it is brought to
-/// embouchure * f_b, at constant stiffness (a lower note takes more of the lip's mass), so that
-/// threshold and opening stay what they were; f_r then bends it, its own value being no bend. A
-/// note well below the bore's lowest resonance is that valve's alone: the bore keeps its length.
+/// that valve where notes are usually played: at one and a half times the threshold, lips at two
+/// and a half. With an embouchure (lips, folds, membranes) the valve also goes with the note: it is
+/// brought to embouchure * f_b, at constant stiffness (a lower note takes more of the lip's mass),
+/// so that threshold and opening stay what they were; f_r then bends it, its own value being no
+/// bend. A note well below the bore's lowest resonance is that valve's alone: the bore keeps its
+/// length.
 [[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
                             double reed_frequency) noexcept;
 

@@ -14,51 +14,94 @@
 namespace tactus::reed {
 
 /// What the reed frequency enters into; constant, or one for each internal sample while f_r moves.
+/// Y = 1/(2m/T + m w_r/Q + k T/2) is the valve's mean velocity for each newton, Z = 1/(y_p +
+/// (w lambda_b)^2 Y) the port's impedance with the valve in it.
 template <class V> struct ReedCoefficients {
-  V stiffness{0.0};      // k
-  V mobility{0.0};       // Y = 1/(2m/T + m w_r/Q + k T/2): mean velocity for each newton
-  V bore_mobility{0.0};  // w lambda_b Y
-  V swept_mobility{0.0}; // the same, 0 without sweep
-  V port_impedance{0.0}; // Z = 1/(y_p + (w lambda_b)^2 Y)
-  // Products for the shortest way from one sample's jet to the next one's.
-  V swept_pressure{0.0};       // Z w lambda_b Y: bore pressure for each newton on the valve
-  V pressure_by_place{0.0};    // its share by the displacement, k Z w lambda_b Y
-  V pressure_by_motion{0.0};   // and by the velocity, 2m/T Z w lambda_b Y
-  V resistance_at_rest{0.0};   // rho lambda/T + Z A at rest
-  V resistance_by_place{0.0};  // Z w
-  V resistance_by_motion{0.0}; // Z w T/2
+  V stiffness{0.0};         // k
+  V port_impedance{0.0};    // Z
+  V pressure_by_force{0.0}; // Z w lambda_b Y
+  // Way in one sample by the force on the valve, and less that by what flows into the port.
+  V way_by_force{0.0}; // T Y (1 - w lambda_b Z w lambda_b Y)
+  V way_by_flow{0.0};  // T w lambda_b Y Z
+  V velocity_by_flow{0.0};
+  // R = rho lambda/T + Z A over the path that the valve is on.
+  V resistance_at_rest{0.0};
+  V resistance_by_place{0.0};    // Z w
+  V resistance_by_velocity{0.0}; // Z w T/2
+  V resistance_by_flow{0.0};     // less: by the flow that has moved the valve
+  // 2 rho times what drives the jet.
+  V drive_by_mouth{0.0};    // by p_m, less what its push on the valve does
+  V drive_by_source{0.0};   // less: by what flows into the port
+  V drive_by_bore{0.0};     // less: by p_b of the sample before, through cone and cup
+  V drive_by_place{0.0};    // k Z w lambda_b Y
+  V drive_by_velocity{0.0}; // less: 2m/T Z w lambda_b Y
+  V drive_by_flow{0.0};     // less: by the flow of the sample before, through all of these
 
   static ReedCoefficients at(const ValveConstants& c, const V& omega) noexcept {
     ReedCoefficients r;
     r.stiffness = V(c.mass) * omega * omega;
-    r.mobility = V(1.0) / (V(c.momentum) + V(c.damping) * omega + V(0.5 * c.period) * r.stiffness);
-    r.bore_mobility = V(c.bore_area) * r.mobility;
-    r.swept_mobility = V(c.swept_area) * r.mobility;
-    r.port_impedance = V(1.0) / (V(c.port_admittance) + V(c.swept_area) * r.swept_mobility);
-    r.swept_pressure = r.port_impedance * r.swept_mobility;
-    r.pressure_by_place = r.swept_pressure * r.stiffness;
-    r.pressure_by_motion = r.swept_pressure * V(c.momentum);
+    const V mobility =
+        V(1.0) / (V(c.momentum) + V(c.damping) * omega + V(0.5 * c.period) * r.stiffness);
+    const V swept_mobility = V(c.swept_area) * mobility;
+    r.port_impedance = V(1.0) / (V(c.port_admittance) + V(c.swept_area) * swept_mobility);
+    r.pressure_by_force = r.port_impedance * swept_mobility;
+    r.way_by_force = V(c.period) * (mobility - V(c.bore_area) * mobility * r.pressure_by_force);
+    r.way_by_flow = V(c.period * c.bore_area) * mobility * r.port_impedance;
+    r.velocity_by_flow = V(2 * c.rate) * r.way_by_flow;
     r.resistance_at_rest = V(c.inertia) + r.port_impedance * V(c.width * c.rest_opening + c.leak);
     r.resistance_by_place = r.port_impedance * V(c.width);
-    r.resistance_by_motion = r.port_impedance * V(0.5 * c.width * c.period);
+    r.resistance_by_velocity = r.port_impedance * V(0.5 * c.width * c.period);
+    r.resistance_by_flow =
+        r.resistance_by_place * r.way_by_flow + r.resistance_by_velocity * r.velocity_by_flow;
+    const V twice_density(2 * c.density), by_force = twice_density * r.pressure_by_force;
+    r.drive_by_mouth = twice_density - by_force * V(c.mouth_area);
+    r.drive_by_source = twice_density * r.port_impedance;
+    r.drive_by_bore = r.drive_by_source * V(2 * (c.compliance_rate - c.inertance_rate));
+    r.drive_by_place = by_force * r.stiffness;
+    r.drive_by_velocity = by_force * V(c.momentum);
+    r.drive_by_flow =
+        (r.drive_by_place * r.way_by_flow - r.drive_by_velocity * r.velocity_by_flow) +
+        r.drive_by_bore * r.port_impedance;
     return r;
   }
 };
 
-/// State of valve, jet and the lumped elements at the bore's input.
+/// State of valve, jet and the lumped elements at the bore's input. Place, velocity and pressure
+/// stand here but for the flow that moved them last (step_valve says why).
 template <class V> struct ValveState {
-  V deflection{0.0};      // x - x_0 along the valve's direction, m
-  V velocity{0.0};        // m/s
   V jet_velocity{0.0};    // u, m/s
   V flow{0.0};            // U = A u, m^3/s
-  V bore_pressure{0.0};   // p_b, Pa
   V inertance_flow{0.0};  // U_L of the cone
   V compliance_flow{0.0}; // U_C of the cup
   V past{0.0};            // what cone and cup drive into the port, less 2 (2C/T - T/2M) p_b
 
+  V place{0.0}, speed{0.0}, pressure{0.0};
+  V moved_by{0.0};                                           // U, or 0 where it is in them
+  V way_by_flow{0.0}, velocity_by_flow{0.0}, impedance{0.0}; // what it did to them
+  V resistance_by_jet{0.0}, drive_by_jet{0.0};               // and, by u, to the next jet
+
+  /// x - x_0 along the valve's direction, m.
+  [[nodiscard, gnu::always_inline]] V deflection() const noexcept {
+    return place - way_by_flow * moved_by;
+  }
+  /// m/s
+  [[nodiscard, gnu::always_inline]] V velocity() const noexcept {
+    return speed - velocity_by_flow * moved_by;
+  }
+  /// p_b, Pa
+  [[nodiscard, gnu::always_inline]] V bore_pressure() const noexcept {
+    return pressure + impedance * moved_by;
+  }
+  /// Puts the valve somewhere else; the air stays as it is.
+  void move(const V& deflection, const V& velocity) noexcept {
+    pressure = bore_pressure();
+    place = deflection;
+    speed = velocity;
+    moved_by = resistance_by_jet = drive_by_jet = V(0.0);
+  }
   void remember(const ValveConstants& c) noexcept {
-    past =
-        compliance_flow - inertance_flow - V(c.compliance_rate - c.inertance_rate) * bore_pressure;
+    past = compliance_flow - inertance_flow -
+           V(c.compliance_rate - c.inertance_rate) * bore_pressure();
   }
 };
 
@@ -67,19 +110,18 @@ template <class V> struct ValveSignals {
   const V* mouth_pressure;
   const double* noise; // null, or a factor of the jet's dynamic pressure, common to all lanes
   V* wave;             // in: p-, what the bore sends back; out: p+
-  V* deflection;
+  V* angle;            // theta, rad
   V* bore_pressure;
   V* flow;
 };
 
-/// Root of (resistance) u + (rho/2) u|u| = drive: unique, and defined for a shut valve. The
+/// Root of (resistance) u + (rho/2) u|u| = drive/(2 rho): unique, and defined for a shut valve. The
 /// difference of root and resistance costs an absolute error of some 1e-14 m/s in double, 300 dB
 /// below a sounding jet; the quotient without cancellation would cost a tenth more time.
 template <class V>
 [[nodiscard, gnu::always_inline]] inline V jet_velocity(const V& resistance, const V& drive,
-                                                        const V& twice_density,
                                                         const V& specific_volume) noexcept {
-  const V root = simd::square_root(resistance * resistance + twice_density * simd::absolute(drive));
+  const V root = simd::square_root(resistance * resistance + simd::absolute(drive));
   return (root - resistance) * simd::copy_sign(specific_volume, drive);
 }
 
@@ -106,39 +148,45 @@ template <class V>
 ///   (rho lambda/T + Z A) u + (rho/2) u|u| = p_m - h + (rho lambda/T) u_old.
 /// A valve that meets its stop or limit is solved again as the rigid wall it then is.
 ///
-/// The loop is bound by the way from one u over square root and valve to the next u: the sums on it
-/// are written with what is known early in front.
+/// The loop is bound by the way from one u over square root and valve to the next u. Place,
+/// velocity and pressure at the end of a sample are linear in its flow U = A u; so R and the drive
+/// of the next jet are linear in u, and their coefficients are computed while the square root is
+/// under way.
 template <bool swinging, bool paper, class V>
-void step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int stride,
-                ValveState<V>& state, const ValveSignals<V>& signal, int count) noexcept {
-  using simd::absolute, simd::any, simd::copy_sign, simd::select, simd::square_root;
+[[gnu::noinline, gnu::flatten]] void
+step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int stride,
+           ValveState<V>& state, const ValveSignals<V>& signal, int count) noexcept {
+  using simd::absolute, simd::any, simd::copy_sign, simd::select;
   const V zero(0.0), one(1.0), half(0.5), tiny(1e-30);
-  const V period(c.period), rate(1 / c.period);
+  const V period(c.period), rate(c.rate), twice_rate(2 * c.rate);
   const V rest(c.rest_opening), width(c.width), leak(c.leak), inertia(c.inertia);
-  const V rest_area(c.width * c.rest_opening + c.leak), area_by_motion(0.5 * c.width * c.period);
+  const V rest_area(c.width * c.rest_opening + c.leak), area_by_velocity(0.5 * c.width * c.period);
   const V lowest(c.lowest), highest(c.highest), momentum(c.momentum);
-  const V mouth_area(c.mouth_area), flow_area(c.flow_area), half_density(0.5 * c.density);
-  const V twice_density(2 * c.density), specific_volume(1 / c.density), wave(c.wave_admittance),
+  const V mouth_area(c.mouth_area), half_density(0.5 * c.density);
+  const V twice_density(2 * c.density), specific_volume(c.specific_volume), wave(c.wave_admittance),
       swept(c.swept_area);
-  const V rigid_impedance(1 / c.port_admittance), restitution(c.restitution);
+  const V drive_by_inertia(2 * c.density * c.inertia);
+  const V rigid_impedance(c.rigid_impedance), restitution(c.restitution);
+  const V angle_scale(c.angle_scale);
   const V inertance(c.inertance_rate), compliance(c.compliance_rate);
   const V echo(2 * (c.compliance_rate - c.inertance_rate));
   const V memory(c.compliance_rate + c.inertance_rate);
-  const bool pushed_by_flow = c.flow_area > 0;
+  const bool pushed_by_flow = c.flow_area > 0, moving = stride > 0;
+  const bool lumped = c.inertance_rate > 0 || c.compliance_rate > 0;
 
-  V x = state.deflection, v = state.velocity, u = state.jet_velocity, flow = state.flow;
-  V bore = state.bore_pressure, inertance_flow = state.inertance_flow;
-  V compliance_flow = state.compliance_flow;
-  V past = state.past;
+  ValveState<V> now = state; // in registers
 
   for (int i = 0; i < count; ++i) {
     const ReedCoefficients<V>& r = coefficients[i * stride];
+    const V u = now.jet_velocity, x = now.deflection(), v = now.velocity();
+    const V bore = now.bore_pressure();
     const V returning = signal.wave[i];
     V mouth = signal.mouth_pressure[i];
     if (signal.noise != nullptr)
       mouth += V(signal.noise[i]) * half_density * u * u;
+    const V given = wave * returning + now.past;
 
-    // Opening A and rho lambda/T + Z A over the predicted path, and the side it lies on.
+    // Opening A and R over the predicted path, and the side it lies on.
     const V travel = period * v, y = rest + x, next = y + travel;
     V side(1.0), area, resistance;
     if constexpr (swinging) {
@@ -155,124 +203,109 @@ void step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients
       area = width * opening + leak;
       resistance = inertia + r.port_impedance * area;
     } else {
-      area = (rest_area + width * x) + area_by_motion * v;
-      resistance = r.resistance_at_rest + (r.resistance_by_place * x + r.resistance_by_motion * v);
+      area = (rest_area + width * x) + area_by_velocity * v;
+      resistance = (r.resistance_at_rest +
+                    (r.resistance_by_place * now.place + r.resistance_by_velocity * now.speed)) -
+                   now.resistance_by_jet * u;
       const auto closing = next < zero;
       if (any(closing)) {
         area = select(closing, width * (half * y * y / (y - next + tiny)) + leak, area);
         resistance = select(closing, inertia + r.port_impedance * area, resistance);
       }
+      if (moving)
+        resistance = inertia + r.port_impedance * area;
     }
-
-    // The port as a source: p_b = open + Z U, open = Z (source + w lambda_b Y force).
+    // 2 rho (p_m - h + (rho lambda/T) u)
+    V known = r.drive_by_mouth * mouth - r.drive_by_source * given;
+    V drive;
+    if (moving) {
+      drive = (known + drive_by_inertia * u) +
+              ((r.drive_by_place * x - r.drive_by_velocity * v) - r.drive_by_bore * bore);
+    } else {
+      if (lumped)
+        known -= r.drive_by_bore * now.pressure;
+      drive = (known + (r.drive_by_place * now.place - r.drive_by_velocity * now.speed)) +
+              (drive_by_inertia - now.drive_by_jet) * u;
+    }
     V push = mouth_area * mouth, lift = zero;
     if (pushed_by_flow) {
-      lift = side * flow_area;
-      push += lift * (mouth - (half_density * u) * u);
+      lift = side * V(c.flow_area);
+      const V driven = lift * (mouth - (half_density * u) * u);
+      push += driven;
+      drive -= (twice_density * r.pressure_by_force) * driven;
     }
-    const V given = wave * returning + past;
-    const V source = given + echo * bore;
-    const V force = (momentum * v - r.stiffness * x) + push;
-    const V open = r.port_impedance * source + r.swept_pressure * force;
 
-    // U = scale * solved: what depends on the scale is known before the jet is.
-    V solved, scale, jet;
+    const V source = lumped ? given + echo * bore : given;
+    V jet, through;
     if constexpr (paper) {
-      solved = explicit_flow(c, r.port_impedance, area, mouth - bore, flow);
-      scale = one;
-      jet = solved / (area + V(1e-9));
+      through = explicit_flow(c, r.port_impedance, area, mouth - bore, now.flow);
+      jet = through / (area + V(1e-9));
     } else {
-      const V known = (mouth - r.port_impedance * given) - r.swept_pressure * push;
-      const V drive = ((known + inertia * u) - (r.port_impedance * echo) * bore) +
-                      (r.pressure_by_place * x - r.pressure_by_motion * v);
-      jet = solved = jet_velocity(resistance, drive, twice_density, specific_volume);
-      scale = area;
+      jet = jet_velocity(resistance, drive, specific_volume);
     }
-    V through = scale * solved;
-    const V impedance = r.port_impedance * scale;
-    V pressure = open + impedance * solved;
-    // Mean velocity of the step: without the new jet, and for each m/s of it.
-    V still = r.mobility * force - r.bore_mobility * open;
-    const V brake = r.bore_mobility * impedance;
+
+    const V force = (momentum * v - r.stiffness * x) + push;
+    const V way = r.way_by_force * force - r.way_by_flow * source;
+    now.way_by_flow = r.way_by_flow;
+    now.velocity_by_flow = r.velocity_by_flow;
+    now.impedance = r.port_impedance;
+    now.place = x + way;
+    now.speed = twice_rate * way - v;
+    now.pressure = r.port_impedance * source + r.pressure_by_force * force;
+    now.resistance_by_jet = r.resistance_by_flow * area;
+    now.drive_by_jet = r.drive_by_flow * area;
+    if constexpr (!paper)
+      through = area * jet;
     if (pushed_by_flow) {
-      const V kinetic = (r.mobility * half_density) * lift;
-      still += (kinetic * u) * u - (kinetic * jet) * jet;
+      const V gained = half_density * lift * (u * u - jet * jet); // newtons
+      now.place += r.way_by_force * gained;
+      now.speed += twice_rate * r.way_by_force * gained;
+      now.pressure += r.pressure_by_force * gained;
     }
-    const V moved = (x + period * still) - (period * brake) * solved;
-    V next_x = moved, next_v = (still + still - v) - (brake + brake) * solved;
+    now.moved_by = through;
     const auto hold = [&](const auto& beyond, const V& wall, auto inward) {
       const V contact = (wall - x) * rate;
       const V held_open = rigid_impedance * (source + swept * contact);
       V held_jet, held_through;
       if constexpr (paper) {
-        held_through = explicit_flow(c, rigid_impedance, area, mouth - bore, flow);
+        held_through = explicit_flow(c, rigid_impedance, area, mouth - bore, now.flow);
         held_jet = held_through / (area + V(1e-9));
       } else {
-        held_jet = jet_velocity(inertia + rigid_impedance * area, (mouth - held_open) + inertia * u,
-                                twice_density, specific_volume);
+        held_jet =
+            jet_velocity(inertia + rigid_impedance * area,
+                         twice_density * ((mouth - held_open) + inertia * u), specific_volume);
         held_through = area * held_jet;
       }
       jet = select(beyond, held_jet, jet);
       through = select(beyond, held_through, through);
-      pressure = select(beyond, held_open + rigid_impedance * held_through, pressure);
-      next_x = select(beyond, wall, next_x);
-      next_v = select(beyond, inward(restitution * (contact + contact - v)), next_v);
+      now.place = select(beyond, wall, now.place);
+      now.speed = select(beyond, inward(restitution * (contact + contact - v)), now.speed);
+      now.pressure = select(beyond, held_open + rigid_impedance * held_through, now.pressure);
+      now.moved_by = select(beyond, zero, now.moved_by);
+      now.resistance_by_jet = select(beyond, zero, now.resistance_by_jet);
+      now.drive_by_jet = select(beyond, zero, now.drive_by_jet);
     };
+    const V moved = now.deflection();
     const auto above = moved > highest, below = moved < lowest;
     if (any(below))
       hold(below, lowest, [&](const V& rebound) { return simd::maximum(rebound, zero); });
     if (any(above))
       hold(above, highest, [&](const V& rebound) { return simd::minimum(rebound, zero); });
 
-    x = next_x;
-    v = next_v;
-    u = jet;
-    flow = through;
-    past = -(compliance_flow + inertance_flow + memory * bore);
-    inertance_flow += inertance * (pressure + bore);
-    compliance_flow = compliance * (pressure - bore) - compliance_flow;
-    bore = pressure;
-    signal.wave[i] = pressure - returning;
-    signal.deflection[i] = x;
-    signal.bore_pressure[i] = pressure;
+    const V next_bore = now.bore_pressure();
+    if (lumped) {
+      now.past = -(now.compliance_flow + now.inertance_flow + memory * bore);
+      now.inertance_flow += inertance * (next_bore + bore);
+      now.compliance_flow = compliance * (next_bore - bore) - now.compliance_flow;
+    }
+    now.jet_velocity = jet;
+    now.flow = through;
+    signal.wave[i] = next_bore - returning;
+    signal.angle[i] = (now.deflection() + rest) * angle_scale;
+    signal.bore_pressure[i] = next_bore;
     signal.flow[i] = through;
   }
-  state = {x, v, u, flow, bore, inertance_flow, compliance_flow, past};
+  state = now;
 }
-
-/// Filters of the bore's round trip. Because the wave takes at least `delay` samples for it, a
-/// stretch of that many samples can be filtered before the valve computes them.
-template <class V> struct RoundTripFilter {
-  std::array<V, RoundTrip::kSections> state{};
-
-  /// From the delay line's output to what comes back (p-, in place of the input) and what reaches
-  /// the open end and leaves it: a - returning_share * b.
-  void run(const RoundTrip& trip, V* wave, V* leaving, double returning_share,
-           int count) noexcept {
-    std::array<V, RoundTrip::kSections> s = state, pole, excess;
-    for (std::size_t k = 0; k < s.size(); ++k) {
-      pole[k] = V(trip.pole[k]);
-      excess[k] = V(trip.excess[k]);
-    }
-    const V arriving_gain(trip.arriving_gain), returning_gain(trip.returning_gain);
-    const V share(returning_share);
-    for (int i = 0; i < count; ++i) {
-      V signal = wave[i];
-      const auto section = [&](std::size_t k) {
-        const V out = signal + s[k];
-        s[k] = pole[k] * s[k] + excess[k] * signal;
-        signal = out;
-      };
-      for (std::size_t k = 0; k < RoundTrip::kLossSections; ++k)
-        section(k);
-      const V arriving = arriving_gain * signal;
-      for (std::size_t k = RoundTrip::kLossSections; k < RoundTrip::kSections; ++k)
-        section(k);
-      wave[i] = returning_gain * signal;
-      leaving[i] = arriving - share * wave[i];
-    }
-    state = s;
-  }
-};
 
 } // namespace tactus::reed

@@ -9,6 +9,7 @@ ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
                                     double internal_rate) noexcept {
   ValveConstants c;
   c.period = 1 / internal_rate;
+  c.rate = internal_rate;
   c.swinging = p.type == ValveType::kSwinging;
   c.paper = p.flow == FlowMethod::kPaper;
   c.direction = !c.swinging && p.rest_angle < 0 ? -1 : 1;
@@ -27,6 +28,7 @@ ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
   c.damping = p.mass / p.quality;
   c.momentum = 2 * p.mass * internal_rate;
   c.density = bore.air().density;
+  c.specific_volume = 1 / c.density;
   c.channel_length = p.channel_length;
   c.inertia = c.density * p.channel_length * internal_rate;
   c.restitution = p.restitution;
@@ -37,6 +39,7 @@ ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
   c.compliance_rate = 2 * internal_rate * p.cup_volume /
                       (c.density * bore.air().sound_speed * bore.air().sound_speed);
   c.port_admittance = 1 / bore.impedance() + c.inertance_rate + c.compliance_rate;
+  c.rigid_impedance = 1 / c.port_admittance;
   c.angle_scale = c.direction / p.arm_length;
   return c;
 }

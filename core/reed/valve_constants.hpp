@@ -9,7 +9,7 @@ namespace tactus::reed {
 /// Displacements are counted along the valve's direction, so that a stopped valve opens towards
 /// positive values whether it is blown open or closed; the forces' signs follow.
 struct ValveConstants {
-  double period = 0;              // T
+  double period = 0, rate = 0;    // T, 1/T
   double direction = 1;           // +1: theta > 0 is open (and the swinging valve); -1: theta < 0
   double rest_opening = 0;        // |x_0|; the swinging valve's x_0
   double lowest = 0, highest = 0; // stop and limit, as deflection from rest
@@ -21,11 +21,13 @@ struct ValveConstants {
   double mass = 0, damping = 0;   // m, m/Q
   double momentum = 0;            // 2 m/T
   double density = 0;             // rho
+  double specific_volume = 0;     // 1/rho
   double inertia = 0;             // rho lambda/T
   double channel_length = 0;      // lambda
   double restitution = 0;
   double wave_admittance = 0; // 2/Z_0
   double port_admittance = 0; // y_p = 1/Z_0 + T/2M + 2C/T
+  double rigid_impedance = 0; // 1/y_p
   double inertance_rate = 0;  // T/2M, cone
   double compliance_rate = 0; // 2C/T, cup
   double angle_scale = 1;     // theta = (deflection + rest opening) angle_scale

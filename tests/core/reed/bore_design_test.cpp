@@ -15,26 +15,25 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-/// Transfer of the first sections, gain included, without the delay.
-Complex filters(const RoundTrip& trip, double frequency, double rate, int sections, double gain) {
+/// Transfer to the open end, gain included, without the delay.
+Complex arriving(const RoundTrip& trip, double frequency, double rate) {
   const Complex back = std::polar(1.0, -kTwoPi * frequency / rate);
-  Complex h = gain;
-  for (int k = 0; k < sections; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    h *= 1.0 + trip.excess[i] * back / (1.0 - trip.pole[i] * back);
-  }
+  Complex h = 1;
+  for (std::size_t k = 0; k < trip.loss_pole.size(); ++k)
+    h += trip.loss_residue[k] * back / (1.0 - trip.loss_pole[k] * back);
+  return trip.arriving_gain * h;
+}
+/// And back.
+Complex returning(const RoundTrip& trip, double frequency, double rate) {
+  const Complex back = std::polar(1.0, -kTwoPi * frequency / rate);
+  Complex h = arriving(trip, frequency, rate) * (trip.returning_gain / trip.arriving_gain);
+  for (std::size_t k = 0; k < trip.end_pole.size(); ++k)
+    h *= 1.0 + trip.end_excess[k] * back / (1.0 - trip.end_pole[k] * back);
   return h;
 }
 
-Complex arriving(const RoundTrip& trip, double frequency, double rate) {
-  return filters(trip, frequency, rate, RoundTrip::kLossSections, trip.arriving_gain);
-}
-Complex returning(const RoundTrip& trip, double frequency, double rate) {
-  return filters(trip, frequency, rate, RoundTrip::kSections, trip.returning_gain);
-}
-
 TEST_CASE("the wall-loss filter follows exp(-G sqrt(s))") {
-  // Seven sections can do no better than this between 50 Hz and 1 kHz; measured 0.013 and 0.04 dB.
+  // What eight sections reach between 50 Hz and 1 kHz.
   for (const auto& [length, tolerance_db] : {std::pair{0.48, 0.02}, std::pair{2.0, 0.06}})
     for (const double rate : {44100.0, 48000.0, 96000.0}) {
       Parameters p;

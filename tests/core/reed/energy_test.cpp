@@ -39,7 +39,7 @@ public:
 
   /// Spring and mass, the waves under way, and the air in the channel.
   [[nodiscard]] double energy() const {
-    const double v = state_.velocity, x = state_.deflection;
+    const double v = state_.velocity(), x = state_.deflection();
     double sum = 0.5 * parameters_.mass * v * v + 0.5 * coefficients_.stiffness * x * x;
     for (const double p : line_)
       sum += constants_.period / design_.impedance() * p * p;
@@ -79,8 +79,7 @@ TEST_CASE("two hundred random valves on a lossless bore never gain energy by the
     p.displacement_limit = between(1e-3, 1e-2);
     ClosedSystem system(p, 48000, 20 + trial);
     const double wide = system.constants().highest - system.constants().lowest;
-    system.state().deflection = system.constants().lowest + 0.9 * wide;
-    system.state().velocity = wide * p.reed_frequency;
+    system.state().move(system.constants().lowest + 0.9 * wide, wide * p.reed_frequency);
     for (double& wave : system.line())
       wave = std::normal_distribution<>(0, 300)(random);
     const double start = system.energy();
@@ -109,7 +108,7 @@ TEST_CASE("the free valve without damping keeps its energy to rounding") {
   const ValveConstants c = ValveConstants::from(p, design, 48000);
   const auto r = ReedCoefficients<double>::at(c, 2 * std::numbers::pi * p.reed_frequency);
   ValveState<double> state;
-  state.deflection = 1e-4;
+  state.move(1e-4, 0);
   const double start = 0.5 * r.stiffness * 1e-8;
   double mouth = 0, wave = 0, deflection, bore, flow;
   for (int n = 0; n < 48000; ++n) {
@@ -117,8 +116,8 @@ TEST_CASE("the free valve without damping keeps its energy to rounding") {
     step_valve<true, false>(c, &r, 0, state, {&mouth, nullptr, &wave, &deflection, &bore, &flow},
                             1);
   }
-  const double end = 0.5 * p.mass * state.velocity * state.velocity +
-                     0.5 * r.stiffness * state.deflection * state.deflection;
+  const double end = 0.5 * p.mass * state.velocity() * state.velocity() +
+                     0.5 * r.stiffness * state.deflection() * state.deflection();
   CHECK(std::abs(end / start - 1) < 1e-9);
 }
 
