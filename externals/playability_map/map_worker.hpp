@@ -30,7 +30,7 @@ public:
   void start(std::size_t nodes, Portion portion) {
     renew(nodes);
     running_.store(true, std::memory_order_relaxed);
-    thread_ = std::jthread([this, work = std::move(portion)](std::stop_token stop) {
+    thread_ = std::jthread([this, work = std::move(portion)](const std::stop_token& stop) {
       give_way();
       std::size_t done = 0;
       while (done < nodes_.size() && !stop.stop_requested()) {

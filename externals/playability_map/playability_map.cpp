@@ -95,8 +95,9 @@ MapWorker::Portion PlayabilityMapObject::portion() const {
     return [=](std::vector<double>& nodes, std::size_t first) {
       const std::size_t end = std::min(first + 8, nodes.size());
       for (std::size_t n = first; n < end; ++n) {
-        const double y = static_cast<double>(n % columns) / static_cast<double>(columns - 1);
-        const double z = static_cast<double>(n / columns) / static_cast<double>(rows - 1);
+        const std::size_t column = n % columns, row = n / columns;
+        const double y = static_cast<double>(column) / static_cast<double>(columns - 1);
+        const double z = static_cast<double>(row) / static_cast<double>(rows - 1);
         nodes[n] = theory.dominant_mode(range.pressure(y), scale * range.frequency(z)).growth_rate;
       }
       return end;
@@ -163,8 +164,9 @@ void PlayabilityMapObject::send_cells(Host& host, std::size_t to) {
   for (; sent_ < to; ++sent_) {
     const double value = worker_.node(sent_);
     const Colour c = colour(growth_ ? 0.5 + 0.5 * value / (std::abs(value) + kGrowthScale) : value);
-    host.send(2, {"cell", static_cast<double>(sent_ % columns_),
-                  static_cast<double>(sent_ / columns_), value, c.r, c.g, c.b});
+    const std::size_t column = sent_ % columns_, row = sent_ / columns_;
+    host.send(2, {"cell", static_cast<double>(column), static_cast<double>(row), value, c.r, c.g,
+                  c.b});
   }
 }
 
