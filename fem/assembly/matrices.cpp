@@ -1,0 +1,181 @@
+#include "fem/assembly/matrices.hpp"
+
+#include "fem/element/matrices.hpp"
+
+#include <algorithm>
+
+namespace tactus::fem {
+
+NodeGraph::NodeGraph(const Mesh& mesh) : start(mesh.nodes.size() + 1, 0) {
+  // Elements around each node, then each node's neighbours of a higher number.
+  const std::size_t count = mesh.nodes.size();
+  std::vector<std::size_t> first(count + 1, 0);
+  for (const int n : mesh.connectivity)
+    ++first[static_cast<std::size_t>(n) + 1];
+  for (std::size_t i = 0; i < count; ++i)
+    first[i + 1] += first[i];
+  std::vector<std::size_t> around(mesh.connectivity.size()), next(first.begin(), first.end() - 1);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+    for (const int n : mesh.nodes_of(mesh.elements[e]))
+      around[next[static_cast<std::size_t>(n)]++] = e;
+  std::vector<std::size_t> seen(count, count);
+  for (std::size_t column = 0; column < count; ++column) {
+    const auto begin = static_cast<std::ptrdiff_t>(row.size());
+    for (std::size_t k = first[column]; k < first[column + 1]; ++k)
+      for (const int n : mesh.nodes_of(mesh.elements[around[k]])) {
+        const auto i = static_cast<std::size_t>(n);
+        if (i >= column && seen[i] != column) {
+          seen[i] = column;
+          row.push_back(n);
+        }
+      }
+    std::sort(row.begin() + begin, row.end());
+    start[column + 1] = static_cast<std::int64_t>(row.size());
+  }
+}
+
+std::size_t NodeGraph::find(std::int64_t at_row, std::int64_t column) const noexcept {
+  const auto begin = row.begin() + start[static_cast<std::size_t>(column)];
+  const auto end = row.begin() + start[static_cast<std::size_t>(column) + 1];
+  return static_cast<std::size_t>(std::lower_bound(begin, end, at_row) - row.begin());
+}
+
+namespace {
+
+/// y = A x over the lower blocks of a symmetric matrix; block(k, xa, ya, xb, yb) applies block k
+/// and its transpose.
+template <class Block>
+void multiply(const NodeGraph& graph, std::span<const std::uint8_t> held, std::span<const double> x,
+              std::span<double> y, std::size_t columns, Block&& block) {
+  const std::size_t n = held.size();
+  std::vector<double> free(n);
+  for (std::size_t c = 0; c < columns; ++c) {
+    const double* in = x.data() + c * n;
+    double* out = y.data() + c * n;
+    for (std::size_t i = 0; i < n; ++i) {
+      free[i] = held[i] ? 0 : in[i];
+      out[i] = 0;
+    }
+    for (std::size_t column = 0; column + 1 < graph.start.size(); ++column)
+      for (auto k = static_cast<std::size_t>(graph.start[column]);
+           k < static_cast<std::size_t>(graph.start[column + 1]); ++k) {
+        const auto r = static_cast<std::size_t>(graph.row[k]);
+        block(k, r == column, &free[3 * r], &free[3 * column], out + 3 * r, out + 3 * column);
+      }
+    for (std::size_t i = 0; i < n; ++i)
+      if (held[i])
+        out[i] = 0;
+  }
+}
+
+} // namespace
+
+void Matrices::multiply_mass(std::span<const double> x, std::span<double> y,
+                             std::size_t columns) const {
+  multiply(graph, held, x, y, columns,
+           [this](std::size_t k, bool diagonal, const double* xr, const double* xc, double* yr,
+                  double* yc) {
+             const double m = mass[k];
+             for (int i = 0; i < 3; ++i)
+               yr[i] += m * xc[i];
+             if (!diagonal)
+               for (int i = 0; i < 3; ++i)
+                 yc[i] += m * xr[i];
+           });
+}
+
+void Matrices::multiply_stiffness(std::span<const double> x, std::span<double> y,
+                                  std::size_t columns) const {
+  multiply(graph, held, x, y, columns,
+           [this](std::size_t k, bool diagonal, const double* xr, const double* xc, double* yr,
+                  double* yc) {
+             const double* s = &stiffness[9 * k];
+             for (int i = 0; i < 3; ++i)
+               yr[i] += s[3 * i] * xc[0] + s[3 * i + 1] * xc[1] + s[3 * i + 2] * xc[2];
+             if (!diagonal)
+               for (int i = 0; i < 3; ++i)
+                 yc[i] += s[i] * xr[0] + s[3 + i] * xr[1] + s[6 + i] * xr[2];
+           });
+}
+
+namespace {
+
+void add_stiffness(const Mesh& mesh, const Element& e, const ElasticLaw& law, Matrices& into,
+                   StiffnessBlocks& blocks) {
+  element_stiffness(mesh, e, law, blocks);
+  const auto nodes = mesh.nodes_of(e);
+  const std::size_t n = nodes.size();
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b <= a; ++b) {
+      const double* from = &blocks[9 * (a * n + b)];
+      const bool turned = nodes[a] < nodes[b];
+      double* to = &into.stiffness[9 * (turned ? into.graph.find(nodes[b], nodes[a])
+                                               : into.graph.find(nodes[a], nodes[b]))];
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+          to[3 * i + j] += turned ? from[3 * j + i] : from[3 * i + j];
+    }
+}
+
+std::vector<ElasticLaw> laws_of(const Mesh& mesh, std::span<const Material> materials) {
+  if (materials.size() != mesh.regions.size())
+    throw Refusal("the mesh has " + std::to_string(mesh.regions.size()) + " regions and " +
+                  std::to_string(materials.size()) + " materials, expected one for each");
+  return {materials.begin(), materials.end()};
+}
+
+} // namespace
+
+void assemble_stiffness(const Mesh& mesh, std::span<const Material> materials, int region,
+                        Matrices& into) {
+  const auto laws = laws_of(mesh, materials);
+  into.stiffness.assign(9 * into.graph.row.size(), 0.0);
+  StiffnessBlocks blocks;
+  for (const Element& e : mesh.elements)
+    if (region < 0 || e.region == region)
+      add_stiffness(mesh, e, laws[static_cast<std::size_t>(e.region)], into, blocks);
+}
+
+Matrices assemble(const Mesh& mesh, std::span<const Material> materials,
+                  std::span<const Support> supports, const Progress& progress) {
+  const auto laws = laws_of(mesh, materials);
+  Matrices matrices(mesh);
+  matrices.stiffness.assign(9 * matrices.graph.row.size(), 0.0);
+  matrices.mass.assign(matrices.graph.row.size(), 0.0);
+  StiffnessBlocks blocks;
+  MassEntries entries;
+  for (std::size_t k = 0; k < mesh.elements.size(); ++k) {
+    const Element& e = mesh.elements[k];
+    const ElasticLaw& law = laws[static_cast<std::size_t>(e.region)];
+    add_stiffness(mesh, e, law, matrices, blocks);
+    element_mass(mesh, e, law.density, entries);
+    const auto nodes = mesh.nodes_of(e);
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b)
+        matrices.mass[matrices.graph.find(std::max(nodes[a], nodes[b]),
+                                          std::min(nodes[a], nodes[b]))] +=
+            entries[a * nodes.size() + b];
+    if (progress && k % 1024 == 0)
+      progress(static_cast<double>(k) / static_cast<double>(mesh.elements.size()));
+  }
+  for (const Support& support : supports) {
+    if (support.nodes.empty())
+      throw Refusal("support " + support.name + " holds no node: expected a place on the body");
+    const double share = support.stiffness_n_per_m / static_cast<double>(support.nodes.size());
+    for (const int node : support.nodes) {
+      const std::size_t diagonal = matrices.graph.find(node, node);
+      for (std::size_t i = 0; i < 3; ++i)
+        if (support.directions[i]) {
+          if (share > 0)
+            matrices.stiffness[9 * diagonal + 4 * i] += share;
+          else
+            matrices.held[3 * static_cast<std::size_t>(node) + i] = 1;
+        }
+    }
+  }
+  if (progress)
+    progress(1);
+  return matrices;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,54 @@
+#pragma once
+#include "fem/mesh/vector3.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace tactus::fem {
+
+/// Finite elements by their number of nodes. Nodes are numbered as in VTK and Abaqus: corners
+/// first, then the edges of the lower face, of the upper face, and between them.
+///
+///     tet10           3            wedge15  3-------5       hex20   7-------6
+///                   / | \                   | \   / |              /|      /|
+///                  0--|--2                  |   4   |             4-------5 |
+///                   \ | /                   0---|---2             | 3-----|-2
+///                     1                       \ | /               |/      |/
+///                                               1                 0-------1
+///
+/// The linear ones, tet4 and hex8, are far too stiff for frequencies and are only read.
+enum class Shape : std::uint8_t { tet4, tet10, hex8, hex20, wedge15 };
+
+inline constexpr int kMostNodes = 20;
+
+[[nodiscard]] int node_count(Shape) noexcept;
+[[nodiscard]] int corner_count(Shape) noexcept;
+[[nodiscard]] bool is_linear(Shape) noexcept;
+[[nodiscard]] std::string_view name(Shape) noexcept;
+/// VTK's number of the cell type.
+[[nodiscard]] int vtk_type(Shape) noexcept;
+
+/// Values N and reference derivatives dN of all shape functions at one reference point.
+struct ShapeValues {
+  std::array<double, kMostNodes> value;
+  std::array<Vector3, kMostNodes> derivative;
+};
+
+/// Reference element: tetrahedron r,s,t >= 0, r+s+t <= 1; wedge r,s >= 0, r+s <= 1, |t| <= 1;
+/// hexahedron |r|,|s|,|t| <= 1.
+void evaluate(Shape, const Vector3& at, ShapeValues& out) noexcept;
+
+/// Reference coordinates of each node.
+[[nodiscard]] std::span<const Vector3> reference_nodes(Shape) noexcept;
+
+/// A face's nodes in the element's numbering: corners counter-clockwise seen from outside, then the
+/// edge nodes between them. Unused entries are -1.
+struct Face {
+  int corners;
+  std::array<int, 8> node;
+};
+[[nodiscard]] std::span<const Face> faces(Shape) noexcept;
+
+} // namespace tactus::fem

@@ -1,0 +1,22 @@
+#pragma once
+#include "fem/modes/modes.hpp"
+
+#include <string>
+
+namespace tactus::fem {
+
+/// The same mesh, materials and supports as a CalculiX / Abaqus frequency step.
+void write_inp(const std::string& path, const Mesh&, std::span<const Material>,
+               std::span<const Support>, std::size_t modes);
+
+/// K, then M, as PETSc binary matrices (big-endian, both triangles, 32-bit indices). Held
+/// directions have a unit diagonal in K and none in M.
+void write_petsc(const std::string& path, const Matrices&);
+
+/// Modes from a SLEPc run: eigenvalues (lambda = omega^2) and vectors as PETSc binary vectors
+/// (`-eps_view_values binary:FILE -eps_view_vectors binary:FILE`). Values of rigid motions are left
+/// out by count; the others are normalised and put into canonical directions.
+[[nodiscard]] Modes import_modes(const std::string& values, const std::string& vectors, const Mesh&,
+                                 const Matrices&);
+
+} // namespace tactus::fem

@@ -1,0 +1,34 @@
+#include "fem/io/load.hpp"
+
+#include "fem/io/inp.hpp"
+#include "fem/io/words.hpp"
+#include "fem/mesh/gmsh_mesher.hpp"
+
+#include <filesystem>
+
+namespace tactus::fem {
+
+Mesh load_body(const std::string& path, const LoadChoice& choice) {
+  if (!std::filesystem::is_regular_file(path))
+    throw Refusal("cannot read " + path + ": no such file");
+  const std::string ending = lower(std::filesystem::path(path).extension().string());
+  const auto unit = [&](double habit) { return choice.unit > 0 ? choice.unit : habit; };
+  if (ending == ".msh")
+    return read_msh(path, unit(1));
+  if (ending == ".inp")
+    return read_inp(path, unit(1));
+  if (ending == ".step" || ending == ".stp" || ending == ".brep")
+    return mesh_cad(path, choice);
+  if (ending == ".stl" || ending == ".obj") {
+    Triangles surface = read_triangles(path, unit(1e-3));
+    try {
+      close(surface);
+    } catch (const Refusal& refusal) {
+      throw Refusal(path + ": " + refusal.what());
+    }
+    return mesh_surface(surface, choice);
+  }
+  throw Refusal(path + ": expected a .step, .stp, .brep, .stl, .obj, .msh or .inp file");
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,22 @@
+#pragma once
+#include "fem/mesh/mesh.hpp"
+
+#include <functional>
+#include <string>
+
+namespace tactus::fem {
+
+struct LoadChoice {
+  double unit = 0; ///< metres a unit of the file; 0: the file's own habit (mm; m for .inp and .msh)
+  double h = 0;    ///< element size, m; 0: chosen from the body
+  double coarser = 1; ///< multiplies h, for verification
+  bool grade_concave = true, curved = true, remesh = false;
+  std::function<void(const std::string&)> say{};
+};
+
+/// A body from a file, by its ending: .msh and .inp are volume meshes and read as they are; .step,
+/// .stp, .brep, .stl and .obj are meshed with gmsh in tet10. Refuses what it cannot read, naming
+/// file, line or element.
+[[nodiscard]] Mesh load_body(const std::string& path, const LoadChoice&);
+
+} // namespace tactus::fem

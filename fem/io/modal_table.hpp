@@ -1,0 +1,42 @@
+#pragma once
+#include "fem/modes/body.hpp"
+
+#include <string>
+
+namespace tactus::fem {
+
+/// What a table says of itself beside its numbers.
+struct TableNotes {
+  std::string body_name = "body";
+  std::string support = "free";
+  std::string created; ///< ISO 8601; empty: left out, and equal bodies are equal files
+  std::vector<double> relative_error; ///< estimated, of each frequency; empty: unknown
+  double air_density = 1.184, air_speed = 346.1;
+};
+
+/// Everything that a sounding body needs, ready to be written.
+struct ModalTable {
+  const Mesh& mesh;
+  std::span<const Material> materials;
+  const Modes& modes;
+  MassProperties body;
+  std::vector<double> loss;          ///< loss factor of each mode
+  std::vector<double> poisson_slope; ///< may be empty
+  TableNotes notes;
+};
+
+/// NAME.modal.npz, SI, little-endian: meta (JSON), freq, phi [K,V,3] at the skin's vertices, xyz,
+/// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu. docs/modal_fem.md
+/// lists them.
+void write_table(const std::string& path, const ModalTable&);
+
+/// One line a mode: number, frequency, multiplicity, loss factor, T60, error estimate, residual.
+void write_csv(const std::string& path, const ModalTable&);
+
+/// The mesh with the first `count` mode shapes as point vectors, for ParaView.
+void write_vtu(const std::string& path, const Mesh&, const Modes&, std::size_t count);
+
+/// Decay time to -60 dB, s.
+[[nodiscard]] double decay_time(double frequency_hz, double loss_factor) noexcept;
+
+} // namespace tactus::fem

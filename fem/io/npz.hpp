@@ -1,0 +1,30 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// Arrays for numpy.load: a ZIP of .npy files, stored without compression, little-endian, C order.
+class NpzWriter {
+public:
+  void add(const std::string& name, std::span<const double>, std::vector<std::size_t> shape);
+  void add(const std::string& name, std::span<const float>, std::vector<std::size_t> shape);
+  void add(const std::string& name, std::span<const std::int32_t>, std::vector<std::size_t> shape);
+  void add(const std::string& name, std::span<const std::uint8_t>, std::vector<std::size_t> shape);
+  /// Writes all arrays; the file appears only when complete. Same arrays, same bytes.
+  void write(const std::string& path) const;
+
+private:
+  void add_bytes(const std::string& name, const char* kind, std::span<const std::byte> bytes,
+                 const std::vector<std::size_t>& shape);
+  struct Member {
+    std::string name;
+    std::vector<std::byte> bytes;
+  };
+  std::vector<Member> members_;
+};
+
+} // namespace tactus::fem

@@ -1,0 +1,65 @@
+#include "fem/io/safe_file.hpp"
+
+#include "fem/mesh/mesh.hpp"
+
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <unistd.h>
+
+namespace tactus::fem {
+namespace {
+
+// What the signal handler may read: one file is written at a time.
+char g_partial[4096];
+std::atomic<bool> g_writing{false};
+
+extern "C" void on_interrupt(int) {
+  if (g_writing.load())
+    unlink(g_partial);
+  constexpr char text[] = "\nstopped; nothing was written\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, sizeof text - 1);
+  _exit(130);
+}
+
+} // namespace
+
+void clean_up_on_interrupt() {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+}
+
+SafeFile::SafeFile(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
+  if (partial_.size() >= sizeof g_partial)
+    throw Refusal("the file name " + path_ + " is too long");
+  std::strcpy(g_partial, partial_.c_str());
+  file_ = std::fopen(partial_.c_str(), "wb");
+  if (!file_)
+    throw Refusal("cannot write " + path_ + ": " + std::strerror(errno));
+  g_writing = true;
+}
+
+SafeFile::~SafeFile() {
+  if (file_)
+    std::fclose(file_);
+  if (!partial_.empty())
+    unlink(partial_.c_str());
+  g_writing = false;
+}
+
+void SafeFile::write(const void* bytes, std::size_t size) {
+  if (size && std::fwrite(bytes, 1, size, file_) != size)
+    throw Refusal("cannot write " + path_ + ": " + std::strerror(errno));
+}
+
+void SafeFile::commit() {
+  const int status = std::fclose(file_);
+  file_ = nullptr;
+  if (status != 0 || std::rename(partial_.c_str(), path_.c_str()) != 0)
+    throw Refusal("cannot write " + path_ + ": " + std::strerror(errno));
+  partial_.clear();
+  g_writing = false;
+}
+
+} // namespace tactus::fem

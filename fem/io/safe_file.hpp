@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdio>
+#include <span>
+#include <string>
+
+namespace tactus::fem {
+
+/// A file that appears under its name only when it is complete: it is written beside it as
+/// NAME.partial and renamed by commit(). An interrupt or an error removes what was begun.
+class SafeFile {
+public:
+  explicit SafeFile(std::string path);
+  ~SafeFile();
+  SafeFile(const SafeFile&) = delete;
+  SafeFile& operator=(const SafeFile&) = delete;
+
+  void write(const void* bytes, std::size_t size);
+  void write(const std::string& text) { write(text.data(), text.size()); }
+  void commit();
+
+private:
+  std::string path_, partial_;
+  std::FILE* file_ = nullptr;
+};
+
+/// From here on SIGINT and SIGTERM remove files being written and end the process with status 130.
+void clean_up_on_interrupt();
+
+} // namespace tactus::fem

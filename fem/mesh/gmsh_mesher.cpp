@@ -1,0 +1,420 @@
+#include "fem/mesh/gmsh_mesher.hpp"
+
+#include "fem/io/words.hpp"
+
+#include <algorithm>
+#include <gmsh.h>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <unordered_map>
+
+namespace tactus::fem {
+namespace {
+
+/// gmsh from initialize() to finalize(), its errors as refusals.
+class Session {
+public:
+  Session() {
+    gmsh::initialize();
+    gmsh::option::setNumber("General.Terminal", 0);
+    gmsh::option::setNumber("General.NumThreads", 1);
+    gmsh::option::setNumber("Mesh.RandomSeed", 1);
+    gmsh::logger::start();
+  }
+  ~Session() { gmsh::finalize(); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  template <class Work> auto run(const std::string& what, Work&& work) {
+    try {
+      return work();
+    } catch (const Refusal&) {
+      throw;
+    } catch (const std::exception& error) {
+      std::string reason = error.what();
+      std::vector<std::string> log;
+      gmsh::logger::get(log);
+      for (const std::string& line : log)
+        if (line.starts_with("Error"))
+          reason = line;
+      throw Refusal(what + ": " + reason);
+    } catch (...) {
+      throw Refusal(what + ": gmsh failed");
+    }
+  }
+};
+
+struct Kind {
+  int gmsh_type;
+  Shape shape;
+  std::array<int, 20> from; ///< our node i is gmsh's from[i]
+};
+constexpr std::array<Kind, 5> kKinds{
+    {{4, Shape::tet4, {0, 1, 2, 3}},
+     {11, Shape::tet10, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}},
+     {5, Shape::hex8, {0, 1, 2, 3, 4, 5, 6, 7}},
+     {17, Shape::hex20, {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}},
+     {18, Shape::wedge15, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}}}};
+
+Mesh take_over(double unit) {
+  Mesh mesh;
+  std::vector<std::size_t> tags;
+  std::vector<double> coordinates, parameters;
+  gmsh::model::mesh::getNodes(tags, coordinates, parameters);
+  std::unordered_map<std::size_t, int> number;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    number[tags[i]] = static_cast<int>(i);
+    mesh.nodes.push_back(
+        {unit * coordinates[3 * i], unit * coordinates[3 * i + 1], unit * coordinates[3 * i + 2]});
+  }
+  std::map<int, std::string> name_of_volume;
+  gmsh::vectorpair groups;
+  gmsh::model::getPhysicalGroups(groups);
+  for (const auto& [dimension, tag] : groups) {
+    std::string name;
+    gmsh::model::getPhysicalName(dimension, tag, name);
+    if (name.empty())
+      name = (dimension == 3 ? "region" : "set") + std::to_string(tag);
+    std::vector<int> entities;
+    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
+    if (dimension == 3) {
+      for (const int e : entities)
+        name_of_volume[e] = name;
+      continue;
+    }
+    std::vector<std::size_t> in_group;
+    gmsh::model::mesh::getNodesForPhysicalGroup(dimension, tag, in_group, coordinates);
+    for (const std::size_t n : in_group)
+      mesh.node_sets[name].push_back(number.at(n));
+  }
+  mesh.regions.clear();
+  gmsh::vectorpair volumes;
+  gmsh::model::getEntities(volumes, 3);
+  for (const auto& [dimension, volume] : volumes) {
+    const auto named = name_of_volume.find(volume);
+    const std::string name = named != name_of_volume.end() ? named->second
+                             : volumes.size() == 1         ? "body"
+                                                           : "volume" + std::to_string(volume);
+    const auto at = std::find(mesh.regions.begin(), mesh.regions.end(), name);
+    const int region = static_cast<int>(at - mesh.regions.begin());
+    if (at == mesh.regions.end())
+      mesh.regions.push_back(name);
+    std::vector<int> types;
+    std::vector<std::vector<std::size_t>> elements, nodes;
+    gmsh::model::mesh::getElements(types, elements, nodes, dimension, volume);
+    for (std::size_t t = 0; t < types.size(); ++t) {
+      const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
+                                     [&](const Kind& k) { return k.gmsh_type == types[t]; });
+      if (kind == kKinds.end())
+        throw Refusal("element " + std::to_string(elements[t][0]) + " is of gmsh's type " +
+                      std::to_string(types[t]) + ", expected tet10, wedge15 or hex20");
+      const auto count = static_cast<std::size_t>(node_count(kind->shape));
+      for (std::size_t e = 0; e < elements[t].size(); ++e) {
+        std::vector<int> own(count);
+        for (std::size_t i = 0; i < count; ++i)
+          own[i] = number.at(nodes[t][e * count + static_cast<std::size_t>(kind->from[i])]);
+        mesh.add(kind->shape, own, region);
+      }
+    }
+  }
+  if (mesh.elements.empty())
+    throw Refusal("the mesh holds no volume element: expected tet10, wedge15 or hex20");
+  drop_unused_nodes(mesh);
+  return mesh;
+}
+
+/// Triangles of the surface mesh, turned outward with the volumes' boundaries.
+struct Facet {
+  std::array<std::size_t, 3> node;
+};
+
+/// Model curves where the body turns inward. Compares the two facets at each mesh edge on a curve:
+/// where the far corner of one rises above the outward plane of the other, the angle is concave.
+std::vector<double> concave_curves() {
+  std::unordered_map<std::size_t, Vector3> place;
+  std::vector<std::size_t> tags;
+  std::vector<double> xyz, parameters;
+  gmsh::model::mesh::getNodes(tags, xyz, parameters);
+  for (std::size_t i = 0; i < tags.size(); ++i)
+    place[tags[i]] = {xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]};
+  std::map<std::array<std::size_t, 2>, std::vector<std::size_t>> far_corners; // by oriented use
+  gmsh::vectorpair volumes;
+  gmsh::model::getEntities(volumes, 3);
+  if (volumes.size() != 1)
+    return {}; // inner faces between regions would look like edges
+  std::vector<Facet> facets;
+  double whole = 0;
+  gmsh::vectorpair faces;
+  gmsh::model::getBoundary(volumes, faces, true, true);
+  for (const auto& [dimension, face] : faces) {
+    std::vector<std::size_t> elements, nodes;
+    gmsh::model::mesh::getElementsByType(2, elements, nodes, std::abs(face));
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      Facet f{{nodes[3 * e], nodes[3 * e + 1], nodes[3 * e + 2]}};
+      if (face < 0)
+        std::swap(f.node[0], f.node[1]);
+      whole += dot(place[f.node[0]], cross(place[f.node[1]], place[f.node[2]])) / 6;
+      facets.push_back(f);
+    }
+  }
+  std::map<std::array<std::size_t, 2>, std::vector<std::array<std::size_t, 3>>> at_edge;
+  for (Facet& f : facets) {
+    if (whole < 0)
+      std::swap(f.node[0], f.node[1]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t a = f.node[k], b = f.node[(k + 1) % 3];
+      at_edge[{std::min(a, b), std::max(a, b)}].push_back(f.node);
+    }
+  }
+  std::vector<double> concave;
+  gmsh::vectorpair curves;
+  gmsh::model::getEntities(curves, 1);
+  const double limit = std::sin(20 * std::numbers::pi / 180);
+  for (const auto& [dimension, curve] : curves) {
+    std::vector<std::size_t> elements, nodes;
+    gmsh::model::mesh::getElementsByType(1, elements, nodes, curve);
+    std::size_t seen = 0, inward = 0;
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      const std::size_t a = nodes[2 * e], b = nodes[2 * e + 1];
+      const auto owners = at_edge.find({std::min(a, b), std::max(a, b)});
+      if (owners == at_edge.end() || owners->second.size() != 2)
+        continue;
+      const auto& [f, g] = std::tie(owners->second[0], owners->second[1]);
+      const Vector3 normal = cross(place[f[1]] - place[f[0]], place[f[2]] - place[f[0]]);
+      std::size_t far = g[0];
+      for (const std::size_t n : g)
+        if (n != a && n != b)
+          far = n;
+      const Vector3 away = place[far] - .5 * (place[a] + place[b]);
+      ++seen;
+      inward += dot(normal, away) > limit * length(normal) * length(away);
+    }
+    if (seen > 0 && 2 * inward > seen)
+      concave.push_back(curve);
+  }
+  return concave;
+}
+
+/// Lengths from the bounding box and from the volume over the surface (half a wall's thickness).
+double natural_size(double largest, double wall) {
+  return std::min(largest / 12, std::max(wall / 1.5, largest / 40));
+}
+
+void set_sizes(double h, const std::vector<double>& concave) {
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMax", h);
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 30);
+  if (concave.empty())
+    return;
+  using namespace gmsh::model::mesh;
+  const int distance = field::add("Distance"), grade = field::add("Threshold");
+  field::setNumbers(distance, "CurvesList", concave);
+  field::setNumber(distance, "NumPointsPerCurve", 200);
+  field::setNumber(grade, "InField", distance);
+  field::setNumber(grade, "SizeMin", h / 6);
+  field::setNumber(grade, "SizeMax", h);
+  field::setNumber(grade, "DistMin", h / 12);
+  field::setNumber(grade, "DistMax", 2 * h);
+  field::setAsBackgroundMesh(grade);
+}
+
+bool sound(const Mesh& mesh) {
+  try {
+    check(mesh);
+    return true;
+  } catch (const Refusal&) {
+    return false;
+  }
+}
+
+/// Second order, sides curved where no element turns inside out: else optimised, else straight.
+Mesh make_quadratic(bool curved, double unit) {
+  using namespace gmsh::model::mesh;
+  gmsh::option::setNumber("Mesh.SecondOrderLinear", curved ? 0 : 1);
+  setOrder(2);
+  Mesh mesh = take_over(unit);
+  if (!curved || sound(mesh))
+    return mesh;
+  optimize("HighOrder");
+  mesh = take_over(unit);
+  if (sound(mesh))
+    return mesh;
+  setOrder(1);
+  return make_quadratic(false, unit);
+}
+
+} // namespace
+
+Mesh read_msh(const std::string& path, double unit) {
+  Session session;
+  return session.run(path + " is no readable mesh", [&] {
+    gmsh::open(path);
+    return take_over(unit);
+  });
+}
+
+Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
+  Session session;
+  return session.run(path + " cannot be meshed", [&] {
+    gmsh::vectorpair shapes;
+    gmsh::model::occ::importShapes(path, shapes);
+    gmsh::model::occ::synchronize();
+    gmsh::vectorpair volumes;
+    gmsh::model::getEntities(volumes, 3);
+    if (volumes.empty())
+      throw Refusal(path + " holds no solid: expected one at least");
+    if (volumes.size() > 1) { // touching solids share their faces
+      gmsh::vectorpair all;
+      std::vector<gmsh::vectorpair> map;
+      gmsh::model::occ::fragment({volumes[0]}, {volumes.begin() + 1, volumes.end()}, all, map);
+      gmsh::model::occ::synchronize();
+      gmsh::model::getEntities(volumes, 3);
+    }
+    double solid = 0, skin = 0;
+    for (const auto& [dimension, tag] : volumes) {
+      double mass = 0;
+      gmsh::model::occ::getMass(dimension, tag, mass);
+      solid += mass;
+    }
+    gmsh::vectorpair faces;
+    gmsh::model::getBoundary(volumes, faces, true, false);
+    for (const auto& [dimension, tag] : faces) {
+      double mass = 0;
+      gmsh::model::occ::getMass(dimension, std::abs(tag), mass);
+      skin += mass;
+    }
+    Box box;
+    gmsh::model::getBoundingBox(-1, -1, box.low.x, box.low.y, box.low.z, box.high.x, box.high.y,
+                                box.high.z);
+    const double unit = choice.unit > 0 ? choice.unit : 1e-3;
+    const double h =
+        choice.coarser *
+        (choice.h > 0 ? choice.h / unit : natural_size(box.largest(), 2 * solid / skin));
+    gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
+    gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 20);
+    set_sizes(h, {});
+    std::vector<double> concave;
+    if (choice.grade_concave) {
+      gmsh::model::mesh::generate(2);
+      concave = concave_curves();
+      if (!concave.empty()) {
+        if (choice.say)
+          choice.say(std::to_string(concave.size()) + " concave edges, graded");
+        gmsh::model::mesh::clear();
+        set_sizes(h, concave);
+      }
+    }
+    gmsh::model::mesh::generate(3);
+    return make_quadratic(choice.curved, unit);
+  });
+}
+
+namespace {
+
+void build_discrete(const Triangles& surface) {
+  gmsh::model::add("surface");
+  std::vector<std::size_t> node_tags(surface.points.size());
+  std::vector<double> coordinates;
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    node_tags[i] = i + 1;
+    for (int k = 0; k < 3; ++k)
+      coordinates.push_back(surface.points[i][k]);
+  }
+  std::vector<std::set<std::size_t>> used(static_cast<std::size_t>(surface.shells));
+  std::vector<std::vector<std::size_t>> nodes(used.size());
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+    for (const int p : surface.triangles[i]) {
+      const auto shell = static_cast<std::size_t>(surface.shell[i]);
+      used[shell].insert(static_cast<std::size_t>(p));
+      nodes[shell].push_back(static_cast<std::size_t>(p) + 1);
+    }
+  for (std::size_t s = 0; s < used.size(); ++s) {
+    const int tag = gmsh::model::addDiscreteEntity(2, static_cast<int>(s) + 1);
+    std::vector<std::size_t> tags;
+    std::vector<double> xyz;
+    for (const std::size_t p : used[s]) {
+      tags.push_back(p + 1);
+      xyz.insert(xyz.end(), coordinates.begin() + static_cast<std::ptrdiff_t>(3 * p),
+                 coordinates.begin() + static_cast<std::ptrdiff_t>(3 * p + 3));
+    }
+    gmsh::model::mesh::addNodes(2, tag, tags, xyz);
+    gmsh::model::mesh::addElementsByType(tag, 2, {}, nodes[s]);
+  }
+}
+
+/// The volume between the outer shell's faces and those of each cavity.
+void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
+  std::vector<int> loops;
+  for (const auto& faces : faces_of_shell)
+    loops.push_back(gmsh::model::geo::addSurfaceLoop(faces));
+  gmsh::model::geo::addVolume(loops);
+  gmsh::model::geo::synchronize();
+}
+
+} // namespace
+
+Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
+  double solid = 0, skin = 0, edges = 0;
+  for (const auto& t : surface.triangles) {
+    const auto at = [&](std::size_t k) { return surface.points[static_cast<std::size_t>(t[k])]; };
+    solid += dot(at(0), cross(at(1), at(2))) / 6;
+    skin += .5 * length(cross(at(1) - at(0), at(2) - at(0)));
+    edges += length(at(1) - at(0)) + length(at(2) - at(1)) + length(at(0) - at(2));
+  }
+  const double largest = bounding_box(surface.points).largest();
+  const double wanted =
+      choice.coarser *
+      (choice.h > 0 ? choice.h : natural_size(largest, 2 * std::abs(solid) / skin));
+  const double mean_edge = edges / (3 * static_cast<double>(surface.triangles.size()));
+  const double slivers = share_of_slivers(surface, 8);
+  const bool fine = choice.h > 0 ? mean_edge < .6 * wanted : surface.triangles.size() > 9000;
+  const bool renew = choice.remesh || slivers > .01 || fine || mean_edge > 1.6 * wanted;
+  const auto say = [&](const std::string& sentence) {
+    if (choice.say)
+      choice.say(sentence);
+  };
+  const auto fill = [&](bool renewed) {
+    Session session;
+    return session.run("the surface cannot be filled", [&] {
+      build_discrete(surface);
+      std::vector<std::vector<int>> faces_of_shell(static_cast<std::size_t>(surface.shells));
+      for (int s = 0; s < surface.shells; ++s)
+        faces_of_shell[static_cast<std::size_t>(s)] = {s + 1};
+      set_sizes(wanted, {});
+      if (renewed) {
+        if (surface.shells != 1)
+          throw Refusal("a surface with cavities keeps its triangles");
+        gmsh::model::mesh::classifySurfaces(40 * std::numbers::pi / 180, true, true,
+                                            std::numbers::pi);
+        gmsh::model::mesh::createGeometry();
+        gmsh::vectorpair faces;
+        gmsh::model::getEntities(faces, 2);
+        faces_of_shell[0].clear();
+        for (const auto& [dimension, tag] : faces)
+          faces_of_shell[0].push_back(tag);
+        gmsh::option::setNumber("Mesh.CharacteristicLengthMin", .3 * wanted);
+      }
+      add_volume(faces_of_shell);
+      gmsh::model::mesh::generate(3);
+      Mesh mesh = make_quadratic(renewed && choice.curved, 1);
+      const double change = volume(mesh) / std::abs(solid) - 1;
+      if (std::abs(change) > .05)
+        throw Refusal(format("the volume changed by %.1f %%", 100 * change));
+      return mesh;
+    });
+  };
+  if (renew) {
+    try {
+      say(format("renewing %zu triangles at %.3g mm (%.1f %% are slivers)",
+                 surface.triangles.size(), 1e3 * wanted, 100 * slivers));
+      Mesh mesh = fill(true);
+      check(mesh);
+      return mesh;
+    } catch (const Refusal& refusal) {
+      say(std::string("the triangles are kept: ") + refusal.what());
+    }
+  }
+  return fill(false);
+}
+
+} // namespace tactus::fem

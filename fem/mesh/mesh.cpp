@@ -1,0 +1,211 @@
+#include "fem/mesh/mesh.hpp"
+
+#include "fem/element/jacobian.hpp"
+#include "fem/element/quadrature.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+
+namespace tactus::fem {
+
+void Mesh::add(Shape shape, std::span<const int> element_nodes, int region) {
+  elements.push_back({shape, region, connectivity.size()});
+  connectivity.insert(connectivity.end(), element_nodes.begin(), element_nodes.end());
+}
+
+std::string Mesh::element_names() const {
+  std::array<bool, 5> seen{};
+  for (const Element& e : elements)
+    seen[static_cast<std::size_t>(e.shape)] = true;
+  std::string names;
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen[i])
+      names += (names.empty() ? "" : " + ") + std::string(name(static_cast<Shape>(i)));
+  return names;
+}
+
+double Box::largest() const noexcept {
+  const Vector3 s = size();
+  return std::max({s.x, s.y, s.z});
+}
+
+Box bounding_box(std::span<const Vector3> points) {
+  if (points.empty())
+    return {};
+  Box box{points[0], points[0]};
+  for (const Vector3& p : points)
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = std::min(box.low[k], p[k]);
+      box.high[k] = std::max(box.high[k], p[k]);
+    }
+  return box;
+}
+
+double volume(const Mesh& mesh) {
+  double total = 0;
+  ShapeValues values;
+  for (const Element& e : mesh.elements)
+    for (const QuadraturePoint& q : mass_points(e.shape)) {
+      evaluate(e.shape, q.at, values);
+      total += q.weight * jacobian(mesh, e, values).determinant;
+    }
+  return total;
+}
+
+Parts connected_parts(const Mesh& mesh) {
+  std::vector<int> parent(mesh.nodes.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int i) {
+    while (parent[static_cast<std::size_t>(i)] != i) {
+      int& up = parent[static_cast<std::size_t>(i)];
+      up = parent[static_cast<std::size_t>(up)];
+      i = up;
+    }
+    return i;
+  };
+  for (const Element& e : mesh.elements) {
+    const auto nodes = mesh.nodes_of(e);
+    for (const int n : nodes.subspan(1)) {
+      const int a = root(nodes[0]), b = root(n);
+      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  }
+  Parts parts{std::vector<int>(mesh.nodes.size(), -1), 0};
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    int& of_root = parts.of_node[static_cast<std::size_t>(root(static_cast<int>(i)))];
+    if (of_root < 0)
+      of_root = parts.count++;
+    parts.of_node[i] = of_root;
+  }
+  return parts;
+}
+
+namespace {
+
+/// Gives every node its new number (-1: gone); new numbers are ascending in the old ones.
+void renumber(Mesh& mesh, std::span<const int> to, std::size_t remaining) {
+  std::vector<Vector3> kept(remaining);
+  for (std::size_t i = mesh.nodes.size(); i-- > 0;)
+    if (to[i] >= 0)
+      kept[static_cast<std::size_t>(to[i])] = mesh.nodes[i];
+  mesh.nodes = std::move(kept);
+  for (int& n : mesh.connectivity)
+    n = to[static_cast<std::size_t>(n)];
+  for (auto& [name, set] : mesh.node_sets) {
+    for (int& n : set)
+      n = to[static_cast<std::size_t>(n)];
+    std::sort(set.begin(), set.end());
+    set.erase(std::unique(set.begin(), set.end()), set.end());
+    if (!set.empty() && set.front() < 0)
+      set.erase(set.begin());
+  }
+}
+
+} // namespace
+
+void drop_unused_nodes(Mesh& mesh) {
+  std::vector<int> to(mesh.nodes.size(), -1);
+  for (const int n : mesh.connectivity)
+    to[static_cast<std::size_t>(n)] = 0;
+  int count = 0;
+  for (int& n : to)
+    if (n == 0)
+      n = count++;
+  if (static_cast<std::size_t>(count) != mesh.nodes.size())
+    renumber(mesh, to, static_cast<std::size_t>(count));
+}
+
+std::size_t merge_nodes(Mesh& mesh, double tolerance) {
+  // Cells four tolerances wide; a point's partner lies in its own or a neighbouring cell.
+  const Box box = bounding_box(mesh.nodes);
+  const double cell = 4 * tolerance;
+  const auto key = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return static_cast<std::uint64_t>(i) * 0x9E3779B97F4A7C15ULL ^
+           static_cast<std::uint64_t>(j) * 0xC2B2AE3D27D4EB4FULL ^
+           static_cast<std::uint64_t>(k) * 0x165667B19E3779F9ULL;
+  };
+  std::unordered_multimap<std::uint64_t, int> cells;
+  cells.reserve(mesh.nodes.size());
+  std::vector<int> to(mesh.nodes.size());
+  int count = 0;
+  std::vector<Vector3> kept;
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+    const Vector3& p = mesh.nodes[n];
+    std::array<std::int64_t, 3> at{}, low{}, high{};
+    for (int k = 0; k < 3; ++k) {
+      const double place = (p[k] - box.low[k]) / cell;
+      const auto i = static_cast<std::size_t>(k);
+      at[i] = static_cast<std::int64_t>(place);
+      low[i] = static_cast<std::int64_t>(std::floor(place - .25));
+      high[i] = static_cast<std::int64_t>(std::floor(place + .25));
+    }
+    int partner = -1;
+    for (auto i = low[0]; i <= high[0]; ++i)
+      for (auto j = low[1]; j <= high[1]; ++j)
+        for (auto k = low[2]; k <= high[2]; ++k) {
+          const auto [first, last] = cells.equal_range(key(i, j, k));
+          for (auto c = first; c != last; ++c)
+            if (length(kept[static_cast<std::size_t>(c->second)] - p) <= tolerance)
+              partner = c->second;
+        }
+    if (partner < 0) {
+      partner = count++;
+      kept.push_back(p);
+      cells.emplace(key(at[0], at[1], at[2]), partner);
+    }
+    to[n] = partner;
+  }
+  const std::size_t before = mesh.nodes.size();
+  if (static_cast<std::size_t>(count) != before)
+    renumber(mesh, to, static_cast<std::size_t>(count));
+  return before - static_cast<std::size_t>(count);
+}
+
+void check(const Mesh& mesh) {
+  if (mesh.elements.empty())
+    throw Refusal("the mesh has no volume element: expected tet10, wedge15 or hex20");
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    const Vector3& p = mesh.nodes[i];
+    if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
+      throw Refusal("node " + std::to_string(i + 1) + " has a coordinate that is no number");
+  }
+  ShapeValues values;
+  for (std::size_t i = 0; i < mesh.elements.size(); ++i) {
+    const Element& e = mesh.elements[i];
+    const std::string who =
+        "element " + std::to_string(i + 1) + " (" + std::string(name(e.shape)) + ")";
+    const auto nodes = mesh.nodes_of(e);
+    std::array<int, kMostNodes> sorted{};
+    std::copy(nodes.begin(), nodes.end(), sorted.begin());
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(nodes.size());
+    std::sort(sorted.begin(), end);
+    if (sorted[0] < 0 || *(end - 1) >= static_cast<int>(mesh.nodes.size()))
+      throw Refusal(who + " uses a node that does not exist");
+    if (std::adjacent_find(sorted.begin(), end) != end)
+      throw Refusal(who + " uses node " +
+                    std::to_string(*std::adjacent_find(sorted.begin(), end) + 1) + " twice");
+    double least = std::numeric_limits<double>::infinity();
+    const auto look = [&](const Vector3& at) {
+      evaluate(e.shape, at, values);
+      least = std::min(least, jacobian(mesh, e, values).determinant);
+    };
+    for (const QuadraturePoint& q : mass_points(e.shape))
+      look(q.at);
+    for (const QuadraturePoint& q : stiffness_points(e.shape))
+      look(q.at);
+    if (!(least > 0)) {
+      const Vector3& p = mesh.nodes[static_cast<std::size_t>(nodes[0])];
+      char at[96];
+      std::snprintf(at, sizeof at, " near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
+      throw Refusal(who + at + " is turned inside out: its Jacobian is " + std::to_string(least) +
+                    ", expected above 0");
+    }
+  }
+}
+
+} // namespace tactus::fem

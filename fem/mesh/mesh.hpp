@@ -1,0 +1,70 @@
+#pragma once
+#include "fem/element/shape.hpp"
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// What a tool tells its user in one sentence: the object, the value, what was expected.
+struct Refusal : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// One element: its nodes are `connectivity[first .. first + node_count)`.
+struct Element {
+  Shape shape;
+  int region;
+  std::size_t first;
+};
+
+/// A volume mesh in metres. Regions carry materials; node sets carry names for supports.
+struct Mesh {
+  std::vector<Vector3> nodes;
+  std::vector<int> connectivity;
+  std::vector<Element> elements;
+  std::vector<std::string> regions{"body"};
+  std::map<std::string, std::vector<int>> node_sets;
+
+  void add(Shape shape, std::span<const int> element_nodes, int region = 0);
+  [[nodiscard]] std::span<const int> nodes_of(const Element& e) const noexcept {
+    return std::span(connectivity).subspan(e.first, static_cast<std::size_t>(node_count(e.shape)));
+  }
+  [[nodiscard]] std::size_t dofs() const noexcept { return 3 * nodes.size(); }
+  /// "hex20 + wedge15", for messages and tables.
+  [[nodiscard]] std::string element_names() const;
+};
+
+struct Box {
+  Vector3 low, high;
+  [[nodiscard]] Vector3 size() const noexcept { return high - low; }
+  [[nodiscard]] double largest() const noexcept;
+};
+[[nodiscard]] Box bounding_box(std::span<const Vector3> points);
+
+/// Volume in m^3, by the mass quadrature.
+[[nodiscard]] double volume(const Mesh&);
+
+/// Connected parts: for every node the number of its part, and how many there are.
+struct Parts {
+  std::vector<int> of_node;
+  int count = 0;
+};
+[[nodiscard]] Parts connected_parts(const Mesh&);
+
+/// Removes nodes that no element uses and keeps the order of the others. Node sets follow.
+void drop_unused_nodes(Mesh&);
+
+/// Merges nodes closer than `tolerance_m`. Returns how many disappeared.
+std::size_t merge_nodes(Mesh&, double tolerance_m);
+
+/// Refuses what cannot be solved, naming the element or node: indices out of range, coordinates
+/// that are no numbers, repeated nodes, a Jacobian that is not positive at a quadrature point or
+/// corner.
+void check(const Mesh&);
+
+} // namespace tactus::fem

@@ -1,0 +1,36 @@
+#include "fem/modes/dense.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cblas.h>
+
+namespace tactus::fem {
+
+std::vector<double> transposed_product(std::span<const double> a, std::size_t p,
+                                       std::span<const double> b, std::size_t q, std::size_t n) {
+  std::vector<double> c(p * q, 0.0);
+  const auto rows = static_cast<int>(n), pi = static_cast<int>(p), qi = static_cast<int>(q);
+  if (p && q)
+    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, pi, qi, rows, 1, a.data(), rows, b.data(),
+                rows, 0, c.data(), pi);
+  return c;
+}
+
+void add_product(double factor, std::span<const double> a, std::size_t p, std::span<const double> c,
+                 std::size_t q, std::span<double> b, std::size_t n) {
+  const auto rows = static_cast<int>(n), pi = static_cast<int>(p), qi = static_cast<int>(q);
+  if (p && q)
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, rows, qi, pi, factor, a.data(), rows,
+                c.data(), pi, 1, b.data(), rows);
+}
+
+Eigenpairs symmetric_eigenpairs(std::span<const double> matrix, std::size_t size) {
+  const auto n = static_cast<Eigen::Index>(size);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      Eigen::Map<const Eigen::MatrixXd>(matrix.data(), n, n));
+  Eigenpairs pairs;
+  pairs.values.assign(solver.eigenvalues().data(), solver.eigenvalues().data() + n);
+  pairs.vectors.assign(solver.eigenvectors().data(), solver.eigenvectors().data() + n * n);
+  return pairs;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,23 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tactus::fem {
+
+/// C = A' B, A n x p, B n x q, column-major; C p x q.
+[[nodiscard]] std::vector<double> transposed_product(std::span<const double> a, std::size_t p,
+                                                     std::span<const double> b, std::size_t q,
+                                                     std::size_t n);
+/// B += factor A C, A n x p, C p x q, B n x q, column-major.
+void add_product(double factor, std::span<const double> a, std::size_t p, std::span<const double> c,
+                 std::size_t q, std::span<double> b, std::size_t n);
+
+struct Eigenpairs {
+  std::vector<double> values;  ///< ascending
+  std::vector<double> vectors; ///< column-major, orthonormal
+};
+/// Of a small symmetric matrix, column-major.
+[[nodiscard]] Eigenpairs symmetric_eigenpairs(std::span<const double> matrix, std::size_t size);
+
+} // namespace tactus::fem

@@ -1,0 +1,233 @@
+#include "fem/modes/lanczos.hpp"
+
+#include "fem/modes/dense.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::fem {
+namespace {
+
+constexpr std::size_t kBlock = 8;
+
+/// xorshift64*: the same start everywhere.
+double random_unit(std::uint64_t& state) {
+  state ^= state >> 12;
+  state ^= state << 25;
+  state ^= state >> 27;
+  return static_cast<double>((state * 0x2545F4914F6CDD1DULL) >> 11) * 0x1p-53 - .5;
+}
+
+class Lanczos {
+public:
+  Lanczos(const Matrices& matrices, ShiftedFactor& factor, std::span<const double> deflated,
+          std::size_t room)
+      : matrices_(matrices), factor_(factor), deflated_(deflated), n_(matrices.dofs()),
+        room_(room) {
+    basis_.resize(n_ * room);
+    projected_.assign(room * room, 0.0);
+  }
+
+  std::size_t width = 0; ///< columns of the basis
+  std::size_t solves = 0;
+  std::vector<double> next; ///< the block to append, M-orthonormal
+  std::size_t next_width = 0;
+  std::vector<double> residual; ///< its coupling to the last block: next_width x last_width
+  std::size_t last_width = 0;
+
+  void start() {
+    std::uint64_t state = 0x9E3779B97F4A7C15ULL;
+    next.assign(n_ * kBlock, 0.0);
+    for (double& x : next)
+      x = random_unit(state);
+    for (std::size_t c = 0; c < kBlock; ++c)
+      for (std::size_t i = 0; i < n_; ++i)
+        if (matrices_.held[i])
+          next[c * n_ + i] = 0;
+    apply(next, kBlock); // smooths the noise
+    next_width = orthonormalise(next, kBlock, nullptr);
+  }
+
+  /// Appends the next block and makes the one after it.
+  void step() {
+    std::copy(next.begin(), next.begin() + static_cast<std::ptrdiff_t>(n_ * next_width),
+              basis_.begin() + static_cast<std::ptrdiff_t>(n_ * width));
+    const std::size_t first = width;
+    width += next_width;
+    last_width = next_width;
+    std::vector<double> image(next.begin(),
+                              next.begin() + static_cast<std::ptrdiff_t>(n_ * last_width));
+    apply(image, last_width);
+    std::vector<double> coefficients(width * last_width, 0.0);
+    next_width = orthonormalise(image, last_width, &coefficients);
+    next = std::move(image);
+    for (std::size_t c = 0; c < last_width; ++c)
+      for (std::size_t r = 0; r < width; ++r)
+        projected_[(first + c) * room_ + r] = projected_[r * room_ + first + c] =
+            coefficients[c * width + r];
+  }
+
+  [[nodiscard]] Eigenpairs ritz() const {
+    std::vector<double> small(width * width);
+    for (std::size_t c = 0; c < width; ++c)
+      for (std::size_t r = 0; r < width; ++r)
+        small[c * width + r] = .5 * (projected_[c * room_ + r] + projected_[r * room_ + c]);
+    return symmetric_eigenpairs(small, width);
+  }
+
+  /// ||residual of Ritz vector k|| in the M norm.
+  [[nodiscard]] double residual_norm(const Eigenpairs& pairs, std::size_t k) const {
+    const double* tail = &pairs.vectors[k * width + width - last_width];
+    double sum = 0;
+    for (std::size_t r = 0; r < next_width; ++r) {
+      double entry = 0;
+      for (std::size_t c = 0; c < last_width; ++c)
+        entry += residual[c * next_width + r] * tail[c];
+      sum += entry * entry;
+    }
+    return std::sqrt(sum);
+  }
+
+  /// Ritz vectors of the `count` largest values, largest first.
+  [[nodiscard]] std::vector<double> vectors(const Eigenpairs& pairs, std::size_t count) const {
+    std::vector<double> turn(width * count), out(n_ * count, 0.0);
+    for (std::size_t k = 0; k < count; ++k)
+      std::copy_n(&pairs.vectors[(width - 1 - k) * width], width, &turn[k * width]);
+    add_product(1, std::span(basis_).first(n_ * width), width, turn, count, out, n_);
+    return out;
+  }
+
+  /// Keeps the best `count` Ritz vectors and forgets the rest.
+  void restart(const Eigenpairs& pairs, std::size_t count) {
+    const std::vector<double> kept = vectors(pairs, count);
+    std::copy(kept.begin(), kept.end(), basis_.begin());
+    std::fill(projected_.begin(), projected_.end(), 0.0);
+    for (std::size_t k = 0; k < count; ++k)
+      projected_[k * room_ + k] = pairs.values[width - 1 - k];
+    width = count;
+  }
+
+private:
+  void apply(std::vector<double>& block, std::size_t columns) {
+    std::vector<double> weighted(n_ * columns);
+    matrices_.multiply_mass(block, weighted, columns);
+    factor_.solve(weighted, block, columns);
+    solves += columns;
+  }
+
+  /// Makes `block` M-orthonormal, and M-orthogonal to the basis and the deflated vectors; returns
+  /// how many independent columns it has. Two sweeps of classical Gram-Schmidt are enough (Giraud
+  /// et al. 2005). Adds the coefficients on the basis to `coefficients` and sets `residual`.
+  std::size_t orthonormalise(std::vector<double>& block, std::size_t columns,
+                             std::vector<double>* coefficients) {
+    const auto basis = std::span<const double>(basis_).first(n_ * width);
+    const std::size_t fixed = deflated_.size() / n_;
+    std::vector<double> weighted(n_ * columns);
+    std::vector<double> coupling(columns * columns, 0.0);
+    for (std::size_t c = 0; c < columns; ++c)
+      coupling[c * columns + c] = 1;
+    std::size_t rank = columns;
+    double first_norm = 0;
+    for (int sweep = 0; sweep < 3; ++sweep) {
+      weighted.resize(n_ * rank);
+      matrices_.multiply_mass(std::span(block).first(n_ * rank), weighted, rank);
+      if (sweep == 0)
+        for (std::size_t c = 0; c < rank; ++c) {
+          double norm = 0;
+          for (std::size_t i = 0; i < n_; ++i)
+            norm += block[c * n_ + i] * weighted[c * n_ + i];
+          first_norm = std::max(first_norm, norm);
+        }
+      add_product(-1, deflated_, fixed, transposed_product(deflated_, fixed, weighted, rank, n_),
+                  rank, block, n_);
+      const std::vector<double> on_basis = transposed_product(basis, width, weighted, rank, n_);
+      add_product(-1, basis, width, on_basis, rank, block, n_);
+      if (coefficients) // on_basis times the coupling so far
+        add_product(1, on_basis, rank, coupling, columns, *coefficients, width);
+      matrices_.multiply_mass(std::span(block).first(n_ * rank), weighted, rank);
+      const std::vector<double> gram =
+          transposed_product(std::span(block).first(n_ * rank), rank, weighted, rank, n_);
+      const Eigenpairs pairs = symmetric_eigenpairs(gram, rank);
+      std::size_t dependent = 0;
+      const double floor = sweep == 0 ? 1e-24 * first_norm : 1e-8;
+      while (dependent < rank && pairs.values[dependent] <= floor)
+        ++dependent;
+      const std::size_t left = rank - dependent;
+      std::vector<double> turn(rank * left), back(left * rank), turned(n_ * left, 0.0);
+      for (std::size_t k = 0; k < left; ++k) {
+        const double root = std::sqrt(pairs.values[dependent + k]);
+        for (std::size_t r = 0; r < rank; ++r) {
+          const double v = pairs.vectors[(dependent + k) * rank + r];
+          turn[k * rank + r] = v / root;
+          back[r * left + k] = v * root;
+        }
+      }
+      add_product(1, std::span(block).first(n_ * rank), rank, turn, left, turned, n_);
+      block = std::move(turned);
+      std::vector<double> product(left * columns, 0.0);
+      add_product(1, back, rank, coupling, columns, product, left);
+      coupling = std::move(product);
+      rank = left;
+      if (rank == 0)
+        break;
+    }
+    residual = std::move(coupling);
+    return rank;
+  }
+
+  const Matrices& matrices_;
+  ShiftedFactor& factor_;
+  std::span<const double> deflated_;
+  std::size_t n_, room_;
+  std::vector<double> basis_, projected_;
+};
+
+} // namespace
+
+Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double shift,
+                      std::span<const double> deflated, std::size_t count, double tolerance,
+                      const Progress& progress) {
+  const std::size_t n = matrices.dofs();
+  const auto held =
+      static_cast<std::size_t>(std::count(matrices.held.begin(), matrices.held.end(), 1));
+  const std::size_t possible = n - held - deflated.size() / n;
+  count = std::min(count, possible);
+  const std::size_t room = std::min(4 * count + 12 * kBlock, possible + kBlock);
+  Lanczos lanczos(matrices, factor, deflated, room + kBlock);
+  lanczos.start();
+  Eigenpairs pairs;
+  for (int blocks = 0; count > 0; ++blocks) {
+    if (lanczos.next_width > 0)
+      lanczos.step();
+    const bool exhausted = lanczos.next_width == 0 || lanczos.width >= possible;
+    const bool full = lanczos.width + lanczos.next_width > room;
+    if (!(exhausted || full || (lanczos.width >= count + kBlock && blocks % 3 == 0)))
+      continue;
+    pairs = lanczos.ritz();
+    std::size_t found = 0;
+    while (found < std::min(count, lanczos.width)) {
+      const std::size_t k = lanczos.width - 1 - found;
+      if (!exhausted && lanczos.residual_norm(pairs, k) > tolerance * pairs.values[k])
+        break;
+      ++found;
+    }
+    if (progress)
+      progress(static_cast<double>(found) / static_cast<double>(count));
+    if (found == count || exhausted)
+      break;
+    if (full)
+      lanczos.restart(pairs, std::min(count + 2 * kBlock, lanczos.width));
+    if (blocks > 2000)
+      throw Refusal("the modes do not converge after " + std::to_string(lanczos.solves) +
+                    " solves: the mesh is badly shaped");
+  }
+  Spectrum spectrum;
+  count = std::min(count, lanczos.width);
+  spectrum.solves = lanczos.solves;
+  spectrum.vectors = lanczos.vectors(pairs, count);
+  for (std::size_t k = 0; k < count; ++k)
+    spectrum.lambda.push_back(1 / pairs.values[lanczos.width - 1 - k] - shift);
+  return spectrum;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,23 @@
+#pragma once
+#include "fem/modes/shifted_factor.hpp"
+
+namespace tactus::fem {
+
+/// Eigenpairs of K u = lambda M u, lambda ascending.
+struct Spectrum {
+  std::vector<double> lambda;  ///< rad^2/s^2
+  std::vector<double> vectors; ///< columns, M-orthonormal
+  std::size_t solves = 0;      ///< right-hand sides solved
+};
+
+/// The `count` lowest eigenpairs M-orthogonal to `deflated` (M-orthonormal columns), by block
+/// Lanczos on (K + s M)^-1 M with full orthogonalisation and thick restarts: Golub & Underwood
+/// 1977; Grimes, Lewis & Simon 1994; Wu & Simon 2000. A pair counts as found when its residual,
+/// relative to its eigenvalue, is below `tolerance`; its frequency is then right to about the
+/// square of that. Blocks catch eigenvalues as multiple as the block is wide. The start vectors are
+/// always the same.
+[[nodiscard]] Spectrum lowest_modes(const Matrices&, ShiftedFactor&, double shift,
+                                    std::span<const double> deflated, std::size_t count,
+                                    double tolerance = 1e-8, const Progress& progress = {});
+
+} // namespace tactus::fem

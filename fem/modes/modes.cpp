@@ -1,0 +1,194 @@
+#include "fem/modes/modes.hpp"
+
+#include "fem/modes/dense.hpp"
+#include "fem/modes/rigid.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace tactus::fem {
+
+double estimated_frequency(const Mesh& mesh, std::span<const Material> materials) {
+  double speed = 0;
+  for (const Material& m : materials)
+    speed = std::max(speed, m.bar_speed());
+  double surface = 0; // of all elements' faces: inner ones count twice and make the estimate low
+  const double size = bounding_box(mesh.nodes).largest();
+  const Vector3 box = bounding_box(mesh.nodes).size();
+  surface = 2 * (box.x * box.y + box.y * box.z + box.z * box.x);
+  const double thickness = 2 * volume(mesh) / surface;
+  return std::min(speed * thickness / (size * size), speed / (2 * size));
+}
+
+Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Matrices& matrices,
+                 const ModeSettings& settings) {
+  const auto report = [&](const char* stage, double share) {
+    if (settings.report)
+      settings.report(stage, share);
+  };
+  const double root = 2 * std::numbers::pi * .3 * estimated_frequency(mesh, materials);
+  const double shift = root * root;
+  report("ordering the equations", 0);
+  const std::vector<double> rigid = rigid_motions(mesh, matrices);
+  ShiftedFactor factor(matrices, shift);
+  if (settings.predict)
+    settings.predict(factor.cost());
+  const double vectors = 8.0 * static_cast<double>(matrices.dofs() * 5 * (settings.count + 24));
+  if (settings.memory_limit_bytes > 0 &&
+      factor.cost().memory_bytes + vectors > settings.memory_limit_bytes)
+    throw Refusal("the mesh needs " +
+                  std::to_string(static_cast<long>((factor.cost().memory_bytes + vectors) / 1e6)) +
+                  " MB, expected at most " +
+                  std::to_string(static_cast<long>(settings.memory_limit_bytes / 1e6)) +
+                  " MB: take a coarser mesh (--h)");
+  report("factorising", 0);
+  factor.factorise();
+  report("finding modes", 0);
+  // A few more than asked for, so that a group of equal frequencies is complete at the end.
+  Spectrum spectrum = lowest_modes(matrices, factor, shift, rigid, settings.count + 4, 1e-8,
+                                   [&](double share) { report("finding modes", share); });
+  const std::size_t n = matrices.dofs();
+  Modes modes;
+  modes.rigid = rigid.size() / n;
+  modes.solves = spectrum.solves;
+  modes.cost = factor.cost();
+  modes.shapes = std::move(spectrum.vectors);
+  modes.frequency_hz.resize(spectrum.lambda.size());
+  make_canonical(mesh, matrices, modes);
+  const std::size_t kept = std::min(settings.count, modes.frequency_hz.size());
+  modes.frequency_hz.resize(kept);
+  modes.multiplicity.resize(kept);
+  modes.residual.resize(kept);
+  modes.shapes.resize(kept * n);
+  report("finding modes", 1);
+  return modes;
+}
+
+namespace {
+
+/// For every column lambda = u' K u / u' M u; sorts columns by it and makes u' M u = 1.
+void sort_by_quotient(const Matrices& m, Modes& modes) {
+  const std::size_t n = m.dofs(), count = modes.frequency_hz.size();
+  std::vector<double> stiff(n * count), heavy(n * count);
+  m.multiply_stiffness(modes.shapes, stiff, count);
+  m.multiply_mass(modes.shapes, heavy, count);
+  struct Entry {
+    double lambda, residual;
+    std::size_t column;
+  };
+  std::vector<Entry> entries(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    const double *u = &modes.shapes[c * n], *k = &stiff[c * n], *w = &heavy[c * n];
+    double energy = 0, mass = 0, miss = 0, size = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      energy += u[i] * k[i];
+      mass += u[i] * w[i];
+    }
+    const double lambda = energy / mass;
+    for (std::size_t i = 0; i < n; ++i) {
+      miss += (k[i] - lambda * w[i]) * (k[i] - lambda * w[i]);
+      size += w[i] * w[i];
+    }
+    entries[c] = {lambda, std::sqrt(miss / size) / lambda, c};
+    for (std::size_t i = 0; i < n; ++i)
+      modes.shapes[c * n + i] /= std::sqrt(mass);
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.lambda < b.lambda; });
+  std::vector<double> sorted(n * count);
+  modes.residual.resize(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    std::copy_n(&modes.shapes[entries[c].column * n], n, &sorted[c * n]);
+    modes.frequency_hz[c] = std::sqrt(std::max(entries[c].lambda, 0.0)) / (2 * std::numbers::pi);
+    modes.residual[c] = entries[c].residual;
+  }
+  modes.shapes = std::move(sorted);
+}
+
+/// The node farthest from the middle in a direction; of equal ones the first.
+std::size_t farthest_node(const Mesh& mesh, const Vector3& direction) {
+  const double size = bounding_box(mesh.nodes).largest();
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < mesh.nodes.size(); ++i)
+    if (dot(mesh.nodes[i] - mesh.nodes[best], direction) > 1e-9 * size)
+      best = i;
+  return best;
+}
+
+/// The orthogonal matrix (columns: new modes) that puts the motion at `node` into the first column;
+/// false when the group does not move there.
+bool concentrate(std::span<const double> shapes, std::size_t n, std::size_t first,
+                 std::size_t width, std::size_t node, std::vector<double>& turn) {
+  std::vector<double> gram(width * width, 0.0);
+  for (std::size_t a = 0; a < width; ++a)
+    for (std::size_t b = 0; b < width; ++b)
+      for (std::size_t k = 0; k < 3; ++k)
+        gram[a * width + b] +=
+            shapes[(first + a) * n + 3 * node + k] * shapes[(first + b) * n + 3 * node + k];
+  double largest = 0;
+  for (std::size_t c = 0; c < width; ++c)
+    for (std::size_t i = 0; i < n; ++i)
+      largest = std::max(largest, std::abs(shapes[(first + c) * n + i]));
+  const Eigenpairs pairs = symmetric_eigenpairs(gram, width);
+  if (pairs.values[width - 1] < 1e-4 * largest * largest)
+    return false;
+  turn.resize(width * width);
+  for (std::size_t c = 0; c < width; ++c)
+    std::copy_n(&pairs.vectors[(width - 1 - c) * width], width, &turn[c * width]);
+  return true;
+}
+
+} // namespace
+
+void make_canonical(const Mesh& mesh, const Matrices& m, Modes& modes, double same) {
+  const std::size_t n = m.dofs(), count = modes.frequency_hz.size();
+  sort_by_quotient(m, modes);
+  const std::array<std::size_t, 3> places{farthest_node(mesh, {1, 1e-3, 1e-4}),
+                                          farthest_node(mesh, {1e-3, 1, 1e-4}),
+                                          farthest_node(mesh, {1e-3, 1e-4, 1})};
+  const auto groups = [&](double gap, auto&& use) {
+    for (std::size_t first = 0; first < count;) {
+      std::size_t end = first + 1;
+      while (end < count &&
+             modes.frequency_hz[end] - modes.frequency_hz[end - 1] < gap * modes.frequency_hz[end])
+        ++end;
+      use(first, end - first);
+      first = end;
+    }
+  };
+  groups(same, [&](std::size_t first, std::size_t width) {
+    std::size_t done = 0;
+    for (const std::size_t place : places) {
+      std::vector<double> turn;
+      const std::size_t left = width - done;
+      if (left < 2 || !concentrate(modes.shapes, n, first + done, left, place, turn))
+        continue;
+      std::vector<double> turned(n * left, 0.0);
+      add_product(1, std::span(modes.shapes).subspan((first + done) * n, left * n), left, turn,
+                  left, turned, n);
+      std::copy(turned.begin(), turned.end(),
+                modes.shapes.begin() + static_cast<std::ptrdiff_t>((first + done) * n));
+      ++done;
+    }
+  });
+  sort_by_quotient(m, modes);
+  modes.multiplicity.assign(count, 1);
+  groups(1e-3, [&](std::size_t first, std::size_t width) {
+    std::fill_n(modes.multiplicity.begin() + static_cast<std::ptrdiff_t>(first), width,
+                static_cast<int>(width));
+  });
+  for (std::size_t c = 0; c < count; ++c) {
+    double* u = &modes.shapes[c * n];
+    double largest = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      largest = std::max(largest, std::abs(u[i]));
+    // The first entry near the largest: symmetric shapes have several equal but for rounding.
+    const double* sign =
+        std::find_if(u, u + n, [&](double x) { return std::abs(x) > .99 * largest; });
+    if (sign != u + n && *sign < 0)
+      for (std::size_t i = 0; i < n; ++i)
+        u[i] = -u[i];
+  }
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,41 @@
+#pragma once
+#include "fem/modes/lanczos.hpp"
+
+#include <string>
+
+namespace tactus::fem {
+
+/// The elastic modes of a body, frequencies ascending.
+struct Modes {
+  std::vector<double> frequency_hz;
+  std::vector<double> shapes;    ///< columns dofs long, mass-normalised: phi' M phi = 1, 1/sqrt(kg)
+  std::vector<int> multiplicity; ///< of the group within 0.1 % that the mode belongs to
+  std::vector<double> residual;  ///< ||K u - lambda M u|| / (lambda ||M u||)
+  std::size_t rigid = 0;         ///< motions without strain that were left out
+  std::size_t solves = 0;
+  FactorCost cost;
+};
+
+/// What is going on, for whoever waits: a stage and the share of it that is done.
+using Report = std::function<void(const std::string& stage, double share)>;
+
+struct ModeSettings {
+  std::size_t count = 40;
+  double memory_limit_bytes = 0; ///< 0: none
+  Report report{};
+  /// Called with the prediction before the factorisation starts.
+  std::function<void(const FactorCost&)> predict{};
+};
+
+/// An estimate of the lowest elastic frequency, from a bar's or plate's bending: c t / L^2.
+[[nodiscard]] double estimated_frequency(const Mesh&, std::span<const Material>);
+
+[[nodiscard]] Modes find_modes(const Mesh&, std::span<const Material>, const Matrices&,
+                               const ModeSettings&);
+
+/// Makes modes repeat: signs, and directions inside groups of equal frequency (a relative gap below
+/// `same`). A group's first mode has the largest motion that the group can have at the body's
+/// surface point farthest along +x; the next, among those at rest there, along +y, then +z.
+void make_canonical(const Mesh&, const Matrices&, Modes&, double same = 3e-4);
+
+} // namespace tactus::fem

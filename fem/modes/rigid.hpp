@@ -1,0 +1,15 @@
+#pragma once
+#include "fem/assembly/matrices.hpp"
+
+namespace tactus::fem {
+
+/// The motions without strain that the supports leave, M-orthonormal columns dofs() long.
+///
+/// Strain energy vanishes only where each connected part moves as a rigid body. So every such
+/// motion is a combination of three translations and three rotations of each part, and those that
+/// cost no energy and move no held node are the null space of a small matrix. Their count is found,
+/// not assumed: 6 for a free body, 1 for one on an axle, 0 for a clamped one, 12 for two free
+/// parts.
+[[nodiscard]] std::vector<double> rigid_motions(const Mesh&, const Matrices&);
+
+} // namespace tactus::fem

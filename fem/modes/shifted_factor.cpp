@@ -1,0 +1,148 @@
+#include "fem/modes/shifted_factor.hpp"
+
+#include <algorithm>
+#include <cholmod.h>
+#include <cstring>
+
+extern "C" void openblas_set_num_threads(int);
+
+namespace tactus::fem {
+
+void set_solver_threads(int count) { openblas_set_num_threads(count); }
+
+struct ShiftedFactor::Implementation {
+  cholmod_common common{};
+  cholmod_sparse matrix{};
+  std::vector<SuiteSparse_long> start, row;
+  std::vector<double> value;
+  cholmod_factor* factor = nullptr;
+  cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;
+
+  Implementation() {
+    cholmod_l_start(&common);
+    common.print = 0;
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    common.final_ll = 1;
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_GIVEN;
+    common.postorder = 1;
+  }
+  ~Implementation() {
+    cholmod_l_free_factor(&factor, &common);
+    cholmod_l_free_dense(&solution, &common);
+    cholmod_l_free_dense(&work_y, &common);
+    cholmod_l_free_dense(&work_e, &common);
+    cholmod_l_finish(&common);
+  }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  void fill(const Matrices& m, double shift);
+  std::vector<SuiteSparse_long> order(const NodeGraph&);
+};
+
+namespace {
+
+cholmod_sparse lower_view(std::size_t size, SuiteSparse_long* start, SuiteSparse_long* row,
+                          double* value) {
+  cholmod_sparse a{};
+  a.nrow = a.ncol = size;
+  a.nzmax = static_cast<std::size_t>(start[size]);
+  a.p = start;
+  a.i = row;
+  a.x = value;
+  a.stype = -1;
+  a.itype = CHOLMOD_LONG;
+  a.xtype = value ? CHOLMOD_REAL : CHOLMOD_PATTERN;
+  a.dtype = CHOLMOD_DOUBLE;
+  a.sorted = a.packed = 1;
+  return a;
+}
+
+} // namespace
+
+void ShiftedFactor::Implementation::fill(const Matrices& m, double shift) {
+  const NodeGraph& graph = m.graph;
+  const std::size_t n = m.dofs();
+  start.assign(n + 1, 0);
+  row.reserve(9 * graph.row.size());
+  value.reserve(9 * graph.row.size());
+  for (std::size_t column = 0; column < graph.node_count(); ++column)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::size_t c = 3 * column + j;
+      for (auto k = static_cast<std::size_t>(graph.start[column]);
+           k < static_cast<std::size_t>(graph.start[column + 1]); ++k) {
+        const auto r = static_cast<std::size_t>(graph.row[k]);
+        for (std::size_t i = r == column ? j : 0; i < 3; ++i) {
+          const bool held = m.held[3 * r + i] || m.held[c];
+          const bool diagonal = 3 * r + i == c;
+          double a = held ? (diagonal ? 1.0 : 0.0) : m.stiffness[9 * k + 3 * i + j];
+          if (!held && i == j)
+            a += shift * m.mass[k];
+          row.push_back(static_cast<SuiteSparse_long>(3 * r + i));
+          value.push_back(a);
+        }
+      }
+      start[c + 1] = static_cast<SuiteSparse_long>(row.size());
+    }
+  matrix = lower_view(n, start.data(), row.data(), value.data());
+}
+
+/// Nested dissection of the nodes; their three directions stay together. A third of the rows to
+/// order makes it several times faster than ordering degrees of freedom, and the fill is the same.
+std::vector<SuiteSparse_long> ShiftedFactor::Implementation::order(const NodeGraph& graph) {
+  const std::size_t n = graph.node_count();
+  std::vector<SuiteSparse_long> graph_start(graph.start.begin(), graph.start.end());
+  std::vector<SuiteSparse_long> graph_row(graph.row.begin(), graph.row.end());
+  cholmod_sparse a = lower_view(n, graph_start.data(), graph_row.data(), nullptr);
+  std::vector<SuiteSparse_long> of_node(n), of_dof(3 * n);
+  if (!cholmod_l_metis(&a, nullptr, 0, 1, of_node.data(), &common))
+    throw Refusal("the equations cannot be ordered: out of memory");
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      of_dof[3 * i + k] = 3 * of_node[i] + static_cast<SuiteSparse_long>(k);
+  return of_dof;
+}
+
+ShiftedFactor::ShiftedFactor(const Matrices& m, double shift)
+    : own_(std::make_unique<Implementation>()) {
+  own_->fill(m, shift);
+  auto permutation = own_->order(m.graph);
+  own_->factor = cholmod_l_analyze_p(&own_->matrix, permutation.data(), nullptr, 0, &own_->common);
+  if (!own_->factor)
+    throw Refusal("the equations cannot be analysed: out of memory");
+  cost_.entries = own_->common.lnz;
+  cost_.operations = own_->common.fl;
+  cost_.memory_bytes =
+      8.0 * static_cast<double>(own_->factor->xsize) + 16.0 * static_cast<double>(own_->row.size());
+}
+
+ShiftedFactor::~ShiftedFactor() = default;
+
+void ShiftedFactor::factorise() {
+  cholmod_l_factorize(&own_->matrix, own_->factor, &own_->common);
+  if (own_->common.status == CHOLMOD_NOT_POSDEF)
+    throw Refusal("the stiffness matrix is not positive definite: an element near node " +
+                  std::to_string(own_->factor->minor / 3 + 1) + " is broken");
+  if (own_->common.status != CHOLMOD_OK)
+    throw Refusal("the factor does not fit into memory: " +
+                  std::to_string(static_cast<long>(cost_.memory_bytes / 1e6)) +
+                  " MB are needed; take a coarser mesh");
+}
+
+void ShiftedFactor::solve(std::span<const double> b, std::span<double> x, std::size_t columns) {
+  const std::size_t n = own_->matrix.nrow;
+  cholmod_dense right{};
+  right.nrow = right.d = n;
+  right.ncol = columns;
+  right.nzmax = n * columns;
+  right.x = const_cast<double*>(b.data()); // only read
+  right.xtype = CHOLMOD_REAL;
+  right.dtype = CHOLMOD_DOUBLE;
+  if (!cholmod_l_solve2(CHOLMOD_A, own_->factor, &right, nullptr, &own_->solution, nullptr,
+                        &own_->work_y, &own_->work_e, &own_->common))
+    throw Refusal("the equations cannot be solved: out of memory");
+  std::memcpy(x.data(), own_->solution->x, n * columns * sizeof(double));
+}
+
+} // namespace tactus::fem

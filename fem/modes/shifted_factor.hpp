@@ -1,0 +1,41 @@
+#pragma once
+#include "fem/assembly/matrices.hpp"
+
+#include <memory>
+
+namespace tactus::fem {
+
+/// What a factorisation will take, known from its symbolic phase.
+struct FactorCost {
+  double entries = 0;    ///< of the triangular factor
+  double operations = 0; ///< floating-point operations
+  double memory_bytes = 0;
+};
+
+/// L L' = K + s M by supernodal Cholesky (CHOLMOD) with nested dissection of the node graph
+/// (METIS). s > 0 keeps the matrix positive definite for free bodies too. Held directions become
+/// identities.
+class ShiftedFactor {
+public:
+  /// Symbolic phase. `shift` in rad^2/s^2.
+  ShiftedFactor(const Matrices&, double shift);
+  ~ShiftedFactor();
+  ShiftedFactor(const ShiftedFactor&) = delete;
+  ShiftedFactor& operator=(const ShiftedFactor&) = delete;
+
+  [[nodiscard]] const FactorCost& cost() const noexcept { return cost_; }
+  /// Refuses when memory runs out or the matrix is not positive definite.
+  void factorise();
+  /// x = (K + s M)^-1 b for `columns` contiguous vectors; `x` and `b` may be the same memory.
+  void solve(std::span<const double> b, std::span<double> x, std::size_t columns);
+
+private:
+  struct Implementation;
+  std::unique_ptr<Implementation> own_;
+  FactorCost cost_;
+};
+
+/// How many threads the dense kernels use; 1 makes results repeat bit for bit.
+void set_solver_threads(int count);
+
+} // namespace tactus::fem

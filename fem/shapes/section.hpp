@@ -1,0 +1,62 @@
+#pragma once
+#include "fem/mesh/mesh.hpp"
+
+#include <array>
+
+#include <functional>
+
+namespace tactus::fem {
+
+/// A point of a body of revolution's half section: distance from the axis, height. Metres.
+struct Meridian {
+  double r = 0, z = 0;
+};
+
+/// A half section in quadratic quadrilaterals: corners counter-clockwise in (r, z), then the
+/// middles of the sides that follow each corner.
+struct Section {
+  std::vector<std::array<Meridian, 8>> quads;
+
+  /// The image of the unit square, cut at the given coordinates. The map must keep the orientation.
+  void add_mapped(std::span<const double> us, std::span<const double> vs,
+                  const std::function<Meridian(double u, double v)>& map);
+};
+
+/// Coordinates from a to b about `h` apart; towards an end marked concave they shrink
+/// geometrically, by `ratio` a step, down to `smallest`.
+struct Ends {
+  bool low = false, high = false;
+};
+[[nodiscard]] std::vector<double> divide(double a, double b, double h, int at_least,
+                                         Ends concave = {}, double smallest = 0, double ratio = 2);
+
+/// Rectangles between breaks in r and z where `solid(i, j)` is true. Lines through concave corners,
+/// where three of four neighbours are solid, are graded: there stress grows without bound and a
+/// uniform mesh converges at first order only.
+struct Rectangles {
+  std::vector<double> r, z;
+  std::vector<std::vector<bool>> solid; ///< [i][j]: between r[i], r[i+1] and z[j], z[j+1]
+  std::vector<std::size_t> singular_r{},
+      singular_z{}; ///< further breaks to grade into: edges of supports
+  double h = 0;
+  int least_z = 2;
+  bool grade = true;
+};
+[[nodiscard]] Section rectangles(const Rectangles&);
+
+/// A shell along a meridian curve: u from 0 to 1, thickness across the curve's normal.
+struct Shell {
+  std::function<Meridian(double)> middle;
+  std::function<double(double)> thickness;
+  int along = 24, layers = 1;
+};
+[[nodiscard]] Section shell(const Shell&);
+
+/// A solid ball's half section: a rectangle in the middle and three curved blocks around it.
+[[nodiscard]] Section ball(double radius, double h);
+
+/// Turns a section about the z axis: hex20 away from the axis, wedge15 along it. Nodes lie exactly
+/// on the body of revolution. Refuses a section that touches the axis with a corner alone.
+[[nodiscard]] Mesh revolve(const Section&, int sectors);
+
+} // namespace tactus::fem

@@ -1,0 +1,280 @@
+#include "fem/shapes/shapes.hpp"
+
+#include "fem/io/words.hpp"
+#include "fem/shapes/block.hpp"
+#include "fem/shapes/section.hpp"
+#include "fem/shapes/spline.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+namespace tactus::fem {
+namespace {
+
+constexpr double kAsk = std::numeric_limits<double>::quiet_NaN();
+constexpr double kPi = std::numbers::pi;
+
+using Dimensions = std::map<std::string, double>;
+
+double element_size(const MeshChoice& choice, double largest) {
+  return choice.h > 0 ? choice.h : largest / 16;
+}
+
+/// Sectors around the axis: sides about h long, a multiple of four so that meshes are mirror
+/// images.
+int sectors_for(double radius, double h) {
+  return std::max(16, 4 * static_cast<int>(std::ceil(2 * kPi * radius / h / 4 - 1e-9)));
+}
+
+void need(bool good, const std::string& shape, const std::string& expected) {
+  if (!good)
+    throw Refusal(shape + ": expected " + expected);
+}
+
+Mesh solid_of_revolution(Rectangles shape, const MeshChoice& choice, double largest) {
+  shape.h = element_size(choice, largest);
+  shape.grade = choice.grade_concave;
+  shape.least_z = choice.layers > 0 ? choice.layers : 3;
+  return revolve(rectangles(shape), sectors_for(shape.r.back(), shape.h));
+}
+
+Mesh shell_of_revolution(Shell s, const MeshChoice& choice, double largest) {
+  // The swept layer follows the curve; its thickness needs one quadratic element where it is thin.
+  const double h = element_size(choice, largest);
+  double arc = 0, radius = 0, thickest = 0;
+  constexpr int kSamples = 400;
+  for (int i = 0; i < kSamples; ++i) {
+    const Meridian a = s.middle(double(i) / kSamples), b = s.middle(double(i + 1) / kSamples);
+    arc += std::hypot(b.r - a.r, b.z - a.z);
+    radius = std::max(radius, b.r);
+    thickest = std::max(thickest, s.thickness(double(i) / kSamples));
+  }
+  s.along = std::max(8, static_cast<int>(std::ceil(arc / h)));
+  s.layers = choice.layers > 0 ? choice.layers
+                               : std::max(thickest < .05 * largest ? 1 : 2,
+                                          static_cast<int>(std::ceil(thickest / h)));
+  return revolve(shell(s), sectors_for(radius, h));
+}
+
+Mesh disk(const Dimensions& d, const MeshChoice& choice) {
+  const double r = d.at("diameter") / 2, t = d.at("thickness");
+  const double patch = d.at("patch_diameter") / 2;
+  Rectangles shape{.r = {0, r}, .z = {-t / 2, t / 2}, .solid = {{true}}};
+  if (patch > 0) {
+    need(patch < r, "disk", "a patch smaller than the disk");
+    shape.r = {0, patch, r};
+    shape.solid = {{true}, {true}};
+    shape.singular_r = {1};
+    shape.singular_z = {0};
+  }
+  return solid_of_revolution(shape, choice, std::max(2 * r, t));
+}
+
+Mesh hollow_disk(const Dimensions& d, const MeshChoice& choice) {
+  const double r = d.at("diameter") / 2, t = d.at("thickness");
+  const double c = d.at("cavity_diameter") / 2, g = d.at("cavity_thickness");
+  need(c < r && g < t, "hollow_disk", "a cavity smaller than the disk");
+  Rectangles shape{.r = {0, c, r},
+                   .z = {-t / 2, -g / 2, g / 2, t / 2},
+                   .solid = {{true, false, true}, {true, true, true}}};
+  return solid_of_revolution(shape, choice, std::max(2 * r, t));
+}
+
+Mesh tube_like(const char* who, double outer, double inner, double tall, const MeshChoice& choice) {
+  need(inner < outer, who, "an inner diameter below the outer one");
+  return solid_of_revolution({.r = {inner, outer}, .z = {-tall / 2, tall / 2}, .solid = {{true}}},
+                             choice, std::max(2 * outer, tall));
+}
+
+Mesh box(double x, double y, double z, const MeshChoice& choice) {
+  const double h = element_size(choice, std::max({x, y, z})), thinnest = std::min({x, y, z});
+  const auto cut = [&](double size) {
+    const int least = size > thinnest ? 2 : choice.layers > 0 ? choice.layers : 3;
+    return divide(-size / 2, size / 2, h, least);
+  };
+  return block(cut(x), cut(y), cut(z));
+}
+
+Mesh bar(const Dimensions& d, const MeshChoice& choice) {
+  const double l = d.at("length");
+  if (d.at("diameter") > 0) {
+    const double r = d.at("diameter") / 2;
+    Mesh mesh = solid_of_revolution({.r = {0, r}, .z = {-l / 2, l / 2}, .solid = {{true}}}, choice,
+                                    std::max(2 * r, l));
+    for (Vector3& p : mesh.nodes) // along x
+      p = {p.z, p.x, p.y};
+    return mesh;
+  }
+  return box(l, d.at("width"), d.at("thickness"), choice);
+}
+
+Mesh hollow_sphere(const Dimensions& d, const MeshChoice& choice) {
+  const double r = d.at("diameter") / 2, t = d.at("thickness");
+  need(t < r, "hollow_sphere", "a thickness below the radius");
+  const double m = r - t / 2;
+  return shell_of_revolution(
+      {.middle =
+           [m](double u) {
+             return Meridian{u == 0 || u == 1 ? 0 : m * std::sin(kPi * u), -m * std::cos(kPi * u)};
+           },
+       .thickness = [t](double) { return t; }},
+      choice, 2 * r);
+}
+
+Mesh bowl(const Dimensions& d, const MeshChoice& choice) {
+  const double r = d.at("diameter") / 2, t = d.at("thickness"), angle = d.at("angle") * kPi / 180;
+  need(t < r && angle > 0 && angle < kPi, "bowl", "a thickness below the radius, 0 < angle < 180");
+  const double m = r - t / 2;
+  return shell_of_revolution(
+      {.middle =
+           [m, angle](double u) {
+             return Meridian{u == 0 ? 0 : m * std::sin(angle * u), -m * std::cos(angle * u)};
+           },
+       .thickness = [t](double) { return t; }},
+      choice, 2 * r);
+}
+
+Mesh bell(const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
+  const Spline curve(profile);
+  double largest = 0, low = profile[0].z, high = low;
+  for (const ProfilePoint& p : profile) {
+    largest = std::max(largest, 2 * p.r);
+    low = std::min(low, p.z);
+    high = std::max(high, p.z);
+  }
+  return shell_of_revolution(
+      {.middle =
+           [&](double u) {
+             const ProfilePoint p = curve.at(u);
+             return Meridian{u == 0 && profile[0].r == 0 ? 0 : std::max(p.r, 0.0), p.z};
+           },
+       .thickness = [&](double u) { return curve.at(u).thickness; }},
+      choice, std::max(largest, high - low));
+}
+
+} // namespace
+
+const std::vector<ShapeEntry>& known_shapes() {
+  static const std::vector<ShapeEntry> shapes{
+      {"disk",
+       "a solid disk",
+       {{"diameter", kAsk, ""},
+        {"thickness", kAsk, ""},
+        {"patch_diameter", 0, "a circle on the lower face that elements follow, for a support"}}},
+      {"hollow_disk",
+       "a disk with a closed cavity in its middle",
+       {{"diameter", kAsk, ""},
+        {"thickness", kAsk, ""},
+        {"cavity_diameter", kAsk, ""},
+        {"cavity_thickness", kAsk, ""}}},
+      {"ring",
+       "a flat ring",
+       {{"outer_diameter", kAsk, ""}, {"inner_diameter", kAsk, ""}, {"thickness", kAsk, ""}}},
+      {"plate",
+       "a rectangular plate",
+       {{"length", kAsk, "along x"}, {"width", kAsk, "along y"}, {"thickness", kAsk, ""}}},
+      {"bar",
+       "a bar, rectangular or (with a diameter) round",
+       {{"length", kAsk, "along x"},
+        {"width", 0, "along y"},
+        {"thickness", 0, "along z"},
+        {"diameter", 0, "of a round bar"}}},
+      {"tube",
+       "an open tube",
+       {{"outer_diameter", kAsk, ""}, {"inner_diameter", kAsk, ""}, {"length", kAsk, ""}}},
+      {"sphere", "a solid ball", {{"diameter", kAsk, ""}}},
+      {"hollow_sphere",
+       "a closed spherical shell",
+       {{"diameter", kAsk, "outside"}, {"thickness", kAsk, ""}}},
+      {"bowl",
+       "an open spherical shell",
+       {{"diameter", kAsk, "of the sphere, outside"},
+        {"thickness", kAsk, ""},
+        {"angle", 90, "from the bottom to the rim; 90 is a hemisphere", false}}},
+      {"bell", "a shell of revolution from a file (--profile): radius height thickness a line", {}},
+      {"board",
+       "a thin plate, of wood unless told otherwise, its grain along x",
+       {{"length", kAsk, "along x"}, {"width", kAsk, "along y"}, {"thickness", kAsk, ""}}},
+  };
+  return shapes;
+}
+
+Mesh make_shape(const std::string& name, const Dimensions& given,
+                const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
+  const auto& shapes = known_shapes();
+  const auto entry = std::find_if(shapes.begin(), shapes.end(),
+                                  [&](const ShapeEntry& s) { return s.name == name; });
+  if (entry == shapes.end())
+    throw Refusal("no shape is called " + name);
+  Dimensions d;
+  for (const Dimension& dimension : entry->dimensions) {
+    const auto at = given.find(dimension.name);
+    const double value = at != given.end() ? at->second : dimension.standard;
+    std::string option = dimension.name;
+    std::replace(option.begin(), option.end(), '_', '-');
+    if (std::isnan(value))
+      throw Refusal(name + " needs --" + option);
+    if (!(value > 0) && at != given.end())
+      throw Refusal(name + ": " + option + " is " + std::to_string(value) + ", expected above 0");
+    d[dimension.name] = value;
+  }
+  for (const auto& [key, value] : given)
+    if (!d.contains(key))
+      throw Refusal(name + " has no dimension " + key);
+  if (name == "disk")
+    return disk(d, choice);
+  if (name == "hollow_disk")
+    return hollow_disk(d, choice);
+  if (name == "ring")
+    return tube_like("ring", d["outer_diameter"] / 2, d["inner_diameter"] / 2, d["thickness"],
+                     choice);
+  if (name == "tube")
+    return tube_like("tube", d["outer_diameter"] / 2, d["inner_diameter"] / 2, d["length"], choice);
+  if (name == "sphere")
+    return revolve(ball(d["diameter"] / 2, element_size(choice, d["diameter"])),
+                   sectors_for(d["diameter"] / 2, element_size(choice, d["diameter"])));
+  if (name == "hollow_sphere")
+    return hollow_sphere(d, choice);
+  if (name == "bowl")
+    return bowl(d, choice);
+  if (name == "bell") {
+    if (profile.empty())
+      throw Refusal("bell needs --profile FILE");
+    return bell(profile, choice);
+  }
+  if (name == "bar") {
+    if (!(d["diameter"] > 0 || (d["width"] > 0 && d["thickness"] > 0)))
+      throw Refusal("bar needs --diameter, or --width and --thickness");
+    return bar(d, choice);
+  }
+  return box(d["length"], d["width"], d["thickness"], choice);
+}
+
+std::vector<ProfilePoint> read_profile(const std::string& path, double unit) {
+  std::ifstream file(path);
+  if (!file)
+    throw Refusal("cannot read the profile " + path);
+  std::vector<ProfilePoint> points;
+  int number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string a, b, c, more;
+    if (!(words >> a))
+      continue;
+    words >> b >> c;
+    const auto r = to_number(a), z = to_number(b), t = to_number(c);
+    if (!r || !z || !t || words >> more || *r < 0 || !(*t > 0))
+      throw Refusal(path + " line " + std::to_string(number) + ": " + line +
+                    ", expected radius >= 0, height and thickness > 0");
+    points.push_back({unit * *r, unit * *z, unit * *t});
+  }
+  if (points.size() < 2)
+    throw Refusal(path + " has " + std::to_string(points.size()) + " points, expected two or more");
+  return points;
+}
+
+} // namespace tactus::fem

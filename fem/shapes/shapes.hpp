@@ -1,0 +1,47 @@
+#pragma once
+#include "fem/mesh/mesh.hpp"
+
+#include <map>
+#include <string>
+
+namespace tactus::fem {
+
+/// A dimension of a shape, as its user names it. Millimetres unless `unit` says otherwise.
+struct Dimension {
+  const char* name;
+  double standard; ///< NaN: must be given
+  const char* meaning;
+  bool is_length = true;
+};
+
+struct ShapeEntry {
+  const char* name;
+  const char* meaning;
+  std::vector<Dimension> dimensions;
+};
+
+/// disk, hollow_disk, ring, plate, bar, tube, sphere, hollow_sphere, bowl, bell, board.
+[[nodiscard]] const std::vector<ShapeEntry>& known_shapes();
+
+struct MeshChoice {
+  double h = 0; ///< element size, m; 0: a sixteenth of the largest dimension
+  int layers =
+      0; ///< elements through the smallest thickness; 0: at least three, one or two for shells
+  bool grade_concave = true;
+};
+
+/// A bell's profile: lines `radius height thickness` in `unit` metres, from crown to lip; #
+/// comments.
+struct ProfilePoint {
+  double r, z, thickness;
+};
+[[nodiscard]] std::vector<ProfilePoint> read_profile(const std::string& path, double unit);
+
+/// The swept mesh (hex20, wedge15) of a named shape; dimensions in metres (angles in degrees).
+/// Bodies of revolution have their axis along z and their middle at the origin, plates lie in x y,
+/// bars along x. Refuses impossible dimensions.
+[[nodiscard]] Mesh make_shape(const std::string& name,
+                              const std::map<std::string, double>& dimensions,
+                              const std::vector<ProfilePoint>& profile, const MeshChoice&);
+
+} // namespace tactus::fem

@@ -1,0 +1,112 @@
+// modal_fem: from a body to its modes.
+//
+//   K u = omega^2 M u      K = ∫ B' C B dV      M = ∫ rho N' N dV
+//
+//   1. mesh     a swept shape, a file, or gmsh's curved tetrahedra of a CAD or surface model
+//   2. check    units, inside-out elements, loose parts
+//   3. assemble K and M, supports
+//   4. solve    factor K + s M, block Lanczos
+//   5. write    NAME.modal.npz, and CSV, VTU, a picture sheet
+#include "fem/io/load.hpp"
+#include "fem/io/modal_table.hpp"
+#include "fem/io/safe_file.hpp"
+#include "fem/io/words.hpp"
+#include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/run.hpp"
+
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace {
+
+using namespace tactus::fem;
+
+void print(const ModalTable& table) {
+  const Modes& modes = table.modes;
+  std::printf("%zu motions without strain left out; mass %.6g kg\n", modes.rigid, table.body.mass);
+  std::printf("mode  frequency Hz  mult   T60 s   %s\n",
+              table.notes.relative_error.empty() ? "" : "estimated error %");
+  for (std::size_t k = 0; k < modes.frequency_hz.size(); ++k) {
+    std::printf("%4zu  %12.3f  %4d  %6.3g", k + 1, modes.frequency_hz[k], modes.multiplicity[k],
+                decay_time(modes.frequency_hz[k], table.loss[k]));
+    if (k < table.notes.relative_error.size())
+      std::printf("   %.2g", 100 * table.notes.relative_error[k]);
+    std::puts("");
+  }
+}
+
+/// Draws the sheet with the Python program beside this one.
+void draw_sheet(const std::string& table, const std::string& picture) {
+  const auto here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const std::string script = (here / "modal_sheet.py").string();
+  const pid_t child = fork();
+  if (child == 0) {
+    execl("/usr/bin/python3", "python3", script.c_str(), table.c_str(), picture.c_str(),
+          static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) < 0 || status != 0)
+    throw Refusal("the picture sheet was not drawn: it needs python3-matplotlib and " + script);
+}
+
+std::string now() {
+  const std::time_t time = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time));
+  return text;
+}
+
+int run(const std::vector<std::string>& words) {
+  const Order order = read_order(words);
+  if (!order.sheet.empty() && order.output.empty())
+    throw Refusal("--sheet draws the table: it needs -o NAME.modal.npz too");
+  Solved body = solve(order);
+  if (!body.solved)
+    return 0; // only exported
+  TableNotes notes;
+  notes.body_name = std::filesystem::path(order.body).stem().string();
+  notes.support = body.support_words;
+  notes.relative_error = body.relative_error;
+  // SOURCE_DATE_EPOCH set: no date, so that equal bodies are equal files
+  notes.created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now();
+  const ModalTable table{body.mesh,
+                         body.materials,
+                         body.modes,
+                         mass_properties(body.mesh, body.materials),
+                         loss_factors(body.mesh, body.materials, *body.matrices, body.modes),
+                         poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
+                         notes};
+  print(table);
+  if (!order.output.empty())
+    write_table(order.output, table);
+  if (!order.csv.empty())
+    write_csv(order.csv, table);
+  if (!order.vtu.empty())
+    write_vtu(order.vtu, body.mesh, body.modes, 20);
+  if (!order.sheet.empty())
+    draw_sheet(order.output, order.sheet);
+  return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  clean_up_on_interrupt();
+  try {
+    if (!words.empty() && (words[0] == "--help" || words[0] == "-h")) {
+      std::fputs(usage().c_str(), stdout);
+      return 0;
+    }
+    return run(words);
+  } catch (const std::bad_alloc&) {
+    std::fputs("modal_fem: out of memory; take a coarser mesh (--h)\n", stderr);
+  } catch (const std::exception& refusal) {
+    std::fprintf(stderr, "modal_fem: %s\n", refusal.what());
+  }
+  return 1;
+}

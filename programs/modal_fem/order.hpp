@@ -1,0 +1,47 @@
+#pragma once
+#include "fem/assembly/matrices.hpp"
+#include "fem/shapes/shapes.hpp"
+
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// Where a support or spring acts, in metres.
+struct Place {
+  std::string words; ///< as given
+  std::string set;   ///< a named node set of the mesh file, or empty
+  Vector3 centre;    ///< of a ball of `radius` around a point of the skin
+  double radius = 0;
+  int plane = -1; ///< or a plane x, y, z = level
+  double level = 0;
+  std::array<bool, 3> directions{true, true, true};
+  double stiffness = 0;
+};
+
+/// What the command line asks for.
+struct Order {
+  std::string body; ///< a shape's name or a file
+  bool is_file = false;
+  std::map<std::string, double> dimensions; ///< m
+  std::string profile;
+  double unit = 1e-3;
+  bool unit_given = false;
+  MeshChoice choice;
+  std::vector<std::pair<std::string, std::string>> materials; ///< region (or "") and name
+  std::map<std::string, double> changes;                      ///< young, poisson, density, loss
+  std::vector<double> axes;
+  std::vector<Place> places;
+  std::size_t modes = 40;
+  bool verify = false, several_parts = false, quiet = false, straight = false, remesh = false;
+  int threads = 1;
+  std::string output, csv, vtu, sheet, inp, petsc, import_values, import_vectors;
+};
+
+/// Refuses what it does not understand. Lengths are in `--unit`.
+[[nodiscard]] Order read_order(const std::vector<std::string>& words);
+
+/// The help text.
+[[nodiscard]] std::string usage();
+
+} // namespace tactus::fem

@@ -1,0 +1,225 @@
+#include "programs/modal_fem/run.hpp"
+
+#include "fem/io/exchange.hpp"
+#include "fem/io/load.hpp"
+#include "fem/io/words.hpp"
+#include "fem/mesh/surface.hpp"
+#include "programs/modal_fem/progress.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <unistd.h>
+
+namespace tactus::fem {
+namespace {
+
+double free_memory() {
+  double kilobytes = 0;
+  if (std::FILE* file = std::fopen("/proc/meminfo", "r")) {
+    char line[128];
+    while (std::fgets(line, sizeof line, file))
+      if (std::sscanf(line, "MemAvailable: %lf", &kilobytes) == 1)
+        break;
+    std::fclose(file);
+  }
+  return 1024 * kilobytes;
+}
+
+Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress) {
+  MeshChoice choice = order.choice;
+  if (!order.is_file) {
+    const auto profile = order.profile.empty() ? std::vector<ProfilePoint>{}
+                                               : read_profile(order.profile, order.unit);
+    if (coarser != 1) { // from the standard size, if none was given
+      if (choice.h <= 0) {
+        const Mesh standard = make_shape(order.body, order.dimensions, profile, choice);
+        choice.h = bounding_box(standard.nodes).largest() / 16;
+      }
+      choice.h *= coarser;
+      if (choice.layers > 1)
+        choice.layers = std::max(1, static_cast<int>(choice.layers / coarser));
+    }
+    return make_shape(order.body, order.dimensions, profile, choice);
+  }
+  LoadChoice load{.unit = order.unit_given ? order.unit : 0,
+                  .h = choice.h,
+                  .coarser = coarser,
+                  .grade_concave = choice.grade_concave,
+                  .curved = !order.straight,
+                  .remesh = order.remesh};
+  load.say = [&](const std::string& sentence) { progress.say(sentence); };
+  return load_body(order.body, load);
+}
+
+std::vector<Material> materials_of(const Order& order, const Mesh& mesh) {
+  const std::string standard = order.body == "board" ? "spruce" : "aluminium";
+  std::vector<Material> materials(mesh.regions.size(), find_material(standard));
+  for (const auto& [region, name] : order.materials) {
+    const Material m = find_material(name);
+    if (region.empty()) {
+      std::fill(materials.begin(), materials.end(), m);
+      continue;
+    }
+    const auto at = std::find(mesh.regions.begin(), mesh.regions.end(), region);
+    if (at == mesh.regions.end()) {
+      std::string names;
+      for (const std::string& r : mesh.regions)
+        names += " " + r;
+      throw Refusal("--material: no region is called " + region + ", the body has" + names);
+    }
+    materials[static_cast<std::size_t>(at - mesh.regions.begin())] = m;
+  }
+  for (const auto& [what, value] : order.changes) {
+    Material& m = materials[0];
+    if (what == "young")
+      m.young_pa[0] = value;
+    else if (what == "poisson")
+      m.poisson[0] = value;
+    else if (what == "density")
+      m.density = value;
+    else
+      m.loss_factor = value;
+    if (!m.isotropic() && (what == "young" || what == "poisson"))
+      throw Refusal("--" + what + " changes an isotropic material, " + m.name + " is orthotropic");
+  }
+  if (!order.axes.empty())
+    for (Material& m : materials) {
+      m.axis_1 = {order.axes[0], order.axes[1], order.axes[2]};
+      m.axis_2 = {order.axes[3], order.axes[4], order.axes[5]};
+    }
+  return materials;
+}
+
+std::vector<Support> supports_of(const Order& order, const Mesh& mesh) {
+  std::vector<Support> supports;
+  if (order.places.empty())
+    return supports;
+  const Surface skin = surface_of(mesh);
+  const double near = 1e-6 * bounding_box(mesh.nodes).largest();
+  for (const Place& place : order.places) {
+    Support support{place.words, {}, place.directions, place.stiffness};
+    if (!place.set.empty()) {
+      const auto at = mesh.node_sets.find(place.set);
+      if (at == mesh.node_sets.end())
+        throw Refusal("--" + place.words + ": the mesh has no node set of that name");
+      support.nodes = at->second;
+    } else {
+      for (const int node : skin.node) {
+        const Vector3& p = mesh.nodes[static_cast<std::size_t>(node)];
+        if (place.plane >= 0 ? std::abs(p[place.plane] - place.level) <= near
+                             : length(p - place.centre) <= place.radius + near)
+          support.nodes.push_back(node);
+      }
+    }
+    if (support.nodes.empty())
+      throw Refusal("--" + place.words +
+                    " meets no node of the body's skin: expected a place on it");
+    supports.push_back(std::move(support));
+  }
+  return supports;
+}
+
+/// Errors from the same body on meshes 1.5 and 2.25 times as coarse. The observed order is
+/// p = ln((f3 - f2) / (f2 - f1)) / ln 1.5, kept within 1 and 4; the error (f2 - f1) / (1.5^p - 1).
+std::vector<double> verify(const Order& order, const Modes& fine, ProgressLine& progress) {
+  constexpr double kStep = 1.5;
+  std::array<std::vector<double>, 2> coarse;
+  for (std::size_t i = 0; i < 2; ++i) {
+    progress.say(
+        format("verifying on a mesh %.2f times as coarse", i == 0 ? kStep : kStep * kStep));
+    const Mesh mesh = mesh_of(order, i == 0 ? kStep : kStep * kStep, progress);
+    check(mesh);
+    const auto materials = materials_of(order, mesh);
+    const Matrices matrices = assemble(mesh, materials, supports_of(order, mesh));
+    coarse[i] =
+        find_modes(mesh, materials, matrices, {.count = fine.frequency_hz.size()}).frequency_hz;
+  }
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < fine.frequency_hz.size(); ++k) {
+    const double f1 = fine.frequency_hz[k];
+    const double f2 = k < coarse[0].size() ? coarse[0][k] : f1,
+                 f3 = k < coarse[1].size() ? coarse[1][k] : f2;
+    const double ratio = (f3 - f2) / (f2 - f1);
+    const double order_seen =
+        ratio > 1 ? std::clamp(std::log(ratio) / std::log(kStep), 1.0, 4.0) : 1.0;
+    errors.push_back(std::abs(f2 - f1) / (std::pow(kStep, order_seen) - 1) / f1);
+    if (k < 10)
+      progress.say(format("mode %zu: %.3f, %.3f, %.3f Hz; observed order %.1f", k + 1, f3, f2, f1,
+                          ratio > 0 ? std::log(ratio) / std::log(kStep) : 0.0));
+  }
+  return errors;
+}
+
+void check_units(const Mesh& mesh, ProgressLine& progress) {
+  const double largest = bounding_box(mesh.nodes).largest();
+  if (largest > 20 || largest < 1e-4)
+    progress.say(format("warning: the body is %g m large; are its lengths in the unit you meant? "
+                        "(--unit um|mm|cm|m|in)",
+                        largest));
+}
+
+} // namespace
+
+Solved solve(const Order& order) {
+  ProgressLine progress(order.quiet);
+  set_solver_threads(order.threads);
+  Solved body;
+  progress.stage("meshing", 0);
+  body.mesh = mesh_of(order, 1, progress);
+  check(body.mesh);
+  check_units(body.mesh, progress);
+  const Vector3 size = bounding_box(body.mesh.nodes).size();
+  progress.say(format("%zu elements (%s), %zu nodes, %zu degrees of freedom; %.4g x %.4g x %.4g mm",
+                      body.mesh.elements.size(), body.mesh.element_names().c_str(),
+                      body.mesh.nodes.size(), body.mesh.dofs(), 1e3 * size.x, 1e3 * size.y,
+                      1e3 * size.z));
+  for (const Element& e : body.mesh.elements)
+    if (is_linear(e.shape)) {
+      progress.say("warning: linear elements (" + body.mesh.element_names() +
+                   ") make frequencies 5 to 30 % too high; take quadratic ones");
+      break;
+    }
+  const Parts parts = connected_parts(body.mesh);
+  if (parts.count > 1 && !order.several_parts)
+    throw Refusal("the mesh falls into " + std::to_string(parts.count) +
+                  " parts that share no node, expected one (allow it with --multi)");
+  body.materials = materials_of(order, body.mesh);
+  const std::vector<Support> supports = supports_of(order, body.mesh);
+  for (std::size_t i = 0; i < supports.size(); ++i)
+    body.support_words = (i ? body.support_words + "; " : "") + supports[i].name;
+  if (!order.inp.empty())
+    write_inp(order.inp, body.mesh, body.materials, supports, order.modes);
+  body.matrices =
+      std::make_unique<Matrices>(assemble(body.mesh, body.materials, supports, [&](double share) {
+        progress.stage("assembling", share);
+      }));
+  if (!order.petsc.empty())
+    write_petsc(order.petsc, *body.matrices);
+  if (order.output.empty() && order.csv.empty() && order.vtu.empty() &&
+      !(order.inp.empty() && order.petsc.empty()))
+    return body;
+  if (!order.import_values.empty()) {
+    body.modes = import_modes(order.import_values, order.import_vectors, body.mesh, *body.matrices);
+  } else {
+    ModeSettings settings{.count = order.modes, .memory_limit_bytes = free_memory()};
+    settings.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
+    settings.predict = [&](const FactorCost& cost) {
+      // Measured on laptops and servers alike: 8 Gflop/s in the factor, 1.5 Gentries/s in a solve.
+      const double solves = 2.5 * static_cast<double>(order.modes) + 40;
+      const double seconds = cost.operations / 8e9 + 2 * solves * cost.entries / 3e9;
+      progress.say(format("about %.0f MB and %.0f s ahead (factor: %.3g entries)",
+                          (cost.memory_bytes + 8e0 * static_cast<double>(body.mesh.dofs()) *
+                                                   (5.0 * static_cast<double>(order.modes) + 120)) /
+                              1e6,
+                          std::max(1.0, seconds), cost.entries));
+    };
+    body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);
+  }
+  body.solved = true;
+  if (order.verify)
+    body.relative_error = verify(order, body.modes, progress);
+  progress.say(format("%zu right-hand sides solved", body.modes.solves));
+  return body;
+}
+
+} // namespace tactus::fem

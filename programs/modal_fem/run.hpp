@@ -1,0 +1,23 @@
+#pragma once
+#include "fem/modes/body.hpp"
+#include "programs/modal_fem/order.hpp"
+
+#include <memory>
+
+namespace tactus::fem {
+
+/// A body with its modes.
+struct Solved {
+  Mesh mesh;
+  std::vector<Material> materials;
+  std::unique_ptr<Matrices> matrices;
+  Modes modes;
+  std::string support_words = "free";
+  std::vector<double> relative_error;
+  bool solved = false; ///< false: only exported
+};
+
+/// Meshes, checks, assembles, solves as ordered; says what it does on stderr.
+[[nodiscard]] Solved solve(const Order&);
+
+} // namespace tactus::fem

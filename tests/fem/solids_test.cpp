@@ -1,0 +1,251 @@
+// Bodies whose frequencies are known in closed form, or agreed between programs.
+#include "fem/shapes/block.hpp"
+#include "fem/shapes/section.hpp"
+#include "solve.hpp"
+#include "tetrahedra.hpp"
+
+#include <numbers>
+
+using namespace tactus::fem;
+constexpr double kPi = std::numbers::pi;
+
+namespace {
+/// A root of f between a and b, where it changes sign.
+template <class F> double root(F f, double a, double b) {
+  for (int i = 0; i < 100; ++i)
+    ((f(.5 * (a + b)) > 0) == (f(a) > 0) ? a : b) = .5 * (a + b);
+  return a;
+}
+
+/// How often a frequency occurs within a tolerance.
+int occurrences(const Modes& modes, double frequency, double tolerance) {
+  int count = 0;
+  for (const double f : modes.frequency_hz)
+    count += std::abs(f / frequency - 1) < tolerance;
+  return count;
+}
+} // namespace
+
+TEST_CASE("a thin rod without lateral contraction stretches at n c / 2 L") {
+  // With nu = 0 the one-dimensional wave is an exact solution in three dimensions.
+  Material m = find_material("steel");
+  m.poisson[0] = 0;
+  const double length = .4, speed = m.bar_speed();
+  const Mesh mesh =
+      make_shape("bar", {{"length", length}, {"width", .02}, {"thickness", .02}}, {}, {});
+  const auto a = answer(mesh, m, 24);
+  for (const int n : {1, 2}) // quadratic elements, a sixteenth of the length: (k h)^4 / 1440
+    CHECK(occurrences(a.modes, n * speed / (2 * length), n == 1 ? 2e-6 : 2e-5) >= 1);
+}
+
+TEST_CASE("a solid ball twists with the multiplicity of its spherical harmonics") {
+  // Torsion of degree l of a free sphere: (l - 1) j_l(x) = x j_{l+1}(x), f = x c_t / (2 pi R),
+  // 2 l + 1 times (Lamb 1882).
+  const Material m = find_material("glass");
+  const double radius = .03, nu = m.poisson[0];
+  const double shear_speed = std::sqrt(m.young_pa[0] / (2 * (1 + nu)) / m.density);
+  MeshChoice choice;
+  choice.h = radius / 4;
+  const auto a = answer(make_shape("sphere", {{"diameter", 2 * radius}}, {}, choice), m, 24);
+  CHECK(a.modes.rigid == 6);
+  for (const unsigned l : {2u, 3u}) {
+    const double x = root(
+        [l](double y) { return (l - 1.0) * std::sph_bessel(l, y) - y * std::sph_bessel(l + 1, y); },
+        l + .2, l + 1.2);
+    const double frequency = x * shear_speed / (2 * kPi * radius);
+    CHECK(occurrences(a.modes, frequency, l == 2 ? 1e-3 : 3e-3) >= static_cast<int>(2 * l + 1));
+  }
+  check_close(mass_properties(a.mesh, std::span(&m, 1)).mass,
+              m.density * 4 / 3 * kPi * std::pow(radius, 3), 1e-4);
+}
+
+TEST_CASE("a hollow sphere keeps the degeneracy of the ball and converges") {
+  const Material m = find_material("aluminium");
+  const auto solve = [&](double h) {
+    MeshChoice choice;
+    choice.h = h;
+    return answer(make_shape("hollow_sphere", {{"diameter", .1}, {"thickness", .01}}, {}, choice),
+                  m, 5);
+  };
+  const auto coarse = solve(.016), fine = solve(.010);
+  for (std::size_t k = 0; k < 5; ++k) { // l = 2: five equal ones
+    check_close(coarse.modes.frequency_hz[k], fine.modes.frequency_hz[0], 5e-3);
+    check_close(fine.modes.frequency_hz[k], fine.modes.frequency_hz[0], 1e-3);
+  }
+}
+
+TEST_CASE("the thick plate of NAFEMS FV52 has its known frequencies") {
+  // 10 x 10 x 1 m, w = 0 along the four lower edges, the prescribed mesh of 4 x 4 x 1 hex20.
+  Material m;
+  m.young_pa[0] = 2e11;
+  m.poisson[0] = .3;
+  m.density = 8000;
+  const std::array<double, 5> across{0, 2.5, 5, 7.5, 10};
+  const std::array<double, 2> through{0, 1};
+  Mesh mesh = block(across, across, through);
+  Support edges{"edges", {}, {false, false, true}, 0};
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    const Vector3& p = mesh.nodes[i];
+    if (p.z == 0 && (p.x == 0 || p.x == 10 || p.y == 0 || p.y == 10))
+      edges.nodes.push_back(static_cast<int>(i));
+  }
+  const auto a = answer(mesh, m, 7, std::span(&edges, 1));
+  CHECK(a.modes.rigid == 3);
+  const std::array known{44.80, 110.54, 110.54, 169.10, 193.93, 206.64, 206.64};
+  for (std::size_t k = 0; k < known.size(); ++k)
+    check_close(a.modes.frequency_hz[k], known[k], .001);
+}
+
+TEST_CASE("rigid motions are counted, not assumed") {
+  const Material m = find_material("steel");
+  const Mesh box = make_shape("bar", {{"length", .1}, {"width", .02}, {"thickness", .01}}, {}, {});
+  const auto count = [&](const Mesh& mesh, std::vector<Support> supports) {
+    return answer(mesh, m, 2, supports).modes.rigid;
+  };
+  CHECK(count(box, {}) == 6);
+  CHECK(count(box, {{"end", nodes_on(box, 0, .05), {true, true, true}, 0}}) == 0);
+  CHECK(count(box, {{"end", nodes_on(box, 0, .05), {true, false, false}, 0}}) ==
+        3); // slides and spins
+  std::vector<int> hinge;
+  for (const int n : nodes_on(box, 1, -.01))
+    if (std::abs(box.nodes[static_cast<std::size_t>(n)].z + .005) < 1e-9)
+      hinge.push_back(n);
+  CHECK(count(box, {{"hinge", hinge, {true, true, true}, 0}}) == 1);
+  CHECK(count(box, {{"springs", nodes_on(box, 0, .05), {true, true, true}, 10.0}}) == 0);
+  Mesh two = box;
+  const int shift = static_cast<int>(box.nodes.size());
+  for (const Vector3& p : box.nodes)
+    two.nodes.push_back(p + Vector3{0, 0, .1});
+  for (const Element& e : box.elements) {
+    std::vector<int> nodes(box.nodes_of(e).begin(), box.nodes_of(e).end());
+    for (int& n : nodes)
+      n += shift;
+    two.add(e.shape, nodes);
+  }
+  CHECK(count(two, {}) == 12);
+}
+
+TEST_CASE("a stiff block on soft springs rings at sqrt(k / m)") {
+  const Material m = find_material("steel");
+  MeshChoice choice;
+  choice.h = .02;
+  const Mesh mesh =
+      make_shape("plate", {{"length", .05}, {"width", .05}, {"thickness", .05}}, {}, choice);
+  const double stiffness = 1000, mass = m.density * .05 * .05 * .05;
+  std::vector<int> all;
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
+    all.push_back(static_cast<int>(i));
+  const Support springs{"springs", all, {false, false, true}, stiffness};
+  const auto a = answer(mesh, m, 3, std::span(&springs, 1));
+  CHECK(a.modes.rigid == 3);
+  CHECK(occurrences(a.modes, std::sqrt(stiffness / mass) / (2 * kPi), 1e-5) >= 1);
+}
+
+TEST_CASE("frequencies of a wooden board turn with its grain and body") {
+  Material m = find_material("spruce");
+  MeshChoice choice;
+  choice.h = .04;
+  const Mesh straight =
+      make_shape("board", {{"length", .3}, {"width", .2}, {"thickness", .006}}, {}, choice);
+  Mesh turned = straight;
+  const double c = std::cos(.7), s = std::sin(.7);
+  const auto turn = [&](const Vector3& p) {
+    return Vector3{c * p.x - s * p.z, p.y, s * p.x + c * p.z};
+  };
+  for (Vector3& p : turned.nodes)
+    p = turn(p);
+  const auto a = answer(straight, m, 6);
+  m.axis_1 = turn(m.axis_1);
+  m.axis_2 = turn(m.axis_2);
+  const auto b = answer(turned, m, 6);
+  for (std::size_t k = 0; k < 6; ++k)
+    check_close(b.modes.frequency_hz[k], a.modes.frequency_hz[k], 1e-7);
+}
+
+TEST_CASE("a spruce bar along the grain bends as a Timoshenko beam of its moduli") {
+  // Slender bar, bending in x z: Timoshenko with E1, G13 and kappa = 5/6 for nu-free
+  // cross-sections.
+  const Material m = find_material("spruce");
+  const double l = .5, t = .01;
+  const auto a =
+      answer(make_shape("bar", {{"length", l}, {"width", .004}, {"thickness", t}}, {}, {}), m, 8);
+  // Free-free Euler-Bernoulli, then the first-order shear and rotary correction (Goens 1931).
+  const double bernoulli = 22.3733 / (2 * kPi * l * l) * m.bar_speed() * t / std::sqrt(12.0);
+  const double shear = m.young_pa[0] / (5.0 / 6 * m.shear_pa[1]);
+  const double ratio = t * t / (12 * l * l);
+  const double corrected = bernoulli / std::sqrt(1 + ratio * (49.48 + shear * 12.30));
+  CHECK(occurrences(a.modes, corrected, 3e-3) >= 1);
+}
+
+TEST_CASE("rescaling a body rescales its modes exactly") {
+  // f goes as sqrt(E / rho) / L, mass-normalised shapes as 1 / sqrt(rho L^3).
+  Material m = find_material("brass");
+  MeshChoice choice;
+  choice.h = .02;
+  const Mesh small = make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, choice);
+  Mesh large = small;
+  for (Vector3& p : large.nodes)
+    p = 2.5 * p;
+  const auto a = answer(small, m, 6);
+  m.young_pa[0] *= 1.7;
+  m.density *= .6;
+  const auto b = answer(large, m, 6);
+  const double pitch = std::sqrt(1.7 / .6) / 2.5, scale = 1 / std::sqrt(.6 * 2.5 * 2.5 * 2.5);
+  for (std::size_t k = 0; k < 6; ++k)
+    check_close(b.modes.frequency_hz[k], pitch * a.modes.frequency_hz[k], 1e-6);
+  double worst = 0, largest = 0;
+  for (std::size_t i = 0; i < a.matrices.dofs(); ++i) { // the third mode is single
+    worst = std::max(worst, std::abs(b.modes.shapes[2 * a.matrices.dofs() + i] -
+                                     scale * a.modes.shapes[2 * a.matrices.dofs() + i]));
+    largest = std::max(largest, std::abs(b.modes.shapes[2 * a.matrices.dofs() + i]));
+  }
+  CHECK(worst < 1e-5 * largest);
+}
+
+TEST_CASE("the slope over Poisson's ratio predicts a body solved anew") {
+  Material m = find_material("aluminium");
+  MeshChoice choice;
+  choice.h = .02;
+  const Mesh mesh = make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, choice);
+  const auto a = answer(mesh, m, 6);
+  const auto slopes = poisson_slopes(mesh, std::span(&m, 1), a.matrices, a.modes);
+  m.poisson[0] += .01;
+  const auto b = answer(mesh, m, 6);
+  for (std::size_t k = 0; k < 6; ++k) // second order in the step
+    CHECK(std::abs(std::log(b.modes.frequency_hz[k] / a.modes.frequency_hz[k]) - .01 * slopes[k]) <
+          2e-4);
+}
+
+TEST_CASE("two materials share the loss by their strain energy") {
+  const std::array<double, 3> xs{0, .05, .1};
+  const std::array<double, 3> ys{0, .005, .01};
+  Mesh mesh = block(xs, ys, ys);
+  mesh.regions = {"left", "right"};
+  for (Element& e : mesh.elements)
+    e.region = mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(e)[0])].x < .049 ? 0 : 1;
+  const std::vector<Material> same{find_material("steel"), find_material("steel")};
+  std::vector<Material> mixed = same;
+  mixed[1].loss_factor = 1e-2;
+  const Matrices m = assemble(mesh, mixed, {});
+  ModeSettings settings;
+  settings.count = 3;
+  const Modes modes = find_modes(mesh, mixed, m, settings);
+  const auto alone = loss_factors(mesh, same, m, modes), both = loss_factors(mesh, mixed, m, modes);
+  for (std::size_t k = 0; k < 3; ++k) { // mirror-symmetric: half the energy each
+    CHECK(alone[k] == doctest::Approx(same[0].loss_factor).epsilon(1e-6));
+    CHECK(both[k] == doctest::Approx(.5 * (same[0].loss_factor + 1e-2)).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("the error of tet10 shrinks faster than the third power of the size") {
+  Material m = find_material("steel");
+  const auto first = [&](Mesh mesh) { return answer(std::move(mesh), m, 1).modes.frequency_hz[0]; };
+  MeshChoice fine;
+  fine.h = 1.0 / 12;
+  const double exact =
+      first(make_shape("plate", {{"length", 1}, {"width", 1}, {"thickness", 1}}, {}, fine));
+  const double three = first(tetrahedral_block(3, true)), six = first(tetrahedral_block(6, true));
+  const double order = std::log2((three - exact) / (six - exact));
+  CAPTURE(order);
+  CHECK(order > 3); // four in the limit
+}

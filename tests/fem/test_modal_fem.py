@@ -1,0 +1,198 @@
+"""modal_fem as its user runs it: what it writes, what it refuses, what it leaves behind."""
+import csv
+import hashlib
+import json
+import os
+import signal
+import struct
+import subprocess
+import time
+import zipfile
+
+import numpy as np
+import pytest
+
+PROGRAM = os.environ["MODAL_FEM"]
+COARSE_DISK = ["disk", "--diameter", "100", "--thickness", "12", "--h", "20", "--modes", "6"]
+
+
+def run(*words, folder, expect=0, **extra):
+    done = subprocess.run([PROGRAM, *map(str, words)], cwd=folder, capture_output=True, text=True,
+                          timeout=300, **extra)
+    assert done.returncode == expect, done.stderr
+    return done
+
+
+def refusal(*words, folder):
+    said = run(*words, folder=folder, expect=1).stderr.strip().splitlines()[-1]
+    assert said.startswith("modal_fem: ")
+    return said
+
+
+def cube_triangles(size, origin=(0, 0, 0)):
+    corners = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]) * size + np.array(origin)
+    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4),
+             (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5)]
+    return [[corners[i] for i in face] for face in faces]
+
+
+def write_stl(path, triangles):
+    with open(path, "wb") as file:
+        file.write(b"\0" * 80 + struct.pack("<I", len(triangles)))
+        for t in triangles:
+            file.write(struct.pack("<12fH", 0, 0, 0, *np.ravel(t), 0))
+
+
+@pytest.fixture(scope="module")
+def disk(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("disk")
+    done = run(*COARSE_DISK, "-o", "disk.modal.npz", "--csv", "disk.csv", "--vtu", "disk.vtu", folder=folder)
+    return folder, done, np.load(folder / "disk.modal.npz")
+
+
+def test_the_table_holds_every_array_in_its_type_and_shape(disk):
+    table = disk[2]
+    modes, vertices = len(table["freq"]), len(table["xyz"])
+    expected = {"freq": ("<f8", (modes,)), "phi": ("<f4", (modes, vertices, 3)), "xyz": ("<f4", (vertices, 3)),
+                "mult": ("<i4", (modes,)), "eta": ("<f8", (modes,)), "mass": ("<f8", ()), "com": ("<f8", (3,)),
+                "inertia": ("<f8", (3, 3)), "dlnf_dnu": ("<f8", (modes,))}
+    for name, (kind, shape) in expected.items():
+        assert table[name].dtype == np.dtype(kind) and table[name].shape == shape, name
+    assert table["tri"].dtype == np.int32 and table["tri"].max() < vertices
+    meta = json.loads(bytes(table["meta"]))
+    assert meta["format"] == "modal-table" and meta["version"] == "1.0" and meta["units"] == "SI"
+    assert meta["rigid_modes"] == 6 and len(meta["mesh_sha256"]) == 64
+    assert modes == 6 and np.all(np.diff(table["freq"]) >= 0)
+
+
+def test_the_skin_is_closed_outward_and_encloses_the_body(disk):
+    table = disk[2]
+    a, b, c = (table["xyz"][table["tri"][:, k]].astype(float) for k in range(3))
+    inside = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    assert inside == pytest.approx(np.pi * 0.05**2 * 0.012, rel=0.02)  # flat triangles cut the rim
+    edges = {}
+    for t in table["tri"]:
+        for k in range(3):
+            edges[t[k], t[(k + 1) % 3]] = edges.get((t[k], t[(k + 1) % 3]), 0) + 1
+    assert all(n == 1 and edges.get((j, i)) == 1 for (i, j), n in edges.items())
+
+
+def test_mass_and_inertia_are_the_cylinders(disk):
+    table = disk[2]
+    mass = 2700 * np.pi * 0.05**2 * 0.012
+    assert table["mass"] == pytest.approx(mass, rel=1e-4)
+    spin, tumble = mass * 0.05**2 / 2, mass * (3 * 0.05**2 + 0.012**2) / 12
+    assert np.allclose(table["inertia"], np.diag([tumble, tumble, spin]), atol=2e-4 * spin)
+    assert np.allclose(table["com"], 0, atol=1e-9)
+
+
+def test_the_csv_and_the_picture_of_paraview_agree_with_the_table(disk):
+    folder, _, table = disk
+    rows = list(csv.DictReader(open(folder / "disk.csv")))
+    assert np.allclose([float(r["frequency_hz"]) for r in rows], table["freq"], rtol=1e-8)
+    decay = 3 * np.log(10) / (np.pi * table["freq"] * table["eta"])
+    assert np.allclose([float(r["t60_s"]) for r in rows], decay, rtol=1e-3)
+    text = (folder / "disk.vtu").read_text()
+    assert text.count("NumberOfComponents=\"3\"") == 1 + len(rows) and text.endswith("</VTKFile>\n")
+
+
+def test_progress_and_a_prediction_come_before_the_work(disk):
+    said = disk[1].stderr
+    assert said.index("ahead") < said.index("factorising") < said.index("finding modes")
+
+
+def test_equal_orders_write_equal_bytes(tmp_path):
+    sums = []
+    for name in ("a.modal.npz", "b.modal.npz"):
+        run(*COARSE_DISK, "-o", name, folder=tmp_path, env={**os.environ, "SOURCE_DATE_EPOCH": "0"})
+        sums.append(hashlib.sha256((tmp_path / name).read_bytes()).hexdigest())
+    assert sums[0] == sums[1]
+    assert zipfile.ZipFile(tmp_path / "a.modal.npz").testzip() is None
+
+
+def test_an_interrupt_leaves_nothing_behind(tmp_path):
+    child = subprocess.Popen([PROGRAM, "disk", "--diameter", "100", "--thickness", "12", "--h", "3", "-o",
+                              "disk.modal.npz"], cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
+    time.sleep(0.5)
+    child.send_signal(signal.SIGINT)
+    assert child.wait(20) == 130
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("words, expected", [
+    (["disk", "--diameter", "100"], "thickness"),
+    (["disk", "--diameter", "-1", "--thickness", "2"], "--diameter -1"),
+    (["disc"], "no shape is called disc"),
+    (["disk", "--diameter", "100", "--thickness", "12", "--wobble", "3"], "--wobble"),
+    ([*COARSE_DISK, "--material", "cheese"], "cheese"),
+    ([*COARSE_DISK, "--poisson", "0.5"], "--poisson 0.5"),
+    ([*COARSE_DISK, "--fix", "0,0,90,2"], "meets no node"),
+    ([*COARSE_DISK, "--unit", "furlong"], "furlong"),
+    (["hollow-disk", "--diameter", "100", "--thickness", "25", "--cavity-diameter", "120",
+      "--cavity-thickness", "13"], "cavity"),
+    (["nothing.stl"], "nothing.stl"),
+])
+def test_a_bad_order_is_refused_by_name(words, expected, tmp_path):
+    assert expected in refusal(*words, folder=tmp_path)
+
+
+def test_an_open_surface_is_refused_with_its_triangle(tmp_path):
+    write_stl(tmp_path / "open.stl", cube_triangles(10)[:-1])
+    said = refusal("open.stl", folder=tmp_path)
+    assert "open" in said and "triangle" in said
+
+
+def test_two_bodies_in_one_file_and_a_truncated_file_are_refused(tmp_path):
+    write_stl(tmp_path / "two.stl", cube_triangles(10) + cube_triangles(10, (30, 0, 0)))
+    assert "separate pieces" in refusal("two.stl", folder=tmp_path)
+    whole = (tmp_path / "two.stl").read_bytes()
+    (tmp_path / "cut.stl").write_bytes(whole[:-70])
+    assert "promises 24 triangles" in refusal("cut.stl", folder=tmp_path)
+
+
+def test_a_cube_from_stl_obj_and_inp_is_the_cube_of_the_plate(tmp_path):
+    words = ["--modes", "4", "--quiet"]
+    run("plate", "--length", 20, "--width", 20, "--thickness", 20, "--h", 3, "-o", "a.modal.npz", *words, folder=tmp_path)
+    exact = np.load(tmp_path / "a.modal.npz")["freq"]
+    write_stl(tmp_path / "cube.stl", cube_triangles(20))
+    with open(tmp_path / "cube.obj", "w") as file:
+        for t in cube_triangles(20):
+            for x, y, z in t:
+                file.write(f"v {x} {y} {z}\n")
+            file.write("f -3 -2 -1\n")
+    run("cube.stl", "--h", 5, "-o", "b.modal.npz", *words, folder=tmp_path)
+    run("cube.obj", "--h", 5, "-o", "c.modal.npz", *words, folder=tmp_path)
+    run("plate", "--length", 20, "--width", 20, "--thickness", 20, "--h", 5, "--export-inp", "cube.inp", folder=tmp_path)
+    run("cube.inp", "-o", "d.modal.npz", *words, folder=tmp_path)
+    for name in "bcd":
+        found = np.load(tmp_path / f"{name}.modal.npz")["freq"]
+        assert np.allclose(found, exact, rtol=2e-3), name
+
+
+def test_broken_inp_lines_and_inside_out_elements_are_named(tmp_path):
+    good = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4,ELSET=E\n"
+    (tmp_path / "a.inp").write_text(good + "7,1,3,2,4\n")
+    said = refusal("a.inp", folder=tmp_path)
+    assert "element 1" in said and "inside out" in said
+    (tmp_path / "b.inp").write_text(good + "7,1,2,3,9\n")
+    assert "line 7" in refusal("b.inp", folder=tmp_path) and "node 9" in refusal("b.inp", folder=tmp_path)
+    (tmp_path / "c.inp").write_text(good.replace("3,0,1,0", "3,0,x,0"))
+    assert "line 4" in refusal("c.inp", folder=tmp_path)
+
+
+def test_a_bell_is_made_from_its_profile(tmp_path):
+    (tmp_path / "bell.txt").write_text("# r z thickness, mm\n0 60 4\n15 58 4\n25 40 3\n30 20 3\n40 0 6\n")
+    run("bell", "--profile", "bell.txt", "--material", "bronze", "--modes", 4, "-o", "b.modal.npz", folder=tmp_path)
+    assert 500 < np.load(tmp_path / "b.modal.npz")["freq"][0] < 20000
+    (tmp_path / "bad.txt").write_text("0 60 4\n15 58\n")
+    assert "line 2" in refusal("bell", "--profile", "bad.txt", folder=tmp_path)
+
+
+def test_verification_estimates_the_error_it_has(tmp_path):
+    run("disk", "--diameter", 100, "--thickness", 12, "--h", 8, "--modes", 6, "--verify", "-o", "d.modal.npz",
+        folder=tmp_path)
+    table = np.load(tmp_path / "d.modal.npz")
+    estimate = np.array(json.loads(bytes(table["meta"]))["accuracy"]["est_rel_error"])
+    exact = np.array([5890.390, 5890.390, 9992.755, 12864.666, 12864.666, 20574.586])
+    error = np.abs(table["freq"] / exact - 1)
+    assert np.all(estimate > 0.2 * error) and np.all(estimate < 20 * np.maximum(error, 1e-5))

@@ -1,0 +1,37 @@
+#pragma once
+#include "fem/mesh/surface.hpp"
+
+namespace tactus::fem {
+
+/// The unit cube in n^3 cells of six straight tetrahedra, which share the cell's long diagonal.
+inline Mesh tetrahedral_block(int n, bool quadratic) {
+  static constexpr std::array<std::array<int, 4>, 6> kCells{
+      {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
+  static constexpr std::array<std::array<std::size_t, 2>, 6> kEdges{
+      {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+  Mesh mesh;
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        for (const auto& cell : kCells) {
+          std::vector<Vector3> corners;
+          for (const int c : cell)
+            corners.push_back((1.0 / n) *
+                              Vector3{double(i + c % 2), double(j + c / 2 % 2), double(k + c / 4)});
+          if (quadratic)
+            for (const auto& [a, b] : kEdges)
+              corners.push_back(.5 * (corners[a] + corners[b]));
+          std::vector<int> nodes;
+          for (const Vector3& p : corners) {
+            nodes.push_back(static_cast<int>(mesh.nodes.size()));
+            mesh.nodes.push_back(p);
+          }
+          mesh.add(quadratic ? Shape::tet10 : Shape::tet4, nodes);
+        }
+  merge_nodes(mesh, 1e-9);
+  return mesh;
+}
+
+inline std::vector<int> outer_nodes(const Mesh& mesh) { return surface_of(mesh).node; }
+
+} // namespace tactus::fem
