@@ -5,24 +5,31 @@
 /// The mode bank's loops, written once for any instruction set. Every function is a template on the
 /// set, so that the linker never takes a newer processor's code for an older one's.
 ///
-/// Modes lie across lanes. The outputs of a leap of eight samples come straight from the state at
-/// its beginning by a table of the pole's powers, and so does the state at its end: there is no
-/// recursion from sample to sample to wait for, rounding enters once in eight samples, and pitch is
-/// as good as the table. Costs 4 fused multiply-adds a mode and sample with one force and one
-/// pick-up, and 9 in eight samples for gains and the step of the state.
+/// Modes lie across lanes. All outputs of a leap of sixteen samples come straight from the state at
+/// its beginning by a table, and so does the state at its end from the forces: there is no recursion
+/// from sample to sample to wait for, rounding enters once in sixteen samples, and pitch is as good
+/// as the table. Powers of the pole cost 4 fused multiply-adds a mode and sample for one force and
+/// one pick-up, and 10 in sixteen samples for gains and the step of the state.
+///
+/// Half of that is saved where modes decay alike. Seen from the middle of the leap, a mode that does
+/// not decay gives E + O at a time t after and E - O at the same time before, E = Im(c) cos and
+/// O = Re(c) sin of omega t: one product for each sample. A decay that all share is put in
+/// afterwards; what a mode's own decay differs from it (at most ModeBank::kUnlike) is put right from
+/// leap to leap, because the state's step is exact, and errs by that difference times eight samples
+/// in between.
 namespace tactus::modal {
 
 template <class Set> struct BankVector;
 
 template <> struct BankVector<simd::Baseline> {
   using Type [[gnu::vector_size(16)]] = float;
-  static constexpr std::size_t width = 4, tile = 2;
+  static constexpr std::size_t width = 4, registers = 2, tile = 2;
   static Type multiply_add(Type a, Type b, Type c) noexcept { return a * b + c; }
 };
 #if defined(__AVX2__) && defined(__FMA__)
 template <> struct BankVector<simd::Avx2> {
   using Type [[gnu::vector_size(32)]] = float;
-  static constexpr std::size_t width = 8, tile = 2;
+  static constexpr std::size_t width = 8, registers = 2, tile = 2;
   [[gnu::always_inline]] static Type multiply_add(Type a, Type b, Type c) noexcept {
     return _mm256_fmadd_ps(a, b, c);
   }
@@ -31,7 +38,7 @@ template <> struct BankVector<simd::Avx2> {
 #if defined(__AVX512F__)
 template <> struct BankVector<simd::Avx512> {
   using Type [[gnu::vector_size(64)]] = float;
-  static constexpr std::size_t width = 16, tile = 4;
+  static constexpr std::size_t width = 16, registers = 2, tile = 4;
   [[gnu::always_inline]] static Type multiply_add(Type a, Type b, Type c) noexcept {
     return _mm512_fmadd_ps(a, b, c);
   }
@@ -42,7 +49,7 @@ template <class Set> class BankLanes final : public BankKernel {
   using Traits = BankVector<Set>;
   using V = typename Traits::Type;
   static constexpr std::size_t kWidth = Traits::width;
-  static constexpr std::size_t kRegisters = 2; // in flight, summed into one accumulator
+  static constexpr std::size_t kRegisters = Traits::registers; // summed into one accumulator
   static constexpr std::size_t kStep = kRegisters * kWidth;
 
   [[gnu::always_inline]] static V fma(V a, V b, V c) noexcept {
@@ -56,7 +63,7 @@ template <class Set> class BankLanes final : public BankKernel {
   }
   [[gnu::always_inline]] static V all(float x) noexcept { return x - V{}; }
 
-  /// Two registers of complex numbers.
+  /// Some registers of complex numbers.
   struct Pair {
     V real[kRegisters], imaginary[kRegisters];
   };
@@ -75,14 +82,10 @@ template <class Set> class BankLanes final : public BankKernel {
       store(lane.imaginary, at + r * kWidth, p.imaginary[r]);
     }
   }
+  /// p^exponent of an uneven block.
   [[gnu::always_inline]] static Pair power(const PoleBlock& poles, std::size_t exponent,
                                            std::size_t at) noexcept {
-    Pair p;
-    for (std::size_t r = 0; r < kRegisters; ++r) {
-      p.real[r] = load(poles.real[exponent - 1], at + r * kWidth);
-      p.imaginary[r] = load(poles.imaginary[exponent - 1], at + r * kWidth);
-    }
-    return p;
+    return load(poles.power[exponent - 1], at);
   }
   /// a b + c
   [[gnu::always_inline]] static Pair multiply_add(const Pair& a, const Pair& b,
@@ -96,15 +99,19 @@ template <class Set> class BankLanes final : public BankKernel {
     return out;
   }
 
-  /// sum over j < samples of p^(samples-1-j) x[j], for Tile leaps at a stride of kLeap samples.
+  /// input[t] += gain times the sum over j of p^(15-j) x[j], for Tile leaps one after the other.
   template <std::size_t Tile>
   [[gnu::always_inline]] static void gather(const PoleBlock& poles, std::size_t at,
-                                            const float* force, std::size_t samples,
-                                            Pair* sum) noexcept {
+                                            const Lane& gain, const float* force,
+                                            Pair* input) noexcept {
+    Pair sum[Tile];
     for (std::size_t t = 0; t < Tile; ++t)
-      sum[t] = {};
-    for (std::size_t j = 0; j + 1 < samples; ++j) {
-      const Pair p = power(poles, samples - 1 - j, at);
+      for (std::size_t r = 0; r < kRegisters; ++r) {
+        sum[t].real[r] = all(force[t * kLeap + kLeap - 1]);
+        sum[t].imaginary[r] = V{};
+      }
+    for (std::size_t j = 0; j + 1 < kLeap; ++j) {
+      const Pair p = power(poles, kLeap - 1 - j, at);
       for (std::size_t t = 0; t < Tile; ++t) {
         const V x = all(force[t * kLeap + j]);
         for (std::size_t r = 0; r < kRegisters; ++r) {
@@ -113,18 +120,31 @@ template <class Set> class BankLanes final : public BankKernel {
         }
       }
     }
-    for (std::size_t t = 0; t < Tile; ++t)
-      for (std::size_t r = 0; r < kRegisters; ++r)
-        sum[t].real[r] += all(force[t * kLeap + samples - 1]);
+    add_gained<Tile>(gain, at, sum, input);
   }
 
-  /// input[l] += gain * gather of leap l
+  /// The same seen from the middle, from the forces' sums and differences about it.
   template <std::size_t Tile>
-  [[gnu::always_inline]] static void drive(const PoleBlock& poles, std::size_t at,
-                                           const Lane& gain, const float* force,
-                                           std::size_t samples, Pair* input) noexcept {
-    Pair sum[Tile];
-    gather<Tile>(poles, at, force, samples, sum);
+  [[gnu::always_inline]] static void gather_even(const PoleBlock& poles, std::size_t at,
+                                                 const Lane& gain, const float* sums,
+                                                 const float* differences, Pair* input) noexcept {
+    Pair sum[Tile] = {};
+    for (std::size_t m = 0; m < kHalfLeap; ++m) {
+      const Pair p = load(poles.power[m], at);
+      for (std::size_t t = 0; t < Tile; ++t) {
+        const V even = all(sums[t * kHalfLeap + m]), odd = all(differences[t * kHalfLeap + m]);
+        for (std::size_t r = 0; r < kRegisters; ++r) {
+          sum[t].real[r] = fma(p.real[r], even, sum[t].real[r]);
+          sum[t].imaginary[r] = fma(p.imaginary[r], odd, sum[t].imaginary[r]);
+        }
+      }
+    }
+    add_gained<Tile>(gain, at, sum, input);
+  }
+
+  template <std::size_t Tile>
+  [[gnu::always_inline]] static void add_gained(const Lane& gain, std::size_t at, const Pair* sum,
+                                                Pair* input) noexcept {
     for (std::size_t t = 0; t < Tile; ++t)
       for (std::size_t r = 0; r < kRegisters; ++r) {
         const V b = load(gain, at + r * kWidth);
@@ -151,6 +171,63 @@ template <class Set> class BankLanes final : public BankKernel {
     }
   }
 
+  /// What an even block adds at times m + 1/2 from the middle, first <= m < last.
+  template <std::size_t Tile>
+  [[gnu::always_inline]] static void hear_even(const PoleBlock& poles, std::size_t at,
+                                               const Pair* given, std::size_t first,
+                                               std::size_t last, V* even, V* odd) noexcept {
+    Pair heard[Tile];
+    for (std::size_t t = 0; t < Tile; ++t)
+      heard[t] = given[t];
+    for (std::size_t m = first; m < last; ++m) {
+      const Pair p = load(poles.power[m], at);
+      for (std::size_t t = 0; t < Tile; ++t) {
+        V e = even[t * kHalfLeap + m], o = odd[t * kHalfLeap + m];
+        for (std::size_t r = 0; r < kRegisters; ++r) {
+          e = fma(p.real[r], heard[t].imaginary[r], e);
+          o = fma(p.imaginary[r], heard[t].real[r], o);
+        }
+        even[t * kHalfLeap + m] = e;
+        odd[t * kHalfLeap + m] = o;
+      }
+    }
+  }
+
+  /// Sums that even blocks of one common decay build up in a leap, before the decay.
+  struct Halves {
+    V even[kMostLeaps * kHalfLeap], odd[kMostLeaps * kHalfLeap];
+  };
+  [[gnu::always_inline]] static V later(const CommonDecay& decay, std::size_t m, V even,
+                                        V odd) noexcept {
+    return all(decay.fall[m]) * (even + odd);
+  }
+  [[gnu::always_inline]] static V earlier(const CommonDecay& decay, std::size_t m, V even,
+                                          V odd) noexcept {
+    return all(decay.rise[m]) * (even - odd);
+  }
+  static void join(Halves& halves, const CommonDecay& decay, std::size_t leaps,
+                   V* accumulator) noexcept {
+    for (std::size_t l = 0; l < leaps; ++l)
+      for (std::size_t m = 0; m < kHalfLeap; ++m) {
+        V& e = halves.even[l * kHalfLeap + m];
+        V& o = halves.odd[l * kHalfLeap + m];
+        accumulator[l * kLeap + kHalfLeap + m] += later(decay, m, e, o);
+        accumulator[l * kLeap + kHalfLeap - 1 - m] += earlier(decay, m, e, o);
+        e = o = V{};
+      }
+  }
+  /// A force's sums and differences about the middles of its leaps, the decay taken into account.
+  static void fold(const float* force, const CommonDecay& decay, std::size_t leaps, float* sums,
+                   float* differences) noexcept {
+    for (std::size_t l = 0; l < leaps; ++l)
+      for (std::size_t m = 0; m < kHalfLeap; ++m) {
+        const float before = force[l * kLeap + kHalfLeap - 1 - m] * decay.fall[m];
+        const float after = force[l * kLeap + kHalfLeap + m] * decay.rise[m];
+        sums[l * kHalfLeap + m] = before + after;
+        differences[l * kHalfLeap + m] = before - after;
+      }
+  }
+
   /// Sums the lanes of every accumulator, always in the same order.
   static void collect(const V* accumulator, std::size_t count, float* out) noexcept {
     for (std::size_t n = 0; n < count; ++n) {
@@ -173,75 +250,200 @@ template <class Set> class BankLanes final : public BankKernel {
     }
   }
 
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  /// Forces folded for the common decay at work, one drive after the other.
+  struct Folded {
+    static constexpr std::size_t kMostDrives = 72;
+    float sums[kMostDrives][kMostLeaps * kHalfLeap];
+    float differences[kMostDrives][kMostLeaps * kHalfLeap];
+  };
+
+  /// States at the beginning of each leap, or in its middle, and the state after all.
+  [[gnu::always_inline]] static void step(const PoleBlock& poles, const BankView& bank,
+                                          std::uint32_t block, std::size_t at, std::size_t leaps,
+                                          std::span<const BankDrive> drives, const Folded& folded,
+                                          Pair* state) noexcept {
+    Pair input[kMostLeaps];
+    for (std::size_t l = 0; l < leaps; ++l)
+      input[l] = {};
+    for (std::size_t d = 0; d < drives.size(); ++d) {
+      const Lane& gain = drives[d].gain[block];
+      const auto take = [&]<std::size_t Tile>(std::size_t l) {
+        if (poles.even)
+          gather_even<Tile>(poles, at, gain, folded.sums[d] + l * kHalfLeap,
+                            folded.differences[d] + l * kHalfLeap, input + l);
+        else
+          gather<Tile>(poles, at, gain, drives[d].force + l * kLeap, input + l);
+      };
+      std::size_t l = 0;
+      for (; l + Traits::tile <= leaps; l += Traits::tile)
+        take.template operator()<Traits::tile>(l);
+      for (; l < leaps; ++l)
+        take.template operator()<1>(l);
+    }
+    Pair z = load(bank.state[block], at);
+    const Pair leap = load(poles.whole_leap(), at);
+    for (std::size_t l = 0; l < leaps; ++l) {
+      state[l] = z;
+      if (poles.even) {
+        for (std::size_t r = 0; r < kRegisters; ++r) {
+          z.real[r] += input[l].real[r];
+          z.imaginary[r] += input[l].imaginary[r];
+        }
+        z = multiply_add(leap, z, {});
+      } else {
+        z = multiply_add(leap, z, input[l]);
+      }
+    }
+    store(bank.state[block], at, z);
+  }
+
 public:
   void run(const BankView& bank, std::size_t leaps, std::span<const BankDrive> drives,
            std::span<const BankPickup> pickups) const noexcept override {
     V accumulator[kMostEars][kMostSamples];
-    const std::size_t heard_count = pickups.size() < kMostEars ? pickups.size() : kMostEars;
-    for (std::size_t k = 0; k < heard_count; ++k)
+    Halves halves[kMostEars];
+    Folded folded;
+    const std::size_t ears = pickups.size() < kMostEars ? pickups.size() : kMostEars;
+    for (std::size_t k = 0; k < ears; ++k) {
       for (std::size_t n = 0; n < leaps * kLeap; ++n)
         accumulator[k][n] = V{};
+      for (std::size_t n = 0; n < leaps * kHalfLeap; ++n)
+        halves[k].even[n] = halves[k].odd[n] = V{};
+    }
+    std::uint32_t decay = kNone;
     for (const std::uint32_t block : bank.active) {
       const PoleBlock& poles = bank.poles[block];
+      if (poles.even && poles.decay != decay) {
+        for (std::size_t k = 0; k < ears && decay != kNone; ++k)
+          join(halves[k], bank.decays[decay], leaps, accumulator[k]);
+        decay = poles.decay;
+        for (std::size_t d = 0; d < drives.size(); ++d)
+          fold(drives[d].force, bank.decays[decay], leaps, folded.sums[d], folded.differences[d]);
+      }
       for (std::size_t at = 0; at < kLanes; at += kStep) {
-        Pair input[kMostLeaps], state[kMostLeaps];
-        for (std::size_t l = 0; l < leaps; ++l)
-          input[l] = {};
-        for (const BankDrive& d : drives) {
-          std::size_t l = 0;
-          for (; l + 2 <= leaps; l += 2)
-            drive<2>(poles, at, d.gain[block], d.force + l * kLeap, kLeap, input + l);
-          if (l < leaps)
-            drive<1>(poles, at, d.gain[block], d.force + l * kLeap, kLeap, input + l);
-        }
-        Pair z = load(bank.state[block], at);
-        const Pair leap = power(poles, kLeap, at);
-        for (std::size_t l = 0; l < leaps; ++l) {
-          state[l] = z;
-          z = multiply_add(leap, z, input[l]);
-        }
-        store(bank.state[block], at, z);
-        for (std::size_t k = 0; k < heard_count; ++k) {
+        Pair state[kMostLeaps], heard[kMostLeaps];
+        step(poles, bank, block, at, leaps, drives, folded, state);
+        for (std::size_t k = 0; k < ears; ++k) {
           const Pair weight = load(pickups[k].weight[block], at);
           for (std::size_t l = 0; l < leaps; ++l)
-            input[l] = multiply_add(weight, state[l], {});
+            heard[l] = multiply_add(weight, state[l], {});
+          const auto listen_to = [&]<std::size_t Tile>(std::size_t l) {
+            if (poles.even)
+              hear_even<Tile>(poles, at, heard + l, 0, kHalfLeap, halves[k].even + l * kHalfLeap,
+                              halves[k].odd + l * kHalfLeap);
+            else
+              hear<Tile>(poles, at, heard + l, 0, kLeap, accumulator[k] + l * kLeap);
+          };
           std::size_t l = 0;
           for (; l + Traits::tile <= leaps; l += Traits::tile)
-            hear<Traits::tile>(poles, at, input + l, 0, kLeap, accumulator[k] + l * kLeap);
+            listen_to.template operator()<Traits::tile>(l);
           for (; l < leaps; ++l)
-            hear<1>(poles, at, input + l, 0, kLeap, accumulator[k] + l * kLeap);
+            listen_to.template operator()<1>(l);
         }
       }
     }
-    for (std::size_t k = 0; k < heard_count; ++k)
+    for (std::size_t k = 0; k < ears; ++k) {
+      if (decay != kNone)
+        join(halves[k], bank.decays[decay], leaps, accumulator[k]);
       collect(accumulator[k], leaps * kLeap, pickups[k].out);
+    }
   }
 
   void listen(const BankView& bank, std::size_t first, std::size_t count,
               std::span<const BankPickup> pickups) const noexcept override {
+    // The same sums in the same order as run() has them, for these samples alone.
     for (const BankPickup& pickup : pickups) {
       V accumulator[kLeap] = {};
-      for (const std::uint32_t block : bank.active)
+      Halves halves;
+      for (std::size_t m = 0; m < kHalfLeap; ++m)
+        halves.even[m] = halves.odd[m] = V{};
+      std::uint32_t decay = kNone;
+      const auto join_these = [&] {
+        for (std::size_t i = 0; i < count; ++i) {
+          const std::size_t n = first + i;
+          const std::size_t m = n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap;
+          const V e = halves.even[m], o = halves.odd[m];
+          accumulator[i] += n < kHalfLeap ? earlier(bank.decays[decay], m, e, o)
+                                          : later(bank.decays[decay], m, e, o);
+        }
+        for (std::size_t m = 0; m < kHalfLeap; ++m)
+          halves.even[m] = halves.odd[m] = V{};
+      };
+      for (const std::uint32_t block : bank.active) {
+        const PoleBlock& poles = bank.poles[block];
+        if (poles.even && poles.decay != decay) {
+          if (decay != kNone)
+            join_these();
+          decay = poles.decay;
+        }
         for (std::size_t at = 0; at < kLanes; at += kStep) {
           const Pair heard =
               multiply_add(load(pickup.weight[block], at), load(bank.state[block], at), {});
-          hear<1>(bank.poles[block], at, &heard, first, count, accumulator);
+          if (!poles.even) {
+            hear<1>(poles, at, &heard, first, count, accumulator);
+            continue;
+          }
+          bool needed[kHalfLeap] = {};
+          for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t n = first + i;
+            needed[n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap] = true;
+          }
+          for (std::size_t m = 0; m < kHalfLeap; ++m)
+            if (needed[m])
+              hear_even<1>(poles, at, &heard, m, m + 1, halves.even, halves.odd);
         }
+      }
+      if (decay != kNone)
+        join_these();
       collect(accumulator, count, pickup.out);
     }
   }
 
+  void echo(const float* force, const float* response, float* out) const noexcept override {
+    constexpr std::size_t kParts = kLeap / kWidth;
+    using Unaligned [[gnu::vector_size(sizeof(V)), gnu::aligned(4), gnu::may_alias]] = float;
+    V sum[kParts] = {};
+    for (std::size_t j = 0; j < kLeap; ++j)
+      for (std::size_t part = 0; part < kParts; ++part) {
+        const float* at = response + kLeap + part * kWidth - j;
+        sum[part] = fma(all(force[j]), *reinterpret_cast<const Unaligned*>(at), sum[part]);
+      }
+    for (std::size_t part = 0; part < kParts; ++part)
+      *reinterpret_cast<Unaligned*>(out + part * kWidth) = sum[part];
+  }
+
   void advance(const BankView& bank, std::size_t samples,
                std::span<const BankDrive> drives) const noexcept override {
-    for (const std::uint32_t block : bank.active)
+    Folded folded;
+    for (const std::uint32_t block : bank.active) {
+      const PoleBlock& poles = bank.poles[block];
+      if (samples == kLeap && poles.even)
+        for (std::size_t d = 0; d < drives.size(); ++d)
+          fold(drives[d].force, bank.decays[poles.decay], 1, folded.sums[d],
+               folded.differences[d]);
       for (std::size_t at = 0; at < kLanes; at += kStep) {
-        Pair input{};
-        for (const BankDrive& d : drives)
-          drive<1>(bank.poles[block], at, d.gain[block], d.force, samples, &input);
-        const Pair z = multiply_add(power(bank.poles[block], samples, at),
-                                    load(bank.state[block], at), input);
+        Pair state[kMostLeaps];
+        if (samples == kLeap) {
+          step(poles, bank, block, at, 1, drives, folded, state);
+          continue;
+        }
+        Pair z = load(bank.state[block], at);
+        if (poles.even)
+          z = multiply_add(load(poles.power[PoleBlock::kFromMiddle], at), z, {});
+        const Pair p = load(poles.one_sample(), at);
+        for (std::size_t n = 0; n < samples; ++n) {
+          z = multiply_add(p, z, {});
+          for (const BankDrive& d : drives)
+            for (std::size_t r = 0; r < kRegisters; ++r)
+              z.real[r] = fma(load(d.gain[block], at + r * kWidth), all(d.force[n]), z.real[r]);
+        }
+        if (poles.even)
+          z = multiply_add(load(poles.power[PoleBlock::kToMiddle], at), z, {});
         store(bank.state[block], at, z);
       }
+    }
   }
 };
 

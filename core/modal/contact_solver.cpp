@@ -111,10 +111,12 @@ void ContactSolver::begin(std::size_t slot, const Contact& contact, std::span<co
     rest_rigid();
   contacts_[slot] = contact;
   contacts_[slot].active = true;
-  if (!contact.led)
-    contacts_[slot].place_m += surface_place(slot);
+  // No contact begins with work stored in it.
+  const double surface = surface_place(slot);
+  contacts_[slot].place_m =
+      contact.led ? std::min(contact.place_m, surface) : contact.place_m + surface;
   ++active_count_;
-  contacts_[slot].compression_m = contacts_[slot].place_m - surface_place(slot);
+  contacts_[slot].compression_m = contacts_[slot].place_m - surface;
   double wanted = active_count_ > 1 ? steps_ : 1;
   if (!contact.led && contact.speed_m_per_s > 0) {
     const double time = contact.law.duration(1 / s.mobility, contact.speed_m_per_s);
@@ -131,11 +133,20 @@ void ContactSolver::end(std::size_t slot) noexcept {
   --active_count_;
 }
 
-void ContactSolver::lead(std::size_t slot, double place_m, double speed_m_per_s) noexcept {
+void ContactSolver::lead(std::size_t slot, double place_m, double fastest_m_per_s) noexcept {
   if (slot >= contacts_.size() || !contacts_[slot].active)
     return;
-  contacts_[slot].place_m = place_m;
-  contacts_[slot].speed_m_per_s = speed_m_per_s;
+  Contact& c = contacts_[slot];
+  c.speed_m_per_s =
+      std::clamp((place_m - c.place_m) * sample_rate_, -fastest_m_per_s, fastest_m_per_s);
+}
+
+void ContactSolver::silence() noexcept {
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    end(i);
+  std::fill(real_.begin(), real_.end(), 0.0);
+  std::fill(imaginary_.begin(), imaginary_.end(), 0.0);
+  rest_rigid();
 }
 
 double ContactSolver::surface_place(std::size_t slot) const noexcept {

@@ -47,7 +47,10 @@ public:
   void begin(std::size_t slot, const Contact& contact, std::span<const double> gain,
              const std::array<double, kRigid>& rigid_gain) noexcept;
   void end(std::size_t slot) noexcept;
-  void lead(std::size_t slot, double place_m, double speed_m_per_s) noexcept;
+  /// Where a led striker shall be after the next step; it gets there no faster than a hand.
+  void lead(std::size_t slot, double place_m, double fastest_m_per_s = 50) noexcept;
+  /// Everything at rest, nothing touches.
+  void silence() noexcept;
   [[nodiscard]] const Contact& contact(std::size_t slot) const noexcept { return contacts_[slot]; }
   [[nodiscard]] bool touching() const noexcept { return active_count_ > 0; }
   /// Steps that one sample takes now.

@@ -25,12 +25,57 @@ ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rat
     pickup.weight.resize(blocks_);
     pickup.old_weight.resize(blocks_);
   }
-  for (std::size_t k = 0; k < modes_; ++k) {
-    const auto [block, lane] = place(k);
-    for (std::size_t m = 1; m <= kLeap; ++m) {
-      const std::complex<double> power = std::exp(rate[k] * (static_cast<double>(m) / sample_rate));
-      poles_[block].real[m - 1].v[lane] = static_cast<float>(power.real());
-      poles_[block].imaginary[m - 1].v[lane] = static_cast<float>(power.imag());
+  make_poles(rate);
+}
+
+void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
+  const auto put = [](ComplexLane& to, std::size_t lane, std::complex<double> value) {
+    to.real.v[lane] = static_cast<float>(value.real());
+    to.imaginary.v[lane] = static_cast<float>(value.imag());
+  };
+  // Nepers a sample, of the modes that share a common decay so far.
+  double least = 0, most = 0;
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    const std::size_t first = b * kLanes, last = std::min(first + kLanes, modes_);
+    double low = 1e300, high = 0;
+    for (std::size_t k = first; k < last; ++k) {
+      low = std::min(low, -rate[k].real() / sample_rate_);
+      high = std::max(high, -rate[k].real() / sample_rate_);
+    }
+    PoleBlock& poles = poles_[b];
+    // A state in the middle of a leap must be good for one at its beginning: not all died away.
+    poles.even = high - low <= 2 * kUnlike && high * kHalfLeap < 1;
+    if (poles.even) {
+      if (decays_.empty() || std::max(most, high) - std::min(least, low) > 2 * kUnlike) {
+        decays_.emplace_back();
+        least = low;
+        most = high;
+      }
+      least = std::min(least, low);
+      most = std::max(most, high);
+      poles.decay = static_cast<std::uint32_t>(decays_.size() - 1);
+      for (std::size_t m = 0; m < kHalfLeap; ++m) {
+        const double nepers = 0.5 * (least + most) * (static_cast<double>(m) + 0.5);
+        decays_.back().fall[m] = static_cast<float>(std::exp(-nepers));
+        decays_.back().rise[m] = static_cast<float>(std::exp(nepers));
+      }
+    }
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t lane = k - first;
+      const auto power = [&](double samples) { return std::exp(rate[k] * (samples / sample_rate_)); };
+      if (!poles.even) {
+        for (std::size_t m = 0; m < kLeap; ++m)
+          put(poles.power[m], lane, power(static_cast<double>(m) + 1));
+        continue;
+      }
+      for (std::size_t m = 0; m < kHalfLeap; ++m)
+        put(poles.power[m], lane,
+            std::polar(1.0, rate[k].imag() * (static_cast<double>(m) + 0.5) / sample_rate_));
+      constexpr double kMiddle = kHalfLeap + 0.5;
+      put(poles.power[PoleBlock::kWholeLeap], lane, power(kLeap));
+      put(poles.power[PoleBlock::kToMiddle], lane, power(kMiddle));
+      put(poles.power[PoleBlock::kFromMiddle], lane, power(-kMiddle));
+      put(poles.power[PoleBlock::kOneSample], lane, power(1));
     }
   }
 }
@@ -104,23 +149,33 @@ void ModeBank::work_out_echo(std::size_t drive, std::size_t pickup) noexcept {
       continue;
     const auto& weight = old ? pickups_[pickup].old_weight : pickups_[pickup].weight;
     std::array<double, kLeap> sum{};
-    for (std::size_t b = 0; b < blocks_; ++b)
+    for (std::size_t b = 0; b < blocks_; ++b) {
+      const ComplexLane& pole = poles_[b].one_sample();
+      ComplexLane heard;
       for (std::size_t i = 0; i < kLanes; ++i) {
-        const float gain = gain_[drive][b].v[i];
-        const float real = gain * weight[b].real.v[i];
-        const float imaginary = gain * weight[b].imaginary.v[i];
-        sum[0] += static_cast<double>(imaginary);
-        for (std::size_t m = 1; m < kLeap; ++m)
-          sum[m] += static_cast<double>(poles_[b].real[m - 1].v[i] * imaginary +
-                                        poles_[b].imaginary[m - 1].v[i] * real);
+        heard.real.v[i] = gain_[drive][b].v[i] * weight[b].real.v[i];
+        heard.imaginary.v[i] = gain_[drive][b].v[i] * weight[b].imaginary.v[i];
       }
+      for (std::size_t m = 0; m < kLeap; ++m) {
+        float part = 0;
+        for (std::size_t i = 0; i < kLanes; ++i) {
+          float& real = heard.real.v[i];
+          float& imaginary = heard.imaginary.v[i];
+          part += imaginary;
+          const float turned = pole.real.v[i] * real - pole.imaginary.v[i] * imaginary;
+          imaginary = pole.real.v[i] * imaginary + pole.imaginary.v[i] * real;
+          real = turned;
+        }
+        sum[m] += static_cast<double>(part);
+      }
+    }
     for (std::size_t m = 0; m < kLeap; ++m)
       out[kLeap + m] = static_cast<float>(sum[m]);
   }
 }
 
 BankView ModeBank::view() noexcept {
-  return {poles_.data(), state_.data(), std::span(active_).first(active_count_)};
+  return {poles_.data(), decays_.data(), state_.data(), std::span(active_).first(active_count_)};
 }
 
 void ModeBank::wake(std::size_t drive) noexcept {
@@ -250,12 +305,8 @@ void ModeBank::settle() noexcept {
 void ModeBank::add_echo(std::size_t drive, const float* force, std::size_t from, std::size_t to,
                         std::size_t at) noexcept {
   for (std::size_t e = 0; e < ear_count_; ++e) {
-    const float* response = echo(drive, ears_[e].pickup, ears_[e].old).data() + kLeap;
-    std::array<float, kLeap> sum{};
-    // The response is zero before its beginning, so that all sums can run together.
-    for (std::size_t j = 0; j < to; ++j)
-      for (std::size_t i = 0; i < kLeap; ++i)
-        sum[i] += force[j] * response[static_cast<std::ptrdiff_t>(i) - static_cast<std::ptrdiff_t>(j)];
+    std::array<float, kLeap> sum;
+    kernel_->echo(force, echo(drive, ears_[e].pickup, ears_[e].old).data(), sum.data());
     for (std::size_t i = from; i < to; ++i)
       heard_[e][at + i - from] += sum[i];
   }
@@ -280,14 +331,17 @@ void ModeBank::rest() noexcept {
   for (std::size_t n = 0; n < active_count_; ++n) {
     const std::size_t b = active_[n];
     bool rings = false;
+    // By the block's largest weights: a mode that this place happens not to hear may be heard from
+    // the next.
+    float loudest = 0;
+    for (const Pickup& pickup : pickups_)
+      for (std::size_t i = 0; i < kLanes; ++i)
+        loudest = std::max({loudest, std::abs(pickup.weight[b].real.v[i]),
+                            std::abs(pickup.weight[b].imaginary.v[i])});
     for (std::size_t i = 0; i < kLanes; ++i) {
       float& real = state_[b].real.v[i];
       float& imaginary = state_[b].imaginary.v[i];
       const float size = std::abs(real) + std::abs(imaginary);
-      float loudest = 0;
-      for (const Pickup& pickup : pickups_)
-        loudest = std::max({loudest, std::abs(pickup.weight[b].real.v[i]),
-                            std::abs(pickup.weight[b].imaginary.v[i])});
       if (size < kNothing || static_cast<double>(size * loudest) < floor_)
         real = imaginary = 0;
       else
@@ -303,12 +357,14 @@ void ModeBank::rest() noexcept {
 
 std::complex<double> ModeBank::state(std::size_t mode) const noexcept {
   const auto [block, lane] = place(mode);
-  return {static_cast<double>(state_[block].real.v[lane]),
-          static_cast<double>(state_[block].imaginary.v[lane])};
+  const std::complex<double> z = entry(state_[block], lane);
+  return poles_[block].even ? z * entry(poles_[block].power[PoleBlock::kFromMiddle], lane) : z;
 }
 
 void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
   const auto [block, lane] = place(mode);
+  if (poles_[block].even)
+    z *= entry(poles_[block].power[PoleBlock::kToMiddle], lane);
   state_[block].real.v[lane] = static_cast<float>(z.real());
   state_[block].imaginary.v[lane] = static_cast<float>(z.imag());
   if (is_active_[block] || (z.real() == 0 && z.imag() == 0))

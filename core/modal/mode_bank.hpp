@@ -23,7 +23,7 @@ namespace tactus::modal {
 /// is cut into blocks.
 class ModeBank {
 public:
-  /// Rates as above, in any order; |s| times the sample's length should be below pi.
+  /// Rates as above, in any order (modes of like decay side by side are computed fastest); |s| times the sample's length should be below pi.
   ModeBank(std::span<const std::complex<double>> rate, double sample_rate, std::size_t drives,
            std::size_t pickups, VectorSet set = best_vector_set());
 
@@ -63,6 +63,9 @@ public:
   }
 
   static constexpr std::size_t kFade = 512; ///< samples
+  /// Modes of a block whose decay rates differ less than this from their mean, times a sample's
+  /// length, are computed as if they decayed alike within a leap: an error below -65 dB.
+  static constexpr double kUnlike = 1.2e-4;
 
 private:
   static constexpr std::size_t kMostDrives = 72, kMostPickups = kMostEars / 2;
@@ -83,9 +86,13 @@ private:
   [[nodiscard]] Echo& echo(std::size_t drive, std::size_t pickup, bool old) noexcept {
     return echo_[(drive * pickups_.size() + pickup) * 2 + (old ? 1 : 0)];
   }
+  [[nodiscard]] std::complex<double> entry(const ComplexLane& lanes, std::size_t lane) const noexcept {
+    return {static_cast<double>(lanes.real.v[lane]), static_cast<double>(lanes.imaginary.v[lane])};
+  }
   void write_weight(std::vector<ComplexLane>& to, std::span<const std::complex<double>> weight) noexcept;
   void work_out_echo(std::size_t drive, std::size_t pickup) noexcept;
   void wake(std::size_t drive) noexcept;
+  void make_poles(std::span<const std::complex<double>> rate);
   void list_active() noexcept;
   /// At most kMostSamples, up to the next multiple of that on the clock.
   void chunk(std::size_t frames) noexcept;
@@ -103,6 +110,7 @@ private:
   double sample_rate_;
   const BankKernel* kernel_;
   std::vector<PoleBlock> poles_;
+  std::vector<CommonDecay> decays_;
   std::vector<ComplexLane> state_;
   std::vector<std::vector<Lane>> gain_; // [drive][block], b T
   std::vector<Pickup> pickups_;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kMostForce = 1e6;    // N taken from the inlet
 constexpr double kMostHeight = 10;    // m
+constexpr double kUnreal = 1e12;      // N
 constexpr double kQuietest = 1e-8;    // of full scale: a mode below it is put to rest
 constexpr std::size_t kFade = 512;    // samples, of the sound of a body that is exchanged
 constexpr double kGainSpeed = 0.005;  // of the way, per sample
@@ -322,8 +323,12 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
     if (led && height < 0 && !m.solver.contact(led_slot).active)
       begin_led();
     if (m.solver.contact(led_slot).active)
-      m.solver.lead(led_slot, -last_height_, (last_height_ - height) * sample_rate_);
-    const double force = m.solver.step();
+      m.solver.lead(led_slot, -height);
+    double force = m.solver.step();
+    if (!(std::abs(force) < kUnreal)) { // no body stands that: begin again from rest
+      m.solver.silence();
+      force = 0;
+    }
     last_height_ = height;
     if (m.solver.contact(led_slot).active && (!led || (height >= 0 && force == 0)))
       m.solver.end(led_slot);

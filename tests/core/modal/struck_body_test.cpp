@@ -1,0 +1,332 @@
+#include "core/modal/struck_body.hpp"
+#include "tests/core/modal/tables.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+
+using namespace tactus::modal;
+using namespace tactus::test;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Heard {
+  std::vector<float> left, right, contact;
+};
+
+/// A body in a harness: the same table, struck and heard.
+struct Rig {
+  explicit Rig(double sample_rate = 48000, ModalTable table = plate()) {
+    settings.sample_rate = sample_rate;
+    settings.radiation = Radiation::kNone;
+    settings.listener = {Vec3{0.051, 0.043, 0.1}, Vec3{-0.037, 0.021, 0.1}};
+    loaded = std::make_shared<const LoadedTable>(std::move(table));
+    body.prepare(sample_rate);
+    options.gain = 1;
+    options.cull_db = 200;
+    renew(false);
+  }
+  void renew(bool same = true) {
+    body.set_options(options);
+    body.publish(std::make_unique<BodyModel>(loaded, settings), same);
+    body.adopt();
+  }
+  void hit(Vec3 place, double speed) {
+    body.set_options(options);
+    const SurfacePoint at = body.model()->nearest(place);
+    body.hit({at, at.normal, speed});
+  }
+  Heard run(std::size_t frames, std::size_t block = 64, std::vector<float> force = {},
+            std::vector<float> height = {}) {
+    force.resize(frames);
+    height.resize(frames);
+    Heard heard{std::vector<float>(frames), std::vector<float>(frames), std::vector<float>(frames)};
+    for (std::size_t n = 0; n < frames; n += block) {
+      const std::size_t count = std::min(block, frames - n);
+      const auto part = [&](std::vector<float>& x) { return std::span(x).subspan(n, count); };
+      const std::array<std::span<float>, 2> out{part(heard.left), part(heard.right)};
+      body.process<float>(part(force), part(height), out, part(heard.contact));
+    }
+    return heard;
+  }
+
+  BodySettings settings;
+  StruckBody::Options options;
+  std::shared_ptr<const LoadedTable> loaded;
+  StruckBody body;
+};
+
+double impulse(const Heard& heard, double rate) {
+  double sum = 0;
+  for (const float f : heard.contact)
+    sum += static_cast<double>(f) / rate;
+  return sum;
+}
+
+/// Amplitude of a decaying tone of this rate in the sound from `from` on (projection on the pole).
+std::complex<double> amplitude(std::span<const float> sound, std::complex<double> s, double rate) {
+  std::complex<double> sum = 0;
+  double weight = 0;
+  for (std::size_t n = 0; n < sound.size(); ++n) {
+    const double window = std::sin(kPi * static_cast<double>(n) / static_cast<double>(sound.size()));
+    const auto tone = std::exp(s * (static_cast<double>(n) / rate));
+    sum += static_cast<double>(sound[n]) * window * window * std::conj(tone);
+    weight += std::norm(tone) * window * window;
+  }
+  return 2.0 * sum / weight;
+}
+
+} // namespace
+
+TEST_CASE("the coupled blow has the same impulse at every sample rate, and it is what comes out") {
+  std::vector<double> impulses;
+  for (const double rate : {44100.0, 48000.0, 96000.0}) {
+    Rig rig(rate);
+    rig.hit({0.05, 0.03, 0}, 1.4);
+    impulses.push_back(impulse(rig.run(4800), rate));
+    // Between momentum of a ball that stays and of one that returns as it came.
+    CHECK(impulses.back() > 0.0071 * 1.4);
+    CHECK(impulses.back() < 2 * 0.0071 * 1.4);
+  }
+  CHECK(impulses[1] == doctest::Approx(impulses[0]).epsilon(0.005));
+  CHECK(impulses[2] == doctest::Approx(impulses[0]).epsilon(0.005));
+}
+
+TEST_CASE("the modes ring at the table's frequencies and lose 60 dB in their decay times") {
+  Rig rig;
+  rig.hit({0.051, 0.033, 0}, 1);
+  static_cast<void>(rig.run(4800));
+  const BodyModel& model = *rig.body.model();
+  const auto early = rig.run(24000), late = rig.run(24000);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto s = model.rate[k];
+    const auto a = amplitude(early.left, s, 48000), b = amplitude(late.left, s, 48000);
+    if (std::abs(a) < 1e-7)
+      continue; // a mode that the listener's place does not move
+    const auto expected = std::exp(s * 0.5);
+    CAPTURE(k);
+    // Turned by the frequency's error times half a second: 0.05 Hz would be 0.16 radians.
+    CHECK(std::abs(std::arg(b / a / expected)) < 0.03);
+    CHECK(std::log(std::abs(b / a)) == doctest::Approx(s.real() * 0.5).epsilon(0.01));
+  }
+}
+
+TEST_CASE("a blow on a nodal line leaves that mode silent") {
+  Rig rig;
+  rig.settings.listener[0] = {0.05, 0.03, 0.1};
+  rig.renew(false);
+  rig.hit({0.0, 0.03, 0}, 1); // the second mode along x has its node in the middle
+  static_cast<void>(rig.run(480));
+  const auto heard = rig.run(24000);
+  const BodyModel& model = *rig.body.model();
+  const double loud = std::abs(amplitude(heard.left, model.rate[model.place_of[0]], 48000));
+  const double silent = std::abs(amplitude(heard.left, model.rate[model.place_of[1]], 48000));
+  CHECK(20 * std::log10(silent / loud) < -50);
+}
+
+TEST_CASE("exchanging blow and pick-up changes nothing") {
+  const Vec3 a{0.07, 0.02, 0.0025}, b{-0.03, 0.051, 0.0025};
+  const auto response = [&](const Vec3& from, const Vec3& to) {
+    Rig rig;
+    rig.settings.listener[0] = to;
+    rig.renew(false);
+    const SurfacePoint at = rig.body.model()->nearest(from);
+    rig.body.set_point(at, at.normal);
+    std::vector<float> force(4800, 0.0F);
+    force[10] = 1;
+    return rig.run(4800, 64, force).left;
+  };
+  const auto there = response(a, b), back = response(b, a);
+  float largest = 0, difference = 0;
+  for (std::size_t n = 0; n < there.size(); ++n) {
+    largest = std::max(largest, std::abs(there[n]));
+    difference = std::max(difference, std::abs(there[n] - back[n]));
+  }
+  CHECK(difference < 1e-6F * largest);
+}
+
+TEST_CASE("the sound of blows, pushes and a hand is the same to the bit however it is cut") {
+  std::vector<float> force(6000, 0.0F), height(6000, 0.01F);
+  for (std::size_t n = 1500; n < 1700; ++n)
+    force[n] = 0.3F;
+  for (std::size_t n = 3000; n < 3300; ++n)
+    height[n] = -1e-6F * static_cast<float>(n % 37);
+  const auto play = [&](std::size_t block, bool coupled) {
+    Rig rig;
+    rig.options.coupled = coupled;
+    rig.options.led = true;
+    rig.hit({0.03, 0.02, 0}, 1);
+    rig.hit({-0.1, 0.05, 0}, 0.5);
+    auto heard = rig.run(6000, block, force, height);
+    heard.left.insert(heard.left.end(), heard.contact.begin(), heard.contact.end());
+    return heard.left;
+  };
+  for (const bool coupled : {true, false}) {
+    const auto reference = play(64, coupled);
+    for (const std::size_t block : {1UL, 7UL, 16UL, 100UL, 1000UL, 4096UL})
+      CHECK(play(block, coupled) == reference);
+  }
+}
+
+TEST_CASE("a pulse has the coupled blow's impulse and sound below half its inverse duration") {
+  // A heavy plate, so that elastic recoil plays a small part.
+  ModalTable table = plate(0.4, 0.3, 0.02);
+  const auto play = [&](bool coupled) {
+    Rig rig(96000, table);
+    rig.options.coupled = coupled;
+    rig.body.set_striker({0.002, 0.004, 206e9, 0.29, 2e7, 1.5, 0, 1});
+    rig.hit({0.06, 0.04, 0}, 0.5);
+    return rig.run(48000);
+  };
+  const auto a = play(true), b = play(false);
+  CHECK(20 * std::log10(impulse(b, 96000) / impulse(a, 96000)) == doctest::Approx(0).epsilon(1).scale(1));
+  const Rig rig(96000, table);
+  const ContactLaw law{2e7, 1.5, 0};
+  const double highest = 0.5 / law.duration(0.002, 0.5);
+  for (std::size_t k = 0; k < rig.body.model()->heard; ++k) {
+    const auto s = rig.body.model()->rate[k];
+    const double x = std::abs(amplitude(std::span(a.left).subspan(2000), s, 96000));
+    const double y = std::abs(amplitude(std::span(b.left).subspan(2000), s, 96000));
+    if (s.imag() / (2 * kPi) > highest || x < 1e-7)
+      continue;
+    CAPTURE(s.imag() / (2 * kPi));
+    CHECK(std::abs(20 * std::log10(x / y)) < 1);
+  }
+}
+
+TEST_CASE("size and material scale frequencies, shapes and mass as elasticity says") {
+  Rig rig;
+  const BodyModel& before = *rig.body.model();
+  const double f = before.rate[before.place_of[0]].imag();
+  const auto fresh = std::make_shared<const LoadedTable>(plate(0.64, 0.4, 0.01));
+  BodySettings twice = rig.settings;
+  twice.size = 2;
+  const BodyModel scaled(rig.loaded, twice), solved(fresh, rig.settings);
+  CHECK(scaled.rate[scaled.place_of[0]].imag() == doctest::Approx(f / 2).epsilon(1e-6));
+  CHECK(scaled.mass_kg == doctest::Approx(solved.mass_kg).epsilon(1e-9));
+  std::vector<double> a(scaled.mode.size()), b(solved.mode.size());
+  scaled.gains(scaled.nearest({0.1, 0.07, 0}), {0, 0, 1}, a);
+  solved.gains(solved.nearest({0.1, 0.07, 0}), {0, 0, 1}, b);
+  for (std::size_t k = 0; k < 20; ++k) {
+    CHECK(scaled.rate[scaled.place_of[k]].imag() ==
+          doctest::Approx(solved.rate[solved.place_of[k]].imag()).epsilon(1e-6));
+    CHECK(a[scaled.place_of[k]] == doctest::Approx(b[solved.place_of[k]]).epsilon(1e-5));
+  }
+  BodySettings steel = rig.settings;
+  steel.youngs_modulus_pa = 4 * 70.3e9;
+  const BodyModel stiff(rig.loaded, steel);
+  CHECK(stiff.rate[stiff.place_of[0]].imag() == doctest::Approx(2 * f).epsilon(1e-6));
+}
+
+TEST_CASE("retuning while it sounds keeps modal displacement and velocity, and makes no step") {
+  Rig rig;
+  rig.hit({0.05, 0.03, 0}, 1);
+  static_cast<void>(rig.run(4800));
+  const BodyModel* old = rig.body.model();
+  std::vector<std::array<double, 2>> before;
+  rig.settings.size = 1.03;
+  auto next = std::make_unique<BodyModel>(rig.loaded, rig.settings);
+  BodyModel* now = next.get();
+  {
+    auto* changing = const_cast<BodyModel*>(old);
+    changing->bank.settle();
+    for (std::size_t k = 0; k < 10; ++k) {
+      const std::size_t i = old->place_of[k];
+      const auto z = old->bank.state(i);
+      const double q = z.imag() / old->rate[i].imag();
+      before.push_back({q, z.real() + old->rate[i].real() * q});
+    }
+  }
+  rig.body.publish(std::move(next), true);
+  rig.body.adopt();
+  for (std::size_t k = 0; k < 10; ++k) {
+    const std::size_t i = now->place_of[k];
+    const auto z = now->bank.state(i);
+    const double q = z.imag() / now->rate[i].imag();
+    const double speed = z.real() + now->rate[i].real() * q;
+    const double scale = std::abs(z) / now->rate[i].imag();
+    CHECK(std::abs(q - before[k][0]) < 1e-6 * scale);
+    CHECK(std::abs(speed - before[k][1]) < 1e-6 * std::abs(z));
+  }
+}
+
+TEST_CASE("a hundred bodies exchanged while they sound leave no step and no rubbish") {
+  Rig rig;
+  float step = 0, last = 0, loudest = 0;
+  for (int round = 0; round < 100; ++round) {
+    rig.hit({0.05, 0.03, 0}, 0.001); // quiet: what is heard beside it would be a step
+    rig.loaded = std::make_shared<const LoadedTable>(plate(0.3 + 0.001 * round, 0.2, 0.005, 5000, 8, 8));
+    rig.renew(false);
+    for (const float x : rig.run(100, 50).left) {
+      CHECK(std::isfinite(x));
+      step = std::max(step, std::abs(x - last));
+      loudest = std::max(loudest, std::abs(x));
+      last = x;
+    }
+  }
+  CHECK(loudest < 1);
+  CHECK(step <= loudest);
+}
+
+TEST_CASE("absurd forces and heights, at any block size and rate, stay finite") {
+  std::mt19937 random(8);
+  for (const double rate : {8000.0, 12345.6, 48000.0, 384000.0}) {
+    Rig rig(rate);
+    rig.options.led = true;
+    rig.body.set_options(rig.options);
+    for (int round = 0; round < 30; ++round) {
+      std::vector<float> force(512), height(512);
+      for (std::size_t n = 0; n < force.size(); ++n) {
+        const auto pick = random() % 8;
+        force[n] = pick == 0   ? std::numeric_limits<float>::quiet_NaN()
+                   : pick == 1 ? std::numeric_limits<float>::infinity()
+                   : pick == 2 ? 1e30F
+                               : static_cast<float>(random() % 1000) - 500;
+        height[n] = pick == 3   ? -std::numeric_limits<float>::infinity()
+                    : pick == 4 ? std::numeric_limits<float>::quiet_NaN()
+                                : 1e-3F * (static_cast<float>(random() % 100) - 50);
+      }
+      if (round % 3 == 0)
+        rig.hit({0.1, 0.1, 0.1}, 50);
+      const auto heard = rig.run(512, 1 + random() % 512, force, height);
+      for (std::size_t n = 0; n < 512; ++n)
+        CHECK((std::isfinite(heard.left[n]) && std::isfinite(heard.right[n]) &&
+               std::isfinite(heard.contact[n])));
+    }
+  }
+}
+
+TEST_CASE("what is culled is not missed, and what rings out falls asleep") {
+  const auto play = [](double cull) {
+    Rig rig;
+    rig.options.cull_db = cull;
+    rig.body.set_striker({0.02, 0.02, 3e5, 0.49, 0, 1.5, 0, 1}); // soft: high modes hardly ring
+    rig.hit({0.05, 0.03, 0}, 0.5);
+    auto heard = rig.run(48000);
+    return std::tuple(heard.left, rig.body.culled(), rig.body.model()->heard);
+  };
+  const auto [all, none, count] = play(200);
+  const auto [fewer, culled, same] = play(90);
+  CHECK(none == 0);
+  CHECK(culled * 10 > 3 * count);
+  CHECK(same == count);
+  double difference = 0, whole = 0;
+  for (std::size_t n = 2000; n < all.size(); ++n) {
+    difference += std::pow(static_cast<double>(all[n] - fewer[n]), 2);
+    whole += std::pow(static_cast<double>(all[n]), 2);
+  }
+  CHECK(10 * std::log10(difference / whole + 1e-30) < -70);
+  Rig rig;
+  rig.settings.choke_t60_s = 0.1;
+  rig.renew(false);
+  rig.hit({0.05, 0.03, 0}, 0.5);
+  static_cast<void>(rig.run(96000));
+  CHECK(rig.body.model()->bank.asleep());
+}
