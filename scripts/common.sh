@@ -52,8 +52,7 @@ set_up() {
   if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends \
       -o APT::Status-Fd=3 $missing 3>&1 >"$log" 2>&1 | progress installed ||
      ! dpkg-query -W $missing >/dev/null 2>&1; then
-    tail -n 20 "$log" >&2
-    fail "could not install; is there a network?"
+    fail "could not install; is there a network? ($(grep -m1 '^E:' "$log"))"
   fi
   rm -f "$log"
 }
