@@ -313,7 +313,7 @@ TEST_CASE("what is culled is not missed, and what rings out falls asleep") {
     return std::tuple(heard.left, rig.body.culled(), rig.body.model()->heard);
   };
   const auto [all, none, count] = play(200);
-  const auto [fewer, culled, same] = play(90);
+  const auto [fewer, culled, same] = play(80);
   CHECK(none == 0);
   CHECK(culled * 10 > 3 * count);
   CHECK(same == count);

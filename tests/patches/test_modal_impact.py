@@ -1,0 +1,185 @@
+"""[modal_impact~] in Pd: a plate from a closed form, struck, pushed, exchanged and misused."""
+import json
+import os
+import pathlib
+import subprocess
+
+import numpy
+import pytest
+from harness import Patch, stage_folder
+
+RATE = 48000
+
+
+def table(path, **changes):
+    """A square membrane of a plate with three modes, as numpy.savez writes it; changes replace
+    arrays, None leaves one out."""
+    n = 9
+    x, y = numpy.meshgrid(numpy.linspace(-.1, .1, n), numpy.linspace(-.1, .1, n))
+    xyz = numpy.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)
+    tri = []
+    for k in range(n - 1):
+        for i in range(n - 1):
+            p = k * n + i
+            tri += [[p, p + 1, p + n + 1], [p, p + n + 1, p + n]]
+    phi = numpy.zeros((3, n * n, 3))
+    for k, (a, b) in enumerate([(1, 1), (2, 1), (2, 2)]):
+        phi[k, :, 2] = (5 * numpy.sin(a * numpy.pi * (xyz[:, 0] / .2 + .5))
+                        * numpy.sin(b * numpy.pi * (xyz[:, 1] / .2 + .5)))
+    meta = {"format": "modal-table", "version": "1.0", "body_name": "square", "bc": "held edges",
+            "material": {"name": "glass", "E": 6.2e10, "nu": 0.2, "rho": 2600}}
+    arrays = {"meta": numpy.frombuffer(json.dumps(meta).encode(), dtype=numpy.uint8),
+              "freq": numpy.array([400.0, 1000.0, 1600.0]), "eta": numpy.full(3, 2e-3),
+              "phi": phi.astype("f4"), "xyz": xyz.astype("f4"), "tri": numpy.array(tri, "i4"),
+              "mass": numpy.array(0.3), "com": numpy.zeros(3), "inertia": numpy.eye(3) * 1e-3}
+    arrays.update(changes)
+    with open(path, "wb") as file:
+        numpy.savez(file, **{k: v for k, v in arrays.items() if v is not None})
+    return path
+
+
+def struck(folder, *arguments, block=64):
+    table(folder / "square.modal.npz")
+    patch = Patch(block=block)
+    box = patch.obj("modal_impact~", "square.modal.npz", "-sync", 1, *arguments)
+    for i, name in enumerate(["left", "right", "contact"]):
+        patch.record(name, box[i])
+    patch.log("info", box[3])
+    return patch, box
+
+
+def test_a_blow_rings_at_the_tables_frequencies_and_has_the_balls_impulse(tmp_path):
+    patch, box = struck(tmp_path)
+    patch.at(100, box, "hit 30 40 0 1")
+    result = patch.render(1.5, path=[tmp_path])
+    sound = result["left"][RATE // 2:]
+    spectrum = abs(numpy.fft.rfft(sound * numpy.hanning(len(sound)), 1 << 19))
+    for expected in (400, 1000, 1600):
+        near = slice(int((expected - 20) * (1 << 19) / RATE), int((expected + 20) * (1 << 19) / RATE))
+        peak = (spectrum[near].argmax() + near.start) * RATE / (1 << 19)
+        assert abs(peak - expected) < 0.05
+    impulse = result["contact"].sum() / RATE
+    assert 0.0071 < impulse < 2 * 0.0071
+    assert not result["left"][:4700].any()
+
+
+def test_a_render_repeats_to_the_bit_at_any_block_size(tmp_path):
+    def play(block):
+        patch, box = struck(tmp_path, block=block)
+        patch.at(64 * 64000 / 48000, box, "hit 30 40 0 1")
+        return patch.render(1, path=[tmp_path])["left"]
+    first = play(64)
+    assert abs(first).max() > 0
+    assert (first == play(64)).all()
+
+
+def test_a_hundred_loads_while_it_sounds(tmp_path):
+    patch, box = struck(tmp_path)
+    table(tmp_path / "other.modal.npz", freq=numpy.array([300.0, 700.0, 900.0]))
+    for i in range(100):
+        patch.at(20 + 10 * i, box, f"load {['square', 'other'][i % 2]}.modal.npz")
+        patch.at(25 + 10 * i, box, "hit 30 40 0 1")
+    result = patch.render(1.2, path=[tmp_path])
+    assert abs(result["left"]).max() > 0
+
+
+def test_a_load_in_the_background_comes_in_while_the_old_body_sounds(tmp_path):
+    table(tmp_path / "square.modal.npz")
+    patch = Patch()
+    box = patch.obj("modal_impact~")
+    patch.record("left", box)
+    patch.log("info", box[3])
+    for i in range(40):
+        patch.at(10 + 100 * i, box, "load square.modal.npz")
+    result = patch.render(30, path=[tmp_path])
+    assert any(atoms[0] == "loaded" for _, atoms in result.logs["info"])
+
+
+@pytest.mark.parametrize("changes, sentence", [
+    ({"freq": numpy.array([400.0, 300.0, 1600.0])}, "'freq' must ascend"),
+    ({"freq": numpy.array([400.0, numpy.nan, 1600.0])}, "not finite"),
+    ({"freq": None}, "'freq' is missing"),
+    ({"phi": numpy.zeros((3, 81, 3), "f4")}, "'phi' is all zero"),
+    ({"tri": numpy.full((4, 3), 81, "i4")}, "a corner 81 of 81"),
+    ({"mass": numpy.array(-1.0)}, "mass"),
+    ({"meta": numpy.frombuffer(b"{", dtype=numpy.uint8)}, "not JSON"),
+])
+def test_a_bad_table_is_refused_with_a_sentence_and_the_old_body_goes_on(tmp_path, changes, sentence):
+    patch, box = struck(tmp_path)
+    table(tmp_path / "bad.modal.npz", **changes)
+    patch.at(50, box, "load bad.modal.npz")
+    patch.at(100, box, "hit 30 40 0 1")
+    result = patch.render(0.3, path=[tmp_path],
+                          expect_errors=[f"modal_impact~: load bad.modal.npz: .*{sentence}"])
+    assert abs(result["left"]).max() > 0
+    assert len(result.errors) == 1
+
+
+def test_numpys_other_layouts_are_read_and_compressed_ones_refused(tmp_path):
+    table(tmp_path / "odd.modal.npz", freq=numpy.array([400.0, 1000.0, 1600.0], ">f8"),
+          xyz=numpy.asfortranarray(numpy.load(table(tmp_path / "square.modal.npz"))["xyz"]))
+    patch, box = struck(tmp_path)
+    patch.at(20, box, "load odd.modal.npz")
+    patch.at(30, box, "hit 30 40 0 1")
+    assert abs(patch.render(0.3, path=[tmp_path])["left"]).max() > 0
+    with open(tmp_path / "small.modal.npz", "wb") as file:
+        numpy.savez_compressed(file, **numpy.load(tmp_path / "square.modal.npz"))
+    patch, box = struck(tmp_path)
+    patch.at(20, box, "load small.modal.npz")
+    patch.render(0.1, path=[tmp_path], expect_errors=["small.modal.npz: .*compressed"])
+
+
+@pytest.mark.parametrize("message, sentence", [
+    ("hit 30 40 0 -1", "hit: v -1 m/s: expected 1e-06..50"),
+    ("hit 30 40 0 nan", "hit: expected numbers"),
+    ("hit 1 2", "hit: expected v, or x y z v"),
+    ("hitv 81 1", "hitv: vertex 81: expected 0..80"),
+    ("hitf 0 0.7 0.7 1", "hitf: v 0.7: expected 0..0.3"),
+    ("load nowhere.npz", "load nowhere.npz: there is no such file"),
+    ("preset jelly", "preset jelly: expected aluminium"),
+    ("listener 3 0 0 0", "listener: i 3: expected 1..2"),
+    ("losscurve 100 0.1 50 0.1", "losscurve: f 50"),
+    ("striker 0 0 0 0", "striker: mass 0 kg"),
+])
+def test_misuse_is_one_sentence_and_changes_nothing(tmp_path, message, sentence):
+    patch, box = struck(tmp_path)
+    patch.at(50, box, message)
+    patch.at(100, box, "hit 30 40 0 1")
+    result = patch.render(0.3, path=[tmp_path], expect_errors=["modal_impact~: " + sentence])
+    assert len(result.errors) == 1
+    assert abs(result["left"]).max() > 0
+
+
+def test_a_moving_listener_never_clicks(tmp_path):
+    patch, box = struck(tmp_path, "-radiation", "modal")
+    patch.at(10, box, "hit 30 40 0 1")
+    for i in range(200):
+        patch.at(300 + 5 * i, box, f"listener 1 {400 * numpy.cos(i / 9):.1f} 0 {300 + i}")
+    sound = result = patch.render(1.4, path=[tmp_path])["left"][int(0.25 * RATE):]
+    # The highest mode at 1.6 kHz turns 0.21 rad a sample: differences stay in that proportion.
+    assert abs(numpy.diff(sound)).max() < 0.3 * abs(sound).max()
+    assert result is sound
+
+
+def test_force_at_the_inlet_rings_the_body_and_a_pressed_hand_feels_it(tmp_path):
+    patch, box = struck(tmp_path, "-pos", 1)
+    patch.at(5, box, "hardness 1e5 1")
+    patch.at(6, box, "point 30 40 0")
+    patch.at(7, box, "loss 0.2")
+    t = numpy.arange(RATE) / RATE
+    patch.signal(numpy.where(t < 0.1, 5 * numpy.sin(2 * numpy.pi * 400 * t), 0)) >> box[0]
+    height = numpy.where((t > 0.5) & (t < 0.9), -1e-4, 1e-3)
+    patch.signal(numpy.interp(t, t[::480], height[::480])) >> box[1]
+    result = patch.render(1, path=[tmp_path])
+    assert abs(result["left"][4800:9600]).max() > 1e-3
+    pressed = result["contact"][int(0.7 * RATE):int(0.85 * RATE)].mean()
+    # 0.1 mm against the spring of 1e5 N/m and the body's own compliance behind it.
+    assert 5 < pressed < 10
+    assert result["contact"][:int(0.45 * RATE)].max() == 0
+
+
+def test_the_module_needs_neither_finite_elements_nor_meshers_nor_hdf5():
+    module = next(stage_folder().glob("modal_impact~.l_*"))
+    needs = subprocess.run(["ldd", module], check=True, capture_output=True, text=True).stdout
+    for library in ("fem", "gmsh", "hdf5", "cholmod", "blas", "faust"):
+        assert library not in needs
