@@ -42,29 +42,40 @@ std::size_t NodeGraph::find(std::int64_t at_row, std::int64_t column) const noex
 
 namespace {
 
-/// y = A x over the lower blocks of a symmetric matrix; block(k, xa, ya, xb, yb) applies block k
-/// and its transpose.
+/// Vectors that pass through the matrix together: it is read from memory once for all of them.
+constexpr std::size_t kTogether = 8;
+using Lanes = std::array<double, kTogether>;
+
+void add(Lanes& y, double a, const Lanes& x) noexcept {
+  for (std::size_t c = 0; c < kTogether; ++c)
+    y[c] += a * x[c];
+}
+
+/// y = A x over the lower blocks of a symmetric matrix; block(k, x, y, turned) adds block k of A,
+/// or its transpose, times x[0..2] to y[0..2].
 template <class Block>
 void multiply(const NodeGraph& graph, std::span<const std::uint8_t> held, std::span<const double> x,
               std::span<double> y, std::size_t columns, Block&& block) {
   const std::size_t n = held.size();
-  std::vector<double> free(n);
-  for (std::size_t c = 0; c < columns; ++c) {
-    const double* in = x.data() + c * n;
-    double* out = y.data() + c * n;
+  std::vector<Lanes> in(n), out(n);
+  for (std::size_t first = 0; first < columns; first += kTogether) {
+    const std::size_t width = std::min(kTogether, columns - first);
     for (std::size_t i = 0; i < n; ++i) {
-      free[i] = held[i] ? 0 : in[i];
-      out[i] = 0;
+      out[i] = in[i] = {};
+      for (std::size_t c = 0; c < width && !held[i]; ++c)
+        in[i][c] = x[(first + c) * n + i];
     }
-    for (std::size_t column = 0; column + 1 < graph.start.size(); ++column)
+    for (std::size_t column = 0; column < graph.node_count(); ++column)
       for (auto k = static_cast<std::size_t>(graph.start[column]);
            k < static_cast<std::size_t>(graph.start[column + 1]); ++k) {
         const auto r = static_cast<std::size_t>(graph.row[k]);
-        block(k, r == column, &free[3 * r], &free[3 * column], out + 3 * r, out + 3 * column);
+        block(k, &in[3 * column], &out[3 * r], false);
+        if (r != column)
+          block(k, &in[3 * r], &out[3 * column], true);
       }
     for (std::size_t i = 0; i < n; ++i)
-      if (held[i])
-        out[i] = 0;
+      for (std::size_t c = 0; c < width; ++c)
+        y[(first + c) * n + i] = held[i] ? 0 : out[i][c];
   }
 }
 
@@ -72,29 +83,20 @@ void multiply(const NodeGraph& graph, std::span<const std::uint8_t> held, std::s
 
 void Matrices::multiply_mass(std::span<const double> x, std::span<double> y,
                              std::size_t columns) const {
-  multiply(graph, held, x, y, columns,
-           [this](std::size_t k, bool diagonal, const double* xr, const double* xc, double* yr,
-                  double* yc) {
-             const double m = mass[k];
-             for (int i = 0; i < 3; ++i)
-               yr[i] += m * xc[i];
-             if (!diagonal)
-               for (int i = 0; i < 3; ++i)
-                 yc[i] += m * xr[i];
-           });
+  multiply(graph, held, x, y, columns, [this](std::size_t k, const Lanes* from, Lanes* to, bool) {
+    for (std::size_t i = 0; i < 3; ++i)
+      add(to[i], mass[k], from[i]);
+  });
 }
 
 void Matrices::multiply_stiffness(std::span<const double> x, std::span<double> y,
                                   std::size_t columns) const {
   multiply(graph, held, x, y, columns,
-           [this](std::size_t k, bool diagonal, const double* xr, const double* xc, double* yr,
-                  double* yc) {
+           [this](std::size_t k, const Lanes* from, Lanes* to, bool turned) {
              const double* s = &stiffness[9 * k];
-             for (int i = 0; i < 3; ++i)
-               yr[i] += s[3 * i] * xc[0] + s[3 * i + 1] * xc[1] + s[3 * i + 2] * xc[2];
-             if (!diagonal)
-               for (int i = 0; i < 3; ++i)
-                 yc[i] += s[i] * xr[0] + s[3 + i] * xr[1] + s[6 + i] * xr[2];
+             for (std::size_t i = 0; i < 3; ++i)
+               for (std::size_t j = 0; j < 3; ++j)
+                 add(to[i], turned ? s[3 * j + i] : s[3 * i + j], from[j]);
            });
 }
 

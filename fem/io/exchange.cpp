@@ -62,7 +62,7 @@ void write_inp(const std::string& path, const Mesh& mesh, std::span<const Materi
   SafeFile file(path);
   file.write("*NODE,NSET=NALL\n");
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
-    file.write(format("%zu,%.16e,%.16e,%.16e\n", i + 1, mesh.nodes[i].x, mesh.nodes[i].y,
+    file.write(format("%zu,%.13e,%.13e,%.13e\n", i + 1, mesh.nodes[i].x, mesh.nodes[i].y,
                       mesh.nodes[i].z));
   for (int shape = 0; shape < 5; ++shape)
     for (std::size_t r = 0; r < mesh.regions.size(); ++r) {
@@ -218,6 +218,7 @@ Modes import_modes(const std::string& values_path, const std::string& vectors_pa
   for (std::size_t k = rigid; k < order.size(); ++k)
     modes.shapes.insert(modes.shapes.end(), vectors[order[k]].begin(), vectors[order[k]].end());
   modes.frequency_hz.resize(order.size() - rigid);
+  sort_by_quotient(m, modes);
   make_canonical(mesh, m, modes);
   if (modes.residual.back() > 1e-3)
     throw Refusal("the imported vectors are no modes of this body: residual " +

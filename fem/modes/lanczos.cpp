@@ -44,6 +44,8 @@ public:
       for (std::size_t i = 0; i < n_; ++i)
         if (matrices_.held[i])
           next[c * n_ + i] = 0;
+    weighted_.resize(n_ * kBlock);
+    matrices_.multiply_mass(next, weighted_, kBlock);
     apply(next, kBlock); // smooths the noise
     next_width = orthonormalise(next, kBlock, nullptr);
   }
@@ -108,10 +110,9 @@ public:
   }
 
 private:
+  /// block = (K + s M)^-1 weighted_
   void apply(std::vector<double>& block, std::size_t columns) {
-    std::vector<double> weighted(n_ * columns);
-    matrices_.multiply_mass(block, weighted, columns);
-    factor_.solve(weighted, block, columns);
+    factor_.solve(std::span(weighted_).first(n_ * columns), block, columns);
     solves += columns;
   }
 
@@ -122,15 +123,15 @@ private:
                              std::vector<double>* coefficients) {
     const auto basis = std::span<const double>(basis_).first(n_ * width);
     const std::size_t fixed = deflated_.size() / n_;
-    std::vector<double> weighted(n_ * columns);
+    std::vector<double>& weighted = weighted_;
+    weighted.resize(n_ * columns);
+    matrices_.multiply_mass(block, weighted, columns);
     std::vector<double> coupling(columns * columns, 0.0);
     for (std::size_t c = 0; c < columns; ++c)
       coupling[c * columns + c] = 1;
     std::size_t rank = columns;
     double first_norm = 0;
-    for (int sweep = 0; sweep < 3; ++sweep) {
-      weighted.resize(n_ * rank);
-      matrices_.multiply_mass(std::span(block).first(n_ * rank), weighted, rank);
+    for (int sweep = 0; sweep < 2; ++sweep) {
       if (sweep == 0)
         for (std::size_t c = 0; c < rank; ++c) {
           double norm = 0;
@@ -164,6 +165,9 @@ private:
       }
       add_product(1, std::span(block).first(n_ * rank), rank, turn, left, turned, n_);
       block = std::move(turned);
+      turned.assign(n_ * left, 0.0);
+      add_product(1, weighted, rank, turn, left, turned, n_);
+      weighted = std::move(turned);
       std::vector<double> product(left * columns, 0.0);
       add_product(1, back, rank, coupling, columns, product, left);
       coupling = std::move(product);
@@ -179,7 +183,7 @@ private:
   ShiftedFactor& factor_;
   std::span<const double> deflated_;
   std::size_t n_, room_;
-  std::vector<double> basis_, projected_;
+  std::vector<double> basis_, projected_, weighted_;
 };
 
 } // namespace

@@ -53,7 +53,8 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   modes.solves = spectrum.solves;
   modes.cost = factor.cost();
   modes.shapes = std::move(spectrum.vectors);
-  modes.frequency_hz.resize(spectrum.lambda.size());
+  for (const double lambda : spectrum.lambda)
+    modes.frequency_hz.push_back(std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi));
   make_canonical(mesh, matrices, modes);
   const std::size_t kept = std::min(settings.count, modes.frequency_hz.size());
   modes.frequency_hz.resize(kept);
@@ -64,9 +65,6 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   return modes;
 }
 
-namespace {
-
-/// For every column lambda = u' K u / u' M u; sorts columns by it and makes u' M u = 1.
 void sort_by_quotient(const Matrices& m, Modes& modes) {
   const std::size_t n = m.dofs(), count = modes.frequency_hz.size();
   std::vector<double> stiff(n * count), heavy(n * count);
@@ -105,6 +103,8 @@ void sort_by_quotient(const Matrices& m, Modes& modes) {
   modes.shapes = std::move(sorted);
 }
 
+namespace {
+
 /// The node farthest from the middle in a direction; of equal ones the first.
 std::size_t farthest_node(const Mesh& mesh, const Vector3& direction) {
   const double size = bounding_box(mesh.nodes).largest();
@@ -142,7 +142,6 @@ bool concentrate(std::span<const double> shapes, std::size_t n, std::size_t firs
 
 void make_canonical(const Mesh& mesh, const Matrices& m, Modes& modes, double same) {
   const std::size_t n = m.dofs(), count = modes.frequency_hz.size();
-  sort_by_quotient(m, modes);
   const std::array<std::size_t, 3> places{farthest_node(mesh, {1, 1e-3, 1e-4}),
                                           farthest_node(mesh, {1e-3, 1, 1e-4}),
                                           farthest_node(mesh, {1e-3, 1e-4, 1})};

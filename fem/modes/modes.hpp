@@ -33,9 +33,12 @@ struct ModeSettings {
 [[nodiscard]] Modes find_modes(const Mesh&, std::span<const Material>, const Matrices&,
                                const ModeSettings&);
 
-/// Makes modes repeat: signs, and directions inside groups of equal frequency (a relative gap below
-/// `same`). A group's first mode has the largest motion that the group can have at the body's
-/// surface point farthest along +x; the next, among those at rest there, along +y, then +z.
+/// Sets frequencies from lambda = u' K u / u' M u, sorts by them, makes u' M u = 1, sets residuals.
+void sort_by_quotient(const Matrices&, Modes&);
+
+/// Makes sorted modes repeat: signs, and directions inside groups of equal frequency (a relative
+/// gap below `same`). A group's first mode has the largest motion that the group can have at the
+/// body's surface point farthest along +x; the next, among those at rest there, along +y, then +z.
 void make_canonical(const Mesh&, const Matrices&, Modes&, double same = 3e-4);
 
 } // namespace tactus::fem

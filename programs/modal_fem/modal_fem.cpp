@@ -73,13 +73,15 @@ int run(const std::vector<std::string>& words) {
   notes.relative_error = body.relative_error;
   // SOURCE_DATE_EPOCH set: no date, so that equal bodies are equal files
   notes.created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now();
-  const ModalTable table{body.mesh,
-                         body.materials,
-                         body.modes,
-                         mass_properties(body.mesh, body.materials),
-                         loss_factors(body.mesh, body.materials, *body.matrices, body.modes),
-                         poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
-                         notes};
+  const ModalTable table{
+      body.mesh,
+      body.materials,
+      body.modes,
+      mass_properties(body.mesh, body.materials),
+      loss_factors(body.mesh, body.materials, *body.matrices, body.modes),
+      order.output.empty() ? std::vector<double>{}
+                           : poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
+      notes};
   print(table);
   if (!order.output.empty())
     write_table(order.output, table);
