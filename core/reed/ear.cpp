@@ -8,8 +8,9 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kTime = 0.1;      // s, of the integral controller
-constexpr double kFarthest = 0.15; // two and a half semitones, as relative frequency
-constexpr double kLimit = 0.25;    // a little over four semitones
+constexpr double kFarthest = 0.12; // two semitones, as relative frequency
+constexpr double kLimit = kFarthest;
+constexpr double kInTune = 0.006;  // ten cents: what is remembered as right
 constexpr double kQuiet = 10;      // Pa
 constexpr double kShare = 0.1;     // of the whole pressure's rms
 
@@ -31,12 +32,19 @@ void Ear::reset() noexcept {
   even_ = odd_ = {};
   loudness_ = trim_ = 0;
   place_ = 0;
+  forget();
 }
 
 void Ear::mean(double frequency_hz) noexcept {
   if (frequency_hz == frequency_)
     return;
   frequency_ = frequency_hz;
+  const double note = std::clamp(69.5 + 12 * std::log2(frequency_hz / 440), 0.0, 127.0);
+  if (static_cast<std::size_t>(note) != note_) {
+    note_ = static_cast<std::size_t>(note);
+    if (known_[note_] != kUnknown)
+      trim_ = known_[note_];
+  }
   const double omega = 2 * std::numbers::pi * frequency_hz / sample_rate_;
   for (std::size_t i = 0; i < cosine_.size(); ++i) {
     cosine_[i] = std::cos(omega * static_cast<double>(i));
@@ -103,6 +111,8 @@ double Ear::trim() noexcept {
       std::arg(smoother_ * std::conj(before)) / (2 * std::numbers::pi * frequency_ * period);
   if (std::abs(error) < kFarthest)
     trim_ = std::clamp(trim_ - error * period / kTime, -kLimit, kLimit);
+  if (std::abs(error) < kInTune)
+    known_[note_] = trim_;
   return trim_;
 }
 

@@ -146,6 +146,7 @@ private:
     const ValveConstants old = constants_;
     constants_ = ValveConstants::from(parameters_, design_, rate);
     radiation_.set(RadiationConstants::from(parameters_, design_, rate));
+    ear_.forget();
     place_valve(old);
     steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
     steady_due_ = true;

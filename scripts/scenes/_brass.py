@@ -1,10 +1,12 @@
 """The fanfare of ./play fanfare: four players of lip reeds, each one [greed~]."""
+import dataclasses
 import pathlib
 
 import numpy
 from harness import Patch
 
 import gesture as gestures
+import listening
 import practice
 import score
 
@@ -51,12 +53,35 @@ def blow(preset, gesture, gain, rate=RATE):
     return patch.render(gesture.seconds, rate, timeout=300)["sound"]
 
 
+def lost(sound, notes):
+    """The pitches that were missed: another register, or long and out of tune."""
+    return {n.pitch for n, j in zip(notes, listening.judge(sound, RATE, notes, score.frequency))
+            if not abs(j["cents"]) < (9 if n.duration >= 0.7 else 50) or j["fundamental_db"] < -30}
+
+
+def rehearse(preset, notes, technique, gain, seed):
+    """(gesture, sound): what is missed is tried again with less or more breath, as long as it takes
+    within four goes; the best go counts."""
+    best = None
+    for change in (0, -1, 1, -2, 2):  # dB
+        if best:
+            technique = dataclasses.replace(technique, level_db={
+                **best[3].level_db, **{p: best[3].level_db.get(p, 0) + change for p in best[0]}})
+        gesture = gestures.play(notes, technique, seed, tail=0.6)
+        sound = blow(preset, gesture, gain)
+        missed = lost(sound, gesture.notes)
+        if best is None or len(missed) < len(best[0]):
+            best = missed, gesture, sound, technique
+        if not best[0]:
+            break
+    return best[1:3]
+
+
 def perform():
     """[(preset, channel, pan, level in the mix, gesture, sound)] of the fanfare's voices."""
     known, found = players(), []
     for seed, (preset, channel, pan, level_db) in enumerate(VOICES, 1):
         technique, gain = known[preset]
-        gesture = gestures.play(score.read(FANFARE, channel=channel), technique, seed, tail=0.6)
-        found.append((preset, channel, pan, 10 ** (level_db / 20), gesture,
-                      blow(preset, gesture, gain)))
+        found.append((preset, channel, pan, 10 ** (level_db / 20), *rehearse(
+            preset, score.read(FANFARE, channel=channel), technique, gain, seed)))
     return found
