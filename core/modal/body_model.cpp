@@ -144,8 +144,15 @@ void BodyModel::find_weights() {
   const std::span<const std::complex<double>> rates = std::span<const std::complex<double>>(rate).first(heard);
   const std::span<const std::size_t> modes = std::span<const std::size_t>(mode).first(heard);
   const bool has_surface = !loaded->surface.empty();
+  plays_raw = settings.radiation == Radiation::kRaw && !table.raw.empty();
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     weight[l].assign(heard, 0);
+    if (plays_raw) {
+      old_weight[l].assign(heard, 0);
+      raw[l].set(table.raw, settings.listener[l], table.air_density_kg_per_m3,
+                 table.sound_speed_m_per_s);
+      continue;
+    }
     old_weight[l].assign(heard, 0);
     if (l >= settings.listeners)
       continue;

@@ -4,6 +4,7 @@
 #include "core/modal/modal_table.hpp"
 #include "core/modal/mode_bank.hpp"
 #include "core/modal/radiation.hpp"
+#include "core/modal/raw_radiation.hpp"
 #include "core/modal/surface.hpp"
 
 #include <array>
@@ -68,6 +69,8 @@ struct BodyModel {
   std::vector<std::complex<double>> rate; ///< of `mode`
   std::array<std::vector<std::complex<double>>, kMostListeners> weight; ///< of the first `heard`
   std::array<double, kMostListeners> delay_s{};
+  bool plays_raw = false; ///< blows start recordings instead of contacts
+  std::array<RawListener, kMostListeners> raw;
   ModeBank bank;
   ContactSolver solver;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -63,6 +64,7 @@ void StruckBody::adopt() noexcept {
     left_over_ = last_;
     fade_left_ = kFade;
     pulses_ = {};
+    recordings_ = {};
     if (model_)
       next->model->bank.set_clock(model_->bank.clock());
   }
@@ -112,6 +114,7 @@ void StruckBody::set_point(const SurfacePoint& place, const Vec3& direction) noe
 
 void StruckBody::reset() noexcept {
   pulses_ = {};
+  recordings_ = {};
   left_over_ = last_;
   fade_left_ = kFade;
   for (DelayLine& line : delay_)
@@ -151,13 +154,13 @@ std::size_t StruckBody::free_slot() noexcept {
   const std::size_t voices = model_->settings.voices;
   std::size_t oldest = 0;
   for (std::size_t i = 0; i < voices; ++i) {
-    if (!pulses_[i].active && !model_->solver.contact(i).active)
+    if (!pulses_[i].active && !recordings_[i].active && !model_->solver.contact(i).active)
       return i;
     if (begun_[i] < begun_[oldest])
       oldest = i;
   }
   model_->solver.end(oldest);
-  pulses_[oldest].active = false;
+  pulses_[oldest].active = recordings_[oldest].active = false;
   return oldest;
 }
 
@@ -166,7 +169,9 @@ bool StruckBody::hit(const Hit& hit) noexcept {
     return false;
   const std::size_t slot = free_slot();
   begun_[slot] = ++turn_;
-  if (options_.coupled)
+  if (model_->plays_raw)
+    strike_raw(slot, hit);
+  else if (options_.coupled)
     strike_coupled(slot, hit);
   else
     strike_pulse(slot, hit);
@@ -222,6 +227,33 @@ void StruckBody::strike_pulse(std::size_t slot, const Hit& hit) noexcept {
   model_->bank.set_gain(1 + slot, std::span<const double>(gain).first(model_->heard));
   for (std::size_t k = 0; k < gain.size(); ++k)
     model_->push_gain[1 + slot][k] = static_cast<float>(gain[k]);
+}
+
+void StruckBody::strike_raw(std::size_t slot, const Hit& hit) noexcept {
+  const RawTable& table = model_->loaded->table.raw;
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < table.hits; ++i)
+    if (const double distance = norm(table.hit_m[i] - hit.place.position); distance < least) {
+      least = distance;
+      nearest = i;
+    }
+  recordings_[slot] = {nearest, hit.speed_m_per_s, 0, true};
+}
+
+void StruckBody::play_raw(std::size_t frames) noexcept {
+  const RawTable& table = model_->loaded->table.raw;
+  for (Recording& r : recordings_) {
+    if (!r.active)
+      continue;
+    for (std::size_t n = 0; n < frames; ++n) {
+      for (std::size_t l = 0; l < model_->settings.listeners; ++l)
+        chunk_.heard[l][n] += static_cast<float>(
+            r.speed_m_per_s * model_->raw[l].pressure(table, r.hit, r.age_s));
+      r.age_s += 1 / sample_rate_;
+    }
+    r.active = r.age_s < model_->raw[0].end_s(table);
+  }
 }
 
 void StruckBody::enter_contact() noexcept {
@@ -388,6 +420,8 @@ void StruckBody::run(std::size_t frames) noexcept {
     make_pulses(frames);
     for (std::size_t n = 0; n < frames;)
       n = coupled_now_ ? in_contact(n, frames) : in_flight(n, frames);
+    if (model_->plays_raw)
+      play_raw(frames);
     for (Pulse& pulse : pulses_)
       pulse.active = pulse.active && pulse.age_s < pulse.duration_s;
   }

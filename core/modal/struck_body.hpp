@@ -88,6 +88,11 @@ private:
     double impulse = 0, duration_s = 0, age_s = 0;
     bool active = false;
   };
+  struct Recording {
+    std::size_t hit = 0;
+    double speed_m_per_s = 0, age_s = 0;
+    bool active = false;
+  };
   struct Chunk {
     std::array<float, kChunk> force{}, height{}, contact{};
     std::array<std::array<float, kChunk>, kMostListeners> heard{};
@@ -104,6 +109,8 @@ private:
   [[nodiscard]] ContactLaw law(const SurfacePoint& place, double speed) const noexcept;
   void strike_coupled(std::size_t slot, const Hit& hit) noexcept;
   void strike_pulse(std::size_t slot, const Hit& hit) noexcept;
+  void strike_raw(std::size_t slot, const Hit& hit) noexcept;
+  void play_raw(std::size_t frames) noexcept;
   [[nodiscard]] std::size_t free_slot() noexcept;
   void renew_point() noexcept;
 
@@ -123,6 +130,7 @@ private:
   bool point_set_ = false;
   bool coupled_now_ = false;
   std::array<Pulse, kMostContacts> pulses_{};
+  std::array<Recording, kMostContacts> recordings_{};
   std::size_t culled_ = 0;
   std::uint64_t turn_ = 0;
   std::array<std::uint64_t, kMostContacts> begun_{};
