@@ -214,7 +214,7 @@ double ContactSolver::solve(const Contact& c, double free, double answer, double
     d = low - low_error * (high - low) / (high_error - low_error);
     force = mean_force(d);
     const double error = d + answer * force - free;
-    if (std::abs(error) <= 1e-13 * (std::abs(d) + std::abs(start)) + 1e-30)
+    if (std::abs(error) <= 1e-12 * (std::abs(d) + std::abs(start)) + 1e-30)
       break;
     if (error > 0) {
       high = d;
@@ -358,10 +358,15 @@ void ContactSolver::kick(std::span<const float> gain, double impulse) noexcept {
 }
 
 double ContactSolver::hear(std::span<const std::complex<double>> weight) const noexcept {
-  double sum = 0;
-  for (std::size_t k = 0; k < std::min(weight.size(), real_.size()); ++k)
-    sum += weight[k].real() * imaginary_[k] + weight[k].imag() * real_[k];
-  return sum;
+  std::array<double, kWays> sum{};
+  const std::size_t count = std::min(weight.size(), real_.size());
+  std::size_t k = 0;
+  for (; k + kWays <= count; k += kWays)
+    for (std::size_t w = 0; w < kWays; ++w)
+      sum[w] += weight[k + w].real() * imaginary_[k + w] + weight[k + w].imag() * real_[k + w];
+  for (; k < count; ++k)
+    sum[k % kWays] += weight[k].real() * imaginary_[k] + weight[k].imag() * real_[k];
+  return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
 }
 
 double ContactSolver::energy() const noexcept {

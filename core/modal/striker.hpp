@@ -17,9 +17,7 @@ struct ContactLaw {
   [[nodiscard]] double force(double compression_m, double speed_m_per_s) const noexcept {
     if (!(compression_m > 0))
       return 0;
-    const double elastic =
-        stiffness * (exponent == 1.5 ? compression_m * std::sqrt(compression_m)
-                                     : std::pow(compression_m, exponent));
+    const double elastic = stiffness * power(compression_m);
     return std::max(elastic * (1 + loss_s_per_m * speed_m_per_s), 0.0);
   }
   /// Work that an elastic compression stores, J.
@@ -27,12 +25,17 @@ struct ContactLaw {
     if (!(compression_m > 0))
       return 0;
     return stiffness / (exponent + 1) *
-           (exponent == 1.5 ? compression_m * compression_m * std::sqrt(compression_m)
-                            : std::pow(compression_m, exponent + 1));
+           compression_m * power(compression_m);
   }
   /// d force / d compression of the elastic part, N/m.
   [[nodiscard]] double slope(double compression_m) const noexcept {
-    return compression_m > 0 ? exponent * stiffness * std::pow(compression_m, exponent - 1) : 0;
+    return compression_m > 0 ? exponent * stiffness * power(compression_m) / compression_m : 0;
+  }
+  /// d^a; quick for balls and springs.
+  [[nodiscard]] double power(double compression_m) const noexcept {
+    return exponent == 1.5 ? compression_m * std::sqrt(compression_m)
+           : exponent == 1 ? compression_m
+                           : std::pow(compression_m, exponent);
   }
   /// Deepest compression and duration of an impact of this reduced mass, without loss: from
   /// m v^2/2 = k d^(a+1)/(a+1), and the time integral of its motion (2.9432 d/v for a = 3/2).

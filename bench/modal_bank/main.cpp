@@ -1,0 +1,198 @@
+// How many modes does a core ring? The whole [modal_impact~] core and the bare mode bank, over size
+// and instruction set, beside Faust, STK, Csound and a plain loop, all driven every sample at 48 kHz
+// in blocks of 64; then bodies that are struck, and a hand that stays.
+//
+//   bench_modal_bank
+//
+// Everything is run in turn, round by round, and the least of all rounds is printed: on a shared
+// machine trust the ratios.
+#include "bench/modal_bank/faust_peers.hpp"
+#include "bench/modal_bank/peers.hpp"
+#include "core/modal/struck_body.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace tactus::modal;
+constexpr int kRounds = 9;
+
+struct Row {
+  std::string name;
+  std::size_t modes;
+  std::function<void()> block;
+  double nanoseconds = 1e30; // a mode and sample
+};
+
+double seconds(const std::function<void()>& work, std::size_t times) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < times; ++i)
+    work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::shared_ptr<const LoadedTable> made_up_body(std::size_t modes) {
+  ModalTable table;
+  table.free = false;
+  table.material = {"", 70e9, 0.3, 2700};
+  table.mass_kg = 1;
+  for (std::size_t k = 0; k < modes; ++k) {
+    table.frequency_hz.push_back(50 + 20000.0 * static_cast<double>(k) / static_cast<double>(modes));
+    table.decay_rate.push_back(1 + 4 * static_cast<double>(k) / static_cast<double>(modes));
+  }
+  return std::make_shared<const LoadedTable>(std::move(table));
+}
+
+struct Body {
+  explicit Body(std::size_t modes) {
+    settings.listeners = 1;
+    settings.radiation = Radiation::kNone;
+    body.prepare(48000);
+    body.publish(std::make_unique<BodyModel>(made_up_body(modes), settings), false);
+    body.adopt();
+  }
+  void block(bool pushed = true) {
+    const std::array<std::span<float>, 2> out{left, right};
+    body.process<float>(pushed ? std::span<const float>(noise) : std::span<const float>(silence),
+                        height, out, contact);
+  }
+  BodySettings settings;
+  StruckBody body;
+  std::array<float, 64> noise = [] {
+    std::array<float, 64> x{};
+    for (std::size_t n = 0; n < x.size(); ++n)
+      x[n] = static_cast<float>(std::sin(static_cast<double>(n * n)));
+    return x;
+  }();
+  std::array<float, 64> silence{}, height{}, left{}, right{}, contact{};
+};
+
+struct Bank {
+  Bank(std::size_t modes, VectorSet set)
+      : bank([&] {
+          std::vector<std::complex<double>> rate;
+          for (std::size_t k = 0; k < modes; ++k)
+            rate.emplace_back(-1 - 4 * static_cast<double>(k) / static_cast<double>(modes),
+                              2 * std::numbers::pi * (50 + 20000.0 * static_cast<double>(k) / static_cast<double>(modes)));
+          return ModeBank(rate, 48000, 1, 1, set);
+        }()) {
+    bank.set_gain(0, std::vector<double>(modes, 1.0));
+    bank.jump_to_weight(0, std::vector<std::complex<double>>(modes, {0.3, 0.8}));
+  }
+  void block(const float* in, float* out) { bank.process({&in, 1}, {&out, 1}, 64); }
+  ModeBank bank;
+};
+
+void banks() {
+  static std::array<float, 64> in{}, out{};
+  for (std::size_t n = 0; n < in.size(); ++n)
+    in[n] = static_cast<float>(std::sin(static_cast<double>(n * n)));
+  std::vector<Row> rows;
+  const auto add = [&](std::string name, std::size_t modes, std::shared_ptr<Peer> peer) {
+    if (!peer) {
+      if (modes == 64)
+        std::printf("%s: not installed\n", name.c_str());
+      return;
+    }
+    rows.push_back({std::move(name), modes, [peer] { peer->block(in.data(), out.data()); }});
+  };
+  const std::pair<VectorSet, const char*> sets[] = {{VectorSet::kBaseline, "bank, SSE2"},
+                                                    {VectorSet::kAvx2, "bank, AVX2"},
+                                                    {VectorSet::kAvx512, "bank, AVX-512"}};
+  for (const std::size_t modes : {16UL, 64UL, 256UL, 1024UL, 4096UL, 16384UL}) {
+    for (const auto& [set, name] : sets)
+      if (bank_kernel(set)) {
+        auto bank = std::make_shared<Bank>(modes, set);
+        rows.push_back({name, modes, [bank] { bank->block(in.data(), out.data()); }});
+      }
+    auto body = std::make_shared<Body>(modes);
+    rows.push_back({"whole object, widest", modes, [body] { body->block(); }});
+    if (modes <= 1024) {
+      add("plain loop", modes, make_loop(modes));
+      add("STK BiQuad", modes, make_stk(modes));
+    }
+    if (modes <= 256)
+      add("Csound mode", modes, make_csound(modes));
+  }
+  for (const FaustProgram& program : faust_programs())
+    add(program.name, program.modes, program.make());
+  if (faust_programs().empty())
+    std::printf("Faust: not installed\n");
+  for (int round = 0; round < kRounds; ++round)
+    for (Row& row : rows) {
+      const std::size_t times = 400000 / (row.modes * 64) + 3;
+      row.nanoseconds = std::min(row.nanoseconds, seconds(row.block, times) * 1e9 /
+                                                      static_cast<double>(times * 64 * row.modes));
+    }
+  std::printf("%-34s %7s %12s %16s\n", "driven every sample", "modes", "ns/mode/smp", "modes a core");
+  double faust = 1e30;
+  for (const Row& row : rows) {
+    std::printf("%-34s %7zu %12.4f %16.0f\n", row.name.c_str(), row.modes, row.nanoseconds,
+                1e9 / 48000 / row.nanoseconds);
+    if (row.name.starts_with("Faust"))
+      faust = std::min(faust, row.nanoseconds);
+  }
+  if (faust > 1e29)
+    return;
+  for (const auto& [set, name] : sets) {
+    double best = 1e30;
+    for (const Row& row : rows)
+      if (row.name == name)
+        best = std::min(best, row.nanoseconds);
+    if (best < 1e29)
+      std::printf("%s: %.2f times Faust's best\n", name, faust / best);
+  }
+}
+
+void bodies() {
+  // Voices of 64 modes, each struck four times a second at its own time.
+  constexpr std::size_t kVoices = 100;
+  std::vector<std::unique_ptr<Body>> voices;
+  for (std::size_t i = 0; i < kVoices; ++i)
+    voices.push_back(std::make_unique<Body>(64));
+  double best = 1e30;
+  for (int round = 0; round < 3; ++round) {
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::size_t b = 0; b < 750; ++b)
+      for (std::size_t i = 0; i < kVoices; ++i) {
+        if ((b + 7 * i) % 187 == 0)
+          voices[i]->body.hit({{}, {0, 0, 1}, 1});
+        voices[i]->block(false);
+      }
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  std::printf("64 modes, coupled, 4 blows a second: %.1f ns a sample, %.0f voices a core\n",
+              best * 1e9 / (kVoices * 48000), kVoices / best);
+
+  Body hand(64);
+  StruckBody::Options options;
+  options.led = true;
+  hand.body.set_options(options);
+  Striker soft;
+  soft.stiffness = 1e4;
+  soft.exponent = 1;
+  hand.body.set_striker(soft);
+  for (std::size_t n = 0; n < 64; ++n)
+    hand.height[n] = static_cast<float>(-1e-3 + 1e-5 * std::sin(static_cast<double>(n) * 0.1));
+  double least = 1e30;
+  for (int round = 0; round < kRounds; ++round)
+    least = std::min(least, seconds([&] { hand.block(false); }, 200) * 1e9 / (200 * 64));
+  std::printf("64 modes in lasting contact: %.1f ns a sample (%zu contact)\n", least,
+              hand.body.contacts());
+}
+
+} // namespace
+
+int main() {
+  banks();
+  bodies();
+}
