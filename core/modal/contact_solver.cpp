@@ -193,7 +193,7 @@ double ContactSolver::solve(const Contact& c, double free, double answer, double
   const auto mean_force = [&](double d) {
     const double way = d - start;
     const double size = std::max(std::abs(start), std::abs(d));
-    double f = std::abs(way) > 1e-5 * size ? (stored(c, d) - before) / way
+    double f = std::abs(way) > 1e-4 * size ? (stored(c, d) - before) / way
                                            : elastic(c, 0.5 * (start + d));
     f *= 1 + c.law.loss_s_per_m * way / h;
     return std::max(f, 0.0);
@@ -214,7 +214,7 @@ double ContactSolver::solve(const Contact& c, double free, double answer, double
     d = low - low_error * (high - low) / (high_error - low_error);
     force = mean_force(d);
     const double error = d + answer * force - free;
-    if (std::abs(error) <= 1e-12 * (std::abs(d) + std::abs(start)) + 1e-30)
+    if (std::abs(error) <= 1e-11 * (std::abs(d) + std::abs(start)) + 1e-30)
       break;
     if (error > 0) {
       high = d;
@@ -231,10 +231,15 @@ double ContactSolver::solve(const Contact& c, double free, double answer, double
 
 void ContactSolver::substep(double h) noexcept {
   const std::size_t modes = real_.size(), count = contacts_.size();
+  // These arrays do not overlap, which a compiler cannot know.
+  double* __restrict real = real_.data();
+  double* __restrict imaginary = imaginary_.data();
+  const double* __restrict turn_real = step_real_.data();
+  const double* __restrict turn_imaginary = step_imaginary_.data();
   for (std::size_t k = 0; k < modes; ++k) {
-    const double re = real_[k], im = imaginary_[k];
-    real_[k] = step_real_[k] * re - step_imaginary_[k] * im;
-    imaginary_[k] = step_real_[k] * im + step_imaginary_[k] * re;
+    const double re = real[k], im = imaginary[k];
+    real[k] = turn_real[k] * re - turn_imaginary[k] * im;
+    imaginary[k] = turn_real[k] * im + turn_imaginary[k] * re;
   }
   for (std::size_t r = 0; r < kRigid; ++r)
     rigid_place_[r] += h * rigid_speed_[r];
@@ -282,11 +287,13 @@ void ContactSolver::substep(double h) noexcept {
       continue;
     Contact& c = contacts_[i];
     c.force_n += force;
-    const double* gain = slots_[i].gain.data();
+    const double* __restrict gain = slots_[i].gain.data();
+    const double* __restrict push_real = push_real_.data();
+    const double* __restrict push_imaginary = push_imaginary_.data();
     for (std::size_t k = 0; k < modes; ++k) {
       const double push = gain[k] * force;
-      real_[k] += push * push_real_[k];
-      imaginary_[k] += push * push_imaginary_[k];
+      real[k] += push * push_real[k];
+      imaginary[k] += push * push_imaginary[k];
     }
     if (has_rigid_)
       for (std::size_t r = 0; r < kRigid; ++r) {

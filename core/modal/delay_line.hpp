@@ -53,7 +53,30 @@ public:
     return out;
   }
 
+  /// The same for many samples, in place.
+  void run(float* sound, std::size_t count) noexcept {
+    const auto whole = static_cast<std::size_t>(delay_);
+    if (fade_left_ > 0 || whole == 0) {
+      for (std::size_t n = 0; n < count; ++n)
+        sound[n] = step(sound[n]);
+      return;
+    }
+    const Cubic cubic(static_cast<float>(delay_ - static_cast<double>(whole)));
+    for (std::size_t n = 0; n < count; ++n, ++write_) {
+      line_[write_ & mask_] = sound[n];
+      sound[n] = cubic.a * line_[(write_ - whole + 1) & mask_] + cubic.b * line_[(write_ - whole) & mask_] +
+                 cubic.c * line_[(write_ - whole - 1) & mask_] + cubic.d * line_[(write_ - whole - 2) & mask_];
+    }
+  }
+
 private:
+  /// Weights of four samples around a place between the second and the third.
+  struct Cubic {
+    explicit Cubic(float x) noexcept
+        : a(-x * (x - 1) * (x - 2) / 6), b((x + 1) * (x - 1) * (x - 2) / 2),
+          c(-(x + 1) * x * (x - 2) / 2), d((x + 1) * x * (x - 1) / 6) {}
+    float a, b, c, d;
+  };
   [[nodiscard]] double current() const noexcept {
     return glide_ ? delay_ + (old_delay_ - delay_) * static_cast<double>(fade_left_) /
                                  static_cast<double>(kFade)
@@ -64,13 +87,11 @@ private:
     const auto whole = static_cast<std::size_t>(delay);
     const float x = static_cast<float>(delay - static_cast<double>(whole));
     const auto at = [&](std::size_t back) { return line_[(write_ - back) & mask_]; };
-    if (x == 0)
-      return at(whole);
     if (whole == 0)
       return at(0) + x * (at(1) - at(0));
-    const float a = at(whole - 1), b = at(whole), c = at(whole + 1), d = at(whole + 2);
-    return -x * (x - 1) * (x - 2) / 6 * a + (x + 1) * (x - 1) * (x - 2) / 2 * b -
-           (x + 1) * x * (x - 2) / 2 * c + (x + 1) * x * (x - 1) / 6 * d;
+    const Cubic cubic(x);
+    return cubic.a * at(whole - 1) + cubic.b * at(whole) + cubic.c * at(whole + 1) +
+           cubic.d * at(whole + 2);
   }
 
   std::vector<float> line_ = std::vector<float>(16, 0.0F);

@@ -433,17 +433,31 @@ void StruckBody::run(std::size_t frames) noexcept {
 }
 
 void StruckBody::finish(std::size_t frames) noexcept {
-  const std::size_t listeners = model_ ? model_->settings.listeners : 0;
-  for (std::size_t n = 0; n < frames; ++n) {
-    smooth_gain_ += kGainSpeed * (options_.gain - smooth_gain_);
-    for (std::size_t l = 0; l < kMostListeners; ++l) {
-      float sound = l < listeners ? delay_[l].step(chunk_.heard[l][n]) : 0;
-      sound *= static_cast<float>(smooth_gain_);
+  const std::size_t listeners = model_ ? model_->settings.listeners : kMostListeners;
+  const double start = smooth_gain_;
+  const std::size_t fade = fade_left_;
+  for (std::size_t l = 0; l < listeners; ++l) {
+    auto& sound = chunk_.heard[l];
+    delay_[l].run(sound.data(), frames);
+    smooth_gain_ = start;
+    fade_left_ = fade;
+    for (std::size_t n = 0; n < frames; ++n) {
+      if (smooth_gain_ != options_.gain) {
+        smooth_gain_ += kGainSpeed * (options_.gain - smooth_gain_);
+        if (std::abs(smooth_gain_ - options_.gain) <= 1e-6 * options_.gain)
+          smooth_gain_ = options_.gain;
+      }
+      sound[n] *= static_cast<float>(smooth_gain_);
       if (fade_left_ > 0)
-        sound += left_over_[l] * static_cast<float>(fade_left_) / static_cast<float>(kFade);
-      chunk_.heard[l][n] = last_[l] = std::isfinite(sound) ? sound : 0;
+        sound[n] += left_over_[l] * static_cast<float>(fade_left_--) / static_cast<float>(kFade);
+      if (!std::isfinite(sound[n]))
+        sound[n] = 0;
     }
-    fade_left_ -= fade_left_ > 0 ? 1 : 0;
+    last_[l] = sound[frames - 1];
+  }
+  for (std::size_t l = listeners; l < kMostListeners; ++l) { // one listener is heard on both sides
+    chunk_.heard[l] = chunk_.heard[0];
+    last_[l] = last_[0];
   }
 }
 
