@@ -93,6 +93,22 @@ void sort_by_quotient(const Matrices& m, Modes& modes) {
   }
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return a.lambda < b.lambda; });
+  // Equal but for rounding: the columns keep their order, so that it does not hang on the last bit.
+  for (std::size_t first = 0; first < count;) {
+    std::size_t end = first + 1;
+    while (end < count &&
+           entries[end].lambda - entries[end - 1].lambda < 1e-9 * entries[end].lambda)
+      ++end;
+    std::vector<double> lambdas;
+    for (std::size_t c = first; c < end; ++c)
+      lambdas.push_back(entries[c].lambda);
+    std::sort(entries.begin() + static_cast<std::ptrdiff_t>(first),
+              entries.begin() + static_cast<std::ptrdiff_t>(end),
+              [](const Entry& a, const Entry& b) { return a.column < b.column; });
+    for (std::size_t c = first; c < end; ++c)
+      entries[c].lambda = lambdas[c - first];
+    first = end;
+  }
   std::vector<double> sorted(n * count);
   modes.residual.resize(count);
   for (std::size_t c = 0; c < count; ++c) {

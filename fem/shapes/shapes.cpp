@@ -20,7 +20,12 @@ constexpr double kPi = std::numbers::pi;
 using Dimensions = std::map<std::string, double>;
 
 double element_size(const MeshChoice& choice, double largest) {
-  return choice.h > 0 ? choice.h : largest / 16;
+  return choice.coarser * (choice.h > 0 ? choice.h : largest / 16);
+}
+
+int layers_of(const MeshChoice& choice, int standard) {
+  const int layers = choice.layers > 0 ? choice.layers : standard;
+  return std::max(1, static_cast<int>(std::lround(layers / choice.coarser)));
 }
 
 /// Sectors around the axis: sides about h long, a multiple of four so that meshes are mirror
@@ -37,13 +42,14 @@ void need(bool good, const std::string& shape, const std::string& expected) {
 Mesh solid_of_revolution(Rectangles shape, const MeshChoice& choice, double largest) {
   shape.h = element_size(choice, largest);
   shape.grade = choice.grade_concave;
-  shape.least_z = choice.layers > 0 ? choice.layers : 3;
+  shape.least_z = layers_of(choice, 3);
   return revolve(rectangles(shape), sectors_for(shape.r.back(), shape.h));
 }
 
 Mesh shell_of_revolution(Shell s, const MeshChoice& choice, double largest) {
-  // The swept layer follows the curve; its thickness needs one quadratic element where it is thin.
-  const double h = element_size(choice, largest);
+  // The swept layer follows the curve; its thickness needs one quadratic element where it is thin,
+  // but thin elements bend too stiffly unless they are short: twice as fine as solids.
+  const double h = choice.coarser * (choice.h > 0 ? choice.h : largest / 28);
   double arc = 0, radius = 0, thickest = 0;
   constexpr int kSamples = 400;
   for (int i = 0; i < kSamples; ++i) {
@@ -53,9 +59,9 @@ Mesh shell_of_revolution(Shell s, const MeshChoice& choice, double largest) {
     thickest = std::max(thickest, s.thickness(double(i) / kSamples));
   }
   s.along = std::max(8, static_cast<int>(std::ceil(arc / h)));
-  s.layers = choice.layers > 0 ? choice.layers
-                               : std::max(thickest < .05 * largest ? 1 : 2,
-                                          static_cast<int>(std::ceil(thickest / h)));
+  s.layers =
+      layers_of(choice, std::max(thickest < .05 * largest ? 1 : 2,
+                                 static_cast<int>(std::ceil(thickest * choice.coarser / h))));
   return revolve(shell(s), sectors_for(radius, h));
 }
 
@@ -80,7 +86,10 @@ Mesh hollow_disk(const Dimensions& d, const MeshChoice& choice) {
   Rectangles shape{.r = {0, c, r},
                    .z = {-t / 2, -g / 2, g / 2, t / 2},
                    .solid = {{true, false, true}, {true, true, true}}};
-  return solid_of_revolution(shape, choice, std::max(2 * r, t));
+  MeshChoice graded = choice;
+  if (graded.h <= 0) // the layers at the edges add many elements
+    graded.h = std::max(2 * r, t) / 14;
+  return solid_of_revolution(shape, graded, std::max(2 * r, t));
 }
 
 Mesh tube_like(const char* who, double outer, double inner, double tall, const MeshChoice& choice) {
@@ -92,7 +101,7 @@ Mesh tube_like(const char* who, double outer, double inner, double tall, const M
 Mesh box(double x, double y, double z, const MeshChoice& choice) {
   const double h = element_size(choice, std::max({x, y, z})), thinnest = std::min({x, y, z});
   const auto cut = [&](double size) {
-    const int least = size > thinnest ? 2 : choice.layers > 0 ? choice.layers : 3;
+    const int least = size > thinnest ? 2 : layers_of(choice, 3);
     return divide(-size / 2, size / 2, h, least);
   };
   return block(cut(x), cut(y), cut(z));

@@ -24,10 +24,11 @@ struct ShapeEntry {
 [[nodiscard]] const std::vector<ShapeEntry>& known_shapes();
 
 struct MeshChoice {
-  double h = 0; ///< element size, m; 0: a sixteenth of the largest dimension
+  double h = 0; ///< element size, m; 0: largest dimension / 16, / 14 graded, / 28 shells
   int layers =
       0; ///< elements through the smallest thickness; 0: at least three, one or two for shells
   bool grade_concave = true;
+  double coarser = 1; ///< multiplies sizes and divides layers, to verify with
 };
 
 /// A bell's profile: lines `radius height thickness` in `unit` metres, from crown to lip; #

@@ -30,15 +30,7 @@ Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress) {
   if (!order.is_file) {
     const auto profile = order.profile.empty() ? std::vector<ProfilePoint>{}
                                                : read_profile(order.profile, order.unit);
-    if (coarser != 1) { // from the standard size, if none was given
-      if (choice.h <= 0) {
-        const Mesh standard = make_shape(order.body, order.dimensions, profile, choice);
-        choice.h = bounding_box(standard.nodes).largest() / 16;
-      }
-      choice.h *= coarser;
-      if (choice.layers > 1)
-        choice.layers = std::max(1, static_cast<int>(choice.layers / coarser));
-    }
+    choice.coarser = coarser;
     return make_shape(order.body, order.dimensions, profile, choice);
   }
   LoadChoice load{.unit = order.unit_given ? order.unit : 0,

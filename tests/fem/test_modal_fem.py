@@ -196,3 +196,69 @@ def test_verification_estimates_the_error_it_has(tmp_path):
     exact = np.array([5890.390, 5890.390, 9992.755, 12864.666, 12864.666, 20574.586])
     error = np.abs(table["freq"] / exact - 1)
     assert np.all(estimate > 0.2 * error) and np.all(estimate < 20 * np.maximum(error, 1e-5))
+
+
+def read_petsc_matrices(path):
+    """K and M of a PETSc binary file, as scipy matrices."""
+    from scipy.sparse import csr_matrix
+    data, at, found = path.read_bytes(), 0, []
+    while at < len(data):
+        kind, rows, columns, entries = struct.unpack_from(">4i", data, at)
+        assert kind == 1211216
+        at += 16
+        counts = np.frombuffer(data, ">i4", rows, at)
+        at += 4 * rows
+        indices = np.frombuffer(data, ">i4", entries, at).astype(np.int32)
+        at += 4 * entries
+        values = np.frombuffer(data, ">f8", entries, at).astype(float)
+        at += 8 * entries
+        found.append(csr_matrix((values, indices, np.concatenate([[0], np.cumsum(counts)])), (rows, columns)))
+    return found
+
+
+def test_modes_of_another_solver_come_back_as_the_same_table(tmp_path):
+    from scipy.sparse.linalg import eigsh
+    body = ["disk", "--diameter", "100", "--thickness", "12", "--h", "25"]
+    run(*body, "--modes", 10, "-o", "own.modal.npz", "--export-petsc", "km.bin", folder=tmp_path)
+    stiffness, mass = read_petsc_matrices(tmp_path / "km.bin")
+    assert abs(stiffness - stiffness.T).max() < 1e-9 * abs(stiffness).max()
+    values, vectors = eigsh(stiffness.tocsc(), 20, mass.tocsc(), sigma=-(2 * np.pi * 2000) ** 2, tol=1e-12)
+    vector = lambda v: struct.pack(">2i", 1211214, len(v)) + np.asarray(v, ">f8").tobytes()
+    (tmp_path / "values.bin").write_bytes(vector(values))
+    (tmp_path / "vectors.bin").write_bytes(b"".join(vector(v) for v in vectors.T))
+    run(*body, "--import-modes", "values.bin", "vectors.bin", "-o", "imported.modal.npz", folder=tmp_path)
+    own, imported = (np.load(tmp_path / f"{name}.modal.npz") for name in ("own", "imported"))
+    assert np.allclose(imported["freq"][:10], own["freq"], rtol=1e-9)
+    assert abs(imported["phi"][:10] - own["phi"]).max() < 1e-5 * abs(own["phi"]).max()
+    (tmp_path / "vectors.bin").write_bytes(vector(np.ones(7)))
+    assert "7 entries" in refusal(*body, "--import-modes", "values.bin", "vectors.bin", "-o", "x.modal.npz", folder=tmp_path)
+
+
+def test_a_concave_edge_of_a_cad_body_is_found_and_graded(tmp_path):
+    # An L by gmsh's own kernel; without gmsh's program there is nothing to import.
+    import shutil
+    if not shutil.which("gmsh"):
+        pytest.skip("gmsh's program is not installed")
+    (tmp_path / "l.geo").write_text('SetFactory("OpenCASCADE");\nBox(1) = {0,0,0, 60,20,10};\nBox(2) = {0,0,10, 12,20,30};\n'
+                                    'BooleanUnion(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};\n')
+    subprocess.run(["gmsh", "-0", "l.geo", "-format", "step", "-o", "l.step"], cwd=tmp_path, check=True, capture_output=True)
+    said = run("l.step", "--modes", 3, "-o", "l.modal.npz", folder=tmp_path).stderr
+    if "STEP" in (tmp_path / "l.step").read_text(errors="replace")[:200]:
+        assert "1 concave edges" in said
+    mass = float(np.load(tmp_path / "l.modal.npz")["mass"])
+    assert mass == pytest.approx(2700 * (60 * 20 * 10 + 12 * 20 * 30) * 1e-9, rel=1e-3)
+
+
+def test_springs_and_supports_are_written_into_the_table(tmp_path):
+    run(*COARSE_DISK, "--fix", "z=-6:z", "-o", "a.modal.npz", folder=tmp_path)
+    meta = json.loads(bytes(np.load(tmp_path / "a.modal.npz")["meta"]))
+    assert meta["bc"] == "fix z=-6:z" and meta["rigid_modes"] == 3
+    run(*COARSE_DISK, "--spring", "0,0,-6,5:1e6", "-o", "b.modal.npz", folder=tmp_path)
+    table = np.load(tmp_path / "b.modal.npz")
+    assert json.loads(bytes(table["meta"]))["rigid_modes"] == 3  # one node: three rotations about it
+    run(*COARSE_DISK, "--spring", "0,0,-6,30:1e6", "-o", "b.modal.npz", folder=tmp_path)
+    table = np.load(tmp_path / "b.modal.npz")
+    assert json.loads(bytes(table["meta"]))["rigid_modes"] == 0
+    # On springs of 1 MN/m in all the disk bounces as a whole, near sqrt(k/m) / 2 pi.
+    bounce = np.sqrt(1e6 / float(table["mass"])) / (2 * np.pi)
+    assert abs(table["freq"] / bounce - 1).min() < 0.05
