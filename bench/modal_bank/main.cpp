@@ -2,7 +2,7 @@
 // and instruction set, beside Faust, STK, Csound and a plain loop, all driven every sample at 48 kHz
 // in blocks of 64; then bodies that are struck, and a hand that stays.
 //
-//   bench_modal_bank
+//   bench_modal_bank [banks|bodies]
 //
 // Everything is run in turn, round by round, and the least of all rounds is printed: on a shared
 // machine trust the ratios.
@@ -192,7 +192,10 @@ void bodies() {
 
 } // namespace
 
-int main() {
-  banks();
-  bodies();
+int main(int count, char** words) {
+  const std::string part = count > 1 ? words[1] : "";
+  if (part != "bodies")
+    banks();
+  if (part != "banks")
+    bodies();
 }

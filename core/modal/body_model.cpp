@@ -66,10 +66,12 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   const std::span<const std::complex<double>> all(rate);
   bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, kMostListeners);
   solver = ContactSolver(all, settings.sample_rate, settings.voices + 1,
-                         table.free && table.mass_kg > 0);
+                         table.free && table.mass_kg > 0, kMostListeners);
   find_weights();
-  for (std::size_t l = 0; l < kMostListeners; ++l)
+  for (std::size_t l = 0; l < kMostListeners; ++l) {
     bank.jump_to_weight(l, weight[l]);
+    solver.set_weight(l, weight[l]);
+  }
 }
 
 double BodyModel::decay_rate(std::size_t k, double omega) const {

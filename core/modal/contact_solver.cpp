@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tactus::modal {
 namespace {
@@ -10,66 +11,75 @@ constexpr double kStepsPerContact = 32; // error of the rebound below 0.1 %
 constexpr double kMostLedSteps = 4;     // a hand's contact lasts: it is followed less finely
 constexpr int kMostRounds = 40;
 constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
-constexpr std::size_t kWays = 8;        // sums that run side by side
+constexpr double kLongestRest = 8;      // contact times after which one that has not left lies still
 
-/// Always in the same order, whatever the compiler makes of it.
-double sum_of_products(const double* a, const double* b, std::size_t count) noexcept {
-  std::array<double, kWays> sum{};
-  std::size_t i = 0;
-  for (; i + kWays <= count; i += kWays)
-    for (std::size_t w = 0; w < kWays; ++w)
-      sum[w] += a[i + w] * b[i + w];
-  for (; i < count; ++i)
-    sum[i % kWays] += a[i] * b[i];
-  return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+std::size_t whole_lanes(std::size_t count) noexcept {
+  return (count + kContactLanes - 1) / kContactLanes * kContactLanes;
 }
 
 } // namespace
 
 ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
-                             std::size_t contacts, bool rigid)
-    : sample_rate_(sample_rate), has_rigid_(rigid), alpha_(rate.size()), omega_(rate.size()),
-      finest_real_(rate.size()), finest_imaginary_(rate.size()), step_real_(rate.size()),
-      step_imaginary_(rate.size()), push_real_(rate.size()), push_imaginary_(rate.size()),
-      real_(rate.size(), 0), imaginary_(rate.size(), 0), contacts_(contacts), slots_(contacts),
-      answer_(contacts * contacts, 0), free_(contacts, 0), force_(contacts, 0),
-      next_force_(contacts, 0), touching_(contacts, 0) {
-  for (std::size_t k = 0; k < rate.size(); ++k) {
+                             std::size_t contacts, bool rigid, std::size_t listeners)
+    : sample_rate_(sample_rate), has_rigid_(rigid), kernel_(&contact_kernel()), modes_(rate.size()),
+      padded_(whole_lanes(rate.size())), alpha_(padded_, 0), omega_(padded_, 1), finest_(padded_),
+      turn_(padded_), push_(padded_), state_(padded_), weights_(listeners, Split(padded_)),
+      contacts_(contacts), slots_(contacts), answer_(contacts * contacts, 0), free_(contacts, 0),
+      force_(contacts, 0), next_force_(contacts, 0), touching_(contacts, 0) {
+  for (std::size_t k = 0; k < modes_; ++k) {
     alpha_[k] = -rate[k].real();
     omega_[k] = rate[k].imag();
     const auto finest = std::exp(rate[k] * (1 / (sample_rate * kMostSteps)));
-    finest_real_[k] = finest.real();
-    finest_imaginary_[k] = finest.imag();
+    finest_.real[k] = finest.real();
+    finest_.imaginary[k] = finest.imag();
   }
   for (Slot& slot : slots_) {
-    slot.gain.assign(rate.size(), 0);
-    slot.place_gain.assign(rate.size(), 0);
+    slot.gain.assign(padded_, 0);
+    slot.place_gain.assign(padded_, 0);
+    slot.push = Split(padded_);
   }
-  choose_steps(1);
+  set_steps(1);
 }
 
 void ContactSolver::choose_steps(double wanted) noexcept {
+  // Coarser only when much coarser will do: a change costs as much as some steps.
+  if (wanted <= steps_ && 4 * wanted > steps_)
+    return;
   unsigned steps = 1;
   while (steps < kMostSteps && steps < wanted)
     steps *= 2;
-  if (steps == steps_)
-    return;
+  if (steps != steps_)
+    set_steps(steps);
+}
+
+void ContactSolver::set_steps(unsigned steps) noexcept {
   steps_ = steps;
-  std::copy(finest_real_.begin(), finest_real_.end(), step_real_.begin());
-  std::copy(finest_imaginary_.begin(), finest_imaginary_.end(), step_imaginary_.begin());
+  turn_.real = finest_.real;
+  turn_.imaginary = finest_.imaginary;
   for (unsigned s = steps; s < kMostSteps; s *= 2)
-    for (std::size_t k = 0; k < step_real_.size(); ++k) {
-      const double re = step_real_[k], im = step_imaginary_[k];
-      step_real_[k] = re * re - im * im;
-      step_imaginary_[k] = 2 * re * im;
+    for (std::size_t k = 0; k < modes_; ++k) {
+      const double re = turn_.real[k], im = turn_.imaginary[k];
+      turn_.real[k] = re * re - im * im;
+      turn_.imaginary[k] = 2 * re * im;
     }
-  for (std::size_t k = 0; k < step_real_.size(); ++k) { // divided by s = -alpha + j omega
-    const double re = step_real_[k] - 1, im = step_imaginary_[k];
+  for (std::size_t k = 0; k < modes_; ++k) { // divided by s = -alpha + j omega
+    const double re = turn_.real[k] - 1, im = turn_.imaginary[k];
     const double square = alpha_[k] * alpha_[k] + omega_[k] * omega_[k];
-    push_real_[k] = (im * omega_[k] - re * alpha_[k]) / square;
-    push_imaginary_[k] = -(re * omega_[k] + im * alpha_[k]) / square;
+    push_.real[k] = (im * omega_[k] - re * alpha_[k]) / square;
+    push_.imaginary[k] = -(re * omega_[k] + im * alpha_[k]) / square;
   }
+  for (std::size_t i = 0; i < slots_.size(); ++i)
+    if (contacts_[i].active)
+      work_out_pushes(i);
   work_out_answers();
+}
+
+void ContactSolver::work_out_pushes(std::size_t slot) noexcept {
+  Slot& s = slots_[slot];
+  for (std::size_t k = 0; k < modes_; ++k) {
+    s.push.real[k] = s.gain[k] * push_.real[k];
+    s.push.imaginary[k] = s.gain[k] * push_.imaginary[k];
+  }
 }
 
 void ContactSolver::work_out_answers() noexcept {
@@ -79,51 +89,89 @@ void ContactSolver::work_out_answers() noexcept {
     for (std::size_t j = 0; j < count; ++j) {
       if (!contacts_[i].active || !contacts_[j].active)
         continue;
-      double sum = 0;
-      for (std::size_t k = 0; k < real_.size(); ++k)
-        sum += slots_[i].place_gain[k] * slots_[j].gain[k] * push_imaginary_[k];
+      double sum = kernel_->sum(slots_[i].place_gain.data(), slots_[j].push.imaginary.data(), padded_);
       if (has_rigid_)
-        for (std::size_t r = 0; r < kRigid; ++r)
-          sum += slots_[i].rigid[r] * slots_[j].rigid[r] * h * h / 2;
+        sum += rigid_at(slots_[i], slots_[j].rigid) * h * h / 2;
       if (i == j && !contacts_[i].led)
         sum += h * h / 2 / contacts_[i].striker_mass_kg;
       answer_[i * count + j] = sum;
     }
 }
 
-void ContactSolver::begin(std::size_t slot, const Contact& contact, std::span<const double> gain,
-                          const std::array<double, kRigid>& rigid_gain) noexcept {
-  if (slot >= slots_.size())
-    return;
-  end(slot);
-  Slot& s = slots_[slot];
+void ContactSolver::fill(Slot& s, const Contact& contact, std::span<const double> gain,
+                         const Rigid& rigid_gain) noexcept {
+  s.last_force = 0;
   s.mobility = contact.led ? 0 : 1 / contact.striker_mass_kg;
-  for (std::size_t k = 0; k < s.gain.size(); ++k) {
+  for (std::size_t k = 0; k < modes_; ++k) {
     s.gain[k] = k < gain.size() ? gain[k] : 0;
     s.place_gain[k] = s.gain[k] / omega_[k];
     s.mobility += s.gain[k] * s.gain[k];
   }
-  s.rigid = rigid_gain;
-  if (has_rigid_)
-    for (const double b : rigid_gain)
-      s.mobility += b * b;
+  s.rigid = has_rigid_ ? rigid_gain : Rigid{};
+  for (const double b : s.rigid)
+    s.mobility += b * b;
+}
+
+void ContactSolver::begin(std::size_t slot, const Contact& contact, std::span<const double> gain,
+                          const Rigid& rigid_gain) noexcept {
+  if (slot >= slots_.size())
+    return;
+  end(slot);
+  Slot& s = slots_[slot];
+  fill(s, contact, gain, rigid_gain);
   if (active_count_ == 0)
     rest_rigid();
-  contacts_[slot] = contact;
-  contacts_[slot].active = true;
+  Contact& c = contacts_[slot] = contact;
+  c.active = true;
+  c.lies = false;
+  ++active_count_;
   // No contact begins with work stored in it.
   const double surface = surface_place(slot);
-  contacts_[slot].place_m =
-      contact.led ? std::min(contact.place_m, surface) : contact.place_m + surface;
-  ++active_count_;
-  contacts_[slot].compression_m = contacts_[slot].place_m - surface;
-  double wanted = active_count_ > 1 ? steps_ : 1;
+  c.place_m = contact.led ? std::min(contact.place_m, surface) : contact.place_m + surface;
+  c.compression_m = c.place_m - surface;
+  s.steps = 1;
+  s.patience_s = kLongestFlight;
   if (!contact.led && contact.speed_m_per_s > 0) {
     const double time = contact.law.duration(1 / s.mobility, contact.speed_m_per_s);
-    wanted = std::max(wanted, kStepsPerContact / (time * sample_rate_));
+    s.steps = kStepsPerContact / (time * sample_rate_);
+    s.patience_s = std::max(kLongestFlight, kLongestRest * contact.law.duration(
+                                                contact.striker_mass_kg, contact.speed_m_per_s));
   }
-  choose_steps(wanted);
+  work_out_pushes(slot);
   work_out_answers();
+  choose_steps(wanted_steps());
+}
+
+void ContactSolver::take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
+                              std::span<const double> gain, const Rigid& rigid_gain) noexcept {
+  if (slot >= slots_.size() || old_slot >= before.slots_.size() ||
+      !before.contacts_[old_slot].active)
+    return;
+  end(slot);
+  Slot& s = slots_[slot];
+  Contact& c = contacts_[slot] = before.contacts_[old_slot];
+  fill(s, c, gain, rigid_gain);
+  s.steps = before.slots_[old_slot].steps;
+  s.patience_s = before.slots_[old_slot].patience_s;
+  s.last_force = before.slots_[old_slot].last_force;
+  ++active_count_;
+  // The shapes have changed, and with them where the surface is: the striker stays on it.
+  const double surface = surface_place(slot);
+  if (!c.led)
+    c.place_m = c.compression_m + surface;
+  c.compression_m = c.place_m - surface;
+  work_out_pushes(slot);
+  work_out_answers();
+  choose_steps(wanted_steps());
+}
+
+void ContactSolver::take_over_rigid(const ContactSolver& before, double heavier,
+                                    double longer) noexcept {
+  for (std::size_t r = 0; r < kRigid; ++r) {
+    const double scale = std::sqrt(heavier) * (r < kRigid / 2 ? 1 : longer);
+    rigid_place_[r] = scale * before.rigid_place_[r];
+    rigid_speed_[r] = scale * before.rigid_speed_[r];
+  }
 }
 
 void ContactSolver::end(std::size_t slot) noexcept {
@@ -144,161 +192,92 @@ void ContactSolver::lead(std::size_t slot, double place_m, double fastest_m_per_
 void ContactSolver::silence() noexcept {
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     end(i);
-  std::fill(real_.begin(), real_.end(), 0.0);
-  std::fill(imaginary_.begin(), imaginary_.end(), 0.0);
+  std::fill(state_.real.begin(), state_.real.end(), 0.0);
+  std::fill(state_.imaginary.begin(), state_.imaginary.end(), 0.0);
   rest_rigid();
 }
 
 double ContactSolver::surface_place(std::size_t slot) const noexcept {
   const Slot& s = slots_[slot];
-  double sum = sum_of_products(s.place_gain.data(), imaginary_.data(), imaginary_.size());
-  if (has_rigid_)
-    for (std::size_t r = 0; r < kRigid; ++r)
-      sum += s.rigid[r] * rigid_place_[r];
-  return sum;
+  return kernel_->sum(s.place_gain.data(), state_.imaginary.data(), padded_) +
+         rigid_at(s, rigid_place_);
 }
 
-double ContactSolver::elastic(const Contact& c, double depth) const noexcept {
-  if (!(c.compliance_m_per_n > 0) || !(depth > 0))
-    return c.law.force(depth, 0);
-  // In series with the modes left out: depth = d + C f(d). The right side grows with d and bends
-  // upwards, so Newton's method from above always arrives.
-  double d = depth;
-  for (int i = 0; i < kMostRounds; ++i) {
-    const double over = d + c.compliance_m_per_n * c.law.force(d, 0) - depth;
-    const double next = std::max(d - over / (1 + c.compliance_m_per_n * c.law.slope(d)), 0.0);
-    if (!(std::abs(next - d) > 1e-12 * depth))
-      break;
-    d = next;
-  }
-  return (depth - d) / c.compliance_m_per_n;
-}
-
-double ContactSolver::stored(const Contact& c, double depth) const noexcept {
-  if (!(c.compliance_m_per_n > 0))
-    return c.law.work(depth);
-  const double force = elastic(c, depth);
-  return c.law.work(depth - c.compliance_m_per_n * force) +
-         0.5 * c.compliance_m_per_n * force * force;
-}
-
-double ContactSolver::solve(const Contact& c, double free, double answer, double h,
-                            double& force) const noexcept {
-  const double start = c.compression_m;
-  if (start <= 0 && free <= 0) {
-    force = 0;
-    return free;
-  }
-  const double before = stored(c, start);
-  const auto mean_force = [&](double d) {
-    const double way = d - start;
-    const double size = std::max(std::abs(start), std::abs(d));
-    double f = std::abs(way) > 1e-4 * size ? (stored(c, d) - before) / way
-                                           : elastic(c, 0.5 * (start + d));
-    f *= 1 + c.law.loss_s_per_m * way / h;
-    return std::max(f, 0.0);
-  };
-  // d + answer F(d) = free; the force grows with d, so the root lies between where full force and
-  // no force would lead. Secants, kept within the bracket.
-  double high = free, high_force = mean_force(high);
-  if (high_force == 0) {
-    force = 0;
-    return free;
-  }
-  double high_error = answer * high_force;
-  double low = free - high_error, low_force = mean_force(low);
-  double low_error = low + answer * low_force - free;
-  double d = low;
-  force = low_force;
-  for (int i = 0; i < kMostRounds && high_error - low_error > 0; ++i) {
-    d = low - low_error * (high - low) / (high_error - low_error);
-    force = mean_force(d);
-    const double error = d + answer * force - free;
-    if (std::abs(error) <= 1e-11 * (std::abs(d) + std::abs(start)) + 1e-30)
-      break;
-    if (error > 0) {
-      high = d;
-      high_error = error;
-      low_error *= 0.5; // Illinois: the end that stays loses weight, so that both close in
-    } else {
-      low = d;
-      low_error = error;
-      high_error *= 0.5;
-    }
-  }
-  return d;
-}
-
-void ContactSolver::substep(double h) noexcept {
-  const std::size_t modes = real_.size(), count = contacts_.size();
-  // These arrays do not overlap, which a compiler cannot know.
-  double* __restrict real = real_.data();
-  double* __restrict imaginary = imaginary_.data();
-  const double* __restrict turn_real = step_real_.data();
-  const double* __restrict turn_imaginary = step_imaginary_.data();
-  for (std::size_t k = 0; k < modes; ++k) {
-    const double re = real[k], im = imaginary[k];
-    real[k] = turn_real[k] * re - turn_imaginary[k] * im;
-    imaginary[k] = turn_real[k] * im + turn_imaginary[k] * re;
-  }
+/// One step on without forces: where each contact would be.
+void ContactSolver::move_freely(double h) noexcept {
   for (std::size_t r = 0; r < kRigid; ++r)
     rigid_place_[r] += h * rigid_speed_[r];
-  std::size_t touching = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    Contact& c = contacts_[i];
-    if (!c.active)
-      continue;
-    c.place_m += h * c.speed_m_per_s;
-    c.age_s += h;
-    free_[i] = c.place_m - surface_place(i);
-    touching_[touching++] = i;
-    force_[i] = 0;
-  }
-  // One contact needs one round. Several answer each other: rounds over all of them from the same
-  // forces, until these stay.
-  for (int round = 0; round < (touching > 1 ? kMostRounds : 1); ++round) {
-    double change = 0, largest = 0;
-    for (std::size_t a = 0; a < touching; ++a) {
-      const std::size_t i = touching_[a];
-      double free = free_[i];
-      for (std::size_t b = 0; b < touching; ++b)
-        if (b != a)
-          free -= answer_[i * count + touching_[b]] * force_[touching_[b]];
-      static_cast<void>(solve(contacts_[i], free, answer_[i * count + i], h, next_force_[i]));
-      change = std::max(change, std::abs(next_force_[i] - force_[i]));
-      largest = std::max(largest, next_force_[i]);
-    }
-    for (std::size_t a = 0; a < touching; ++a)
-      force_[touching_[a]] = next_force_[touching_[a]];
-    if (change <= 1e-12 * largest)
-      break;
-  }
-  for (std::size_t a = 0; a < touching; ++a) {
+  bool turned = false;
+  for (std::size_t a = 0; a < active_count_; ++a) {
     const std::size_t i = touching_[a];
     Contact& c = contacts_[i];
-    c.compression_m = free_[i];
-    for (std::size_t b = 0; b < touching; ++b)
-      c.compression_m -= answer_[i * count + touching_[b]] * force_[touching_[b]];
+    const Slot& s = slots_[i];
+    c.place_m += h * (c.speed_m_per_s + 0.5 * h * c.fall_m_per_s2);
+    c.speed_m_per_s += h * c.fall_m_per_s2;
+    c.age_s += h;
+    const double swing =
+        turned ? kernel_->sum(s.place_gain.data(), state_.imaginary.data(), padded_)
+               : kernel_->turn(state_.view(), std::as_const(turn_).view(), s.place_gain.data(), padded_);
+    turned = true;
+    free_[i] = c.place_m - swing - rigid_at(s, rigid_place_);
   }
-  for (std::size_t a = 0; a < touching; ++a) {
+}
+
+/// One contact needs one round. Several answer each other: rounds over all of them from the same
+/// forces, until these stay.
+void ContactSolver::find_forces(double h) noexcept {
+  const std::size_t count = contacts_.size();
+  if (active_count_ == 1) {
+    const std::size_t i = touching_[0];
+    force_[i] = series(contacts_[i]).solve(contacts_[i].compression_m, free_[i],
+                                           answer_[i * count + i], h, slots_[i].last_force);
+  } else {
+    for (std::size_t a = 0; a < active_count_; ++a)
+      force_[touching_[a]] = 0;
+    for (int round = 0; round < kMostRounds; ++round) {
+      double change = 0, largest = 0;
+      for (std::size_t a = 0; a < active_count_; ++a) {
+        const std::size_t i = touching_[a];
+        double free = free_[i];
+        for (std::size_t b = 0; b < active_count_; ++b)
+          if (b != a)
+            free -= answer_[i * count + touching_[b]] * force_[touching_[b]];
+        next_force_[i] = series(contacts_[i]).solve(contacts_[i].compression_m, free,
+                                                    answer_[i * count + i], h,
+                                                    slots_[i].last_force);
+        change = std::max(change, std::abs(next_force_[i] - force_[i]));
+        largest = std::max(largest, next_force_[i]);
+      }
+      for (std::size_t a = 0; a < active_count_; ++a)
+        force_[touching_[a]] = slots_[touching_[a]].last_force = next_force_[touching_[a]];
+      if (change <= 1e-12 * largest)
+        break;
+    }
+  }
+  for (std::size_t a = 0; a < active_count_; ++a) {
+    const std::size_t i = touching_[a];
+    double depth = free_[i];
+    for (std::size_t b = 0; b < active_count_; ++b)
+      depth -= answer_[i * count + touching_[b]] * force_[touching_[b]];
+    contacts_[i].compression_m = depth;
+    slots_[i].last_force = force_[i];
+  }
+}
+
+void ContactSolver::apply_forces(double h) noexcept {
+  for (std::size_t a = 0; a < active_count_; ++a) {
     const std::size_t i = touching_[a];
     const double force = force_[i];
     if (force == 0)
       continue;
     Contact& c = contacts_[i];
+    const Slot& s = slots_[i];
     c.force_n += force;
-    const double* __restrict gain = slots_[i].gain.data();
-    const double* __restrict push_real = push_real_.data();
-    const double* __restrict push_imaginary = push_imaginary_.data();
-    for (std::size_t k = 0; k < modes; ++k) {
-      const double push = gain[k] * force;
-      real[k] += push * push_real[k];
-      imaginary[k] += push * push_imaginary[k];
-    }
+    kernel_->push(state_.view(), s.push.view(), force, padded_);
     if (has_rigid_)
       for (std::size_t r = 0; r < kRigid; ++r) {
-        rigid_place_[r] += slots_[i].rigid[r] * force * h * h / 2;
-        rigid_speed_[r] += slots_[i].rigid[r] * force * h;
+        rigid_place_[r] += s.rigid[r] * force * h * h / 2;
+        rigid_speed_[r] += s.rigid[r] * force * h;
       }
     if (!c.led) {
       c.place_m -= force * h * h / 2 / c.striker_mass_kg;
@@ -307,80 +286,98 @@ void ContactSolver::substep(double h) noexcept {
   }
 }
 
-double ContactSolver::step() noexcept {
-  // A contact that stiffens as it is pressed in is followed in shorter steps.
-  double wanted = steps_;
+double ContactSolver::wanted_steps() const noexcept {
+  double wanted = 1;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    Contact& c = contacts_[i];
-    c.force_n = 0;
+    const Contact& c = contacts_[i];
     if (!c.active)
       continue;
-    const double rate = std::sqrt(c.law.slope(c.compression_m) * slots_[i].mobility * 5);
-    wanted = std::max(wanted, std::min(rate / sample_rate_, c.led ? kMostLedSteps : double{kMostSteps}));
+    // A contact that stiffens as it is pressed in is followed in shorter steps.
+    const double rate = std::sqrt(c.law.slope(c.compression_m) * slots_[i].mobility * 5) / sample_rate_;
+    wanted = std::max(wanted, c.led ? std::min(rate, kMostLedSteps)
+                                    : std::max(slots_[i].steps, rate));
   }
-  choose_steps(wanted);
+  return std::min(wanted, double{kMostSteps});
+}
+
+double ContactSolver::step() noexcept {
+  std::size_t touching = 0;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    contacts_[i].force_n = 0;
+    if (contacts_[i].active)
+      touching_[touching++] = i;
+  }
+  choose_steps(wanted_steps());
   const double h = 1 / (sample_rate_ * steps_);
-  for (unsigned s = 0; s < steps_; ++s)
-    substep(h);
+  for (unsigned s = 0; s < steps_; ++s) {
+    move_freely(h);
+    find_forces(h);
+    apply_forces(h);
+  }
   double force = 0;
-  for (Contact& c : contacts_) {
+  for (std::size_t a = 0; a < touching; ++a) {
+    Contact& c = contacts_[touching_[a]];
     c.force_n /= steps_;
     force += c.force_n;
   }
   look_for_ends();
-  if (active_count_ == 0)
-    choose_steps(1);
   return force;
 }
 
 void ContactSolver::look_for_ends() noexcept {
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     Contact& c = contacts_[i];
-    if (!c.active || c.led || c.compression_m > 0 || c.force_n > 0)
+    if (!c.active || c.led)
       continue;
+    const Slot& s = slots_[i];
+    if (c.compression_m > 0 || c.force_n > 0) {
+      c.lies = c.fall_m_per_s2 > 0 && c.age_s > s.patience_s;
+      if (c.lies)
+        end(i);
+      continue;
+    }
     // It has let go. It meets the surface again only if that can still catch up with it: no point
     // moves further or faster than all modes together.
-    double place = 0, speed = 0, drift = 0;
-    const Slot& s = slots_[i];
-    for (std::size_t k = 0; k < real_.size(); ++k) {
-      const double size = std::sqrt(real_[k] * real_[k] + imaginary_[k] * imaginary_[k]);
+    double place = 0, speed = 0;
+    for (std::size_t k = 0; k < modes_; ++k) {
+      const double size = std::sqrt(state_.real[k] * state_.real[k] +
+                                    state_.imaginary[k] * state_.imaginary[k]);
       place += std::abs(s.place_gain[k]) * size;
       speed += std::abs(s.gain[k]) * size;
     }
-    double base = 0;
-    if (has_rigid_)
-      for (std::size_t r = 0; r < kRigid; ++r) {
-        base += s.rigid[r] * rigid_place_[r];
-        drift += s.rigid[r] * rigid_speed_[r];
-      }
-    const double away = drift - c.speed_m_per_s;
-    if (away > speed || (away >= 0 && base - c.place_m > place) || c.age_s > kLongestFlight)
+    const double away = rigid_at(s, rigid_speed_) - c.speed_m_per_s;
+    if (away > speed || (away >= 0 && height(i) > place) || c.age_s > kLongestFlight)
       end(i);
   }
 }
 
 void ContactSolver::kick(std::span<const float> gain, double impulse) noexcept {
-  for (std::size_t k = 0; k < std::min(gain.size(), real_.size()); ++k)
-    real_[k] += static_cast<double>(gain[k]) * impulse;
+  for (std::size_t k = 0; k < std::min(gain.size(), modes_); ++k)
+    state_.real[k] += static_cast<double>(gain[k]) * impulse;
+}
+
+void ContactSolver::set_weight(std::size_t listener,
+                               std::span<const std::complex<double>> weight) noexcept {
+  if (listener >= weights_.size())
+    return;
+  for (std::size_t k = 0; k < std::min(modes_, weight.size()); ++k) {
+    weights_[listener].real[k] = weight[k].real();
+    weights_[listener].imaginary[k] = weight[k].imag();
+  }
 }
 
 double ContactSolver::hear(std::span<const std::complex<double>> weight) const noexcept {
-  std::array<double, kWays> sum{};
-  const std::size_t count = std::min(weight.size(), real_.size());
-  std::size_t k = 0;
-  for (; k + kWays <= count; k += kWays)
-    for (std::size_t w = 0; w < kWays; ++w)
-      sum[w] += weight[k + w].real() * imaginary_[k + w] + weight[k + w].imag() * real_[k + w];
-  for (; k < count; ++k)
-    sum[k % kWays] += weight[k].real() * imaginary_[k] + weight[k].imag() * real_[k];
-  return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+  double sum = 0;
+  for (std::size_t k = 0; k < std::min(weight.size(), modes_); ++k)
+    sum += weight[k].real() * state_.imaginary[k] + weight[k].imag() * state_.real[k];
+  return sum;
 }
 
 double ContactSolver::energy() const noexcept {
   double sum = 0;
-  for (std::size_t k = 0; k < real_.size(); ++k) {
-    const double q = imaginary_[k] / omega_[k];
-    const double speed = real_[k] - alpha_[k] * q;
+  for (std::size_t k = 0; k < modes_; ++k) {
+    const double q = state_.imaginary[k] / omega_[k];
+    const double speed = state_.real[k] - alpha_[k] * q;
     const double stiffness = omega_[k] * omega_[k] + alpha_[k] * alpha_[k];
     sum += 0.5 * (speed * speed + stiffness * q * q);
   }
@@ -390,9 +387,9 @@ double ContactSolver::energy() const noexcept {
     const Contact& c = contacts_[i];
     if (c.led || c.age_s == 0)
       continue;
-    sum += 0.5 * c.striker_mass_kg * c.speed_m_per_s * c.speed_m_per_s;
+    sum += c.striker_mass_kg * (0.5 * c.speed_m_per_s * c.speed_m_per_s - c.fall_m_per_s2 * c.place_m);
     if (c.active)
-      sum += stored(c, c.place_m - surface_place(i));
+      sum += series(c).stored(c.place_m - surface_place(i));
   }
   return sum;
 }

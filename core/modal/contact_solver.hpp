@@ -1,6 +1,7 @@
 #pragma once
 
-#include "core/modal/striker.hpp"
+#include "core/modal/contact_force.hpp"
+#include "core/modal/contact_kernel.hpp"
 
 #include <array>
 #include <complex>
@@ -25,10 +26,10 @@ public:
   static constexpr std::size_t kRigid = 6;
   static constexpr unsigned kMostSteps = 1024; ///< in a sample, a power of 2
 
-  /// Rates s of all modes, also those too high to be heard; room for so many contacts. `rigid`:
-  /// the body is free to recoil.
+  /// Rates s of all modes, also those too high to be heard; room for so many contacts and
+  /// listeners. `rigid`: the body is free to recoil.
   ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
-                std::size_t contacts, bool rigid);
+                std::size_t contacts, bool rigid, std::size_t listeners = 0);
 
   struct Contact {
     ContactLaw law;
@@ -37,11 +38,13 @@ public:
                                    ///< is, when led from the untouched surface
     double speed_m_per_s = 0;      ///< inwards
     double compliance_m_per_n = 0; ///< of the modes that the table left out
+    double fall_m_per_s2 = 0;      ///< gravity that draws the striker towards the body
     bool led = false;              ///< its place is prescribed: a hand holds it
     bool active = false;
     double age_s = 0;
     double force_n = 0;            ///< mean of the last sample
     double compression_m = 0;
+    bool lies = false;             ///< it has ended because the striker has come to rest
   };
   /// Starts a contact: b of all modes and of the rigid motions, 1/sqrt(kg).
   void begin(std::size_t slot, const Contact& contact, std::span<const double> gain,
@@ -53,6 +56,11 @@ public:
   void silence() noexcept;
   [[nodiscard]] const Contact& contact(std::size_t slot) const noexcept { return contacts_[slot]; }
   [[nodiscard]] bool touching() const noexcept { return active_count_ > 0; }
+  [[nodiscard]] std::size_t active() const noexcept { return active_count_; }
+  /// How far the striker of a contact that has ended is above the body's resting surface, m.
+  [[nodiscard]] double height(std::size_t slot) const noexcept {
+    return rigid_at(slots_[slot], rigid_place_) - contacts_[slot].place_m;
+  }
   /// Steps that one sample takes now.
   [[nodiscard]] unsigned steps() const noexcept { return steps_; }
 
@@ -62,52 +70,90 @@ public:
   void kick(std::span<const float> gain, double impulse) noexcept;
   /// Sum over modes of Im(w z).
   [[nodiscard]] double hear(std::span<const std::complex<double>> weight) const noexcept;
+  /// The same with weights given before, quicker.
+  void set_weight(std::size_t listener, std::span<const std::complex<double>> weight) noexcept;
+  [[nodiscard]] double hear(std::size_t listener) const noexcept {
+    const Split& w = weights_[listener];
+    return kernel_->hear(w.view(), state_.view(), padded_);
+  }
+  /// A contact goes on with the body's new rates and shapes: same compression and striker.
+  /// Both solvers' modal states must be in place; gains as in begin().
+  void take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
+                 std::span<const double> gain, const std::array<double, kRigid>& rigid_gain) noexcept;
+  /// A free body goes on moving where it was, its mass and lengths changed by these factors.
+  void take_over_rigid(const ContactSolver& before, double heavier, double longer) noexcept;
 
   [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept {
-    return {real_[mode], imaginary_[mode]};
+    return {state_.real[mode], state_.imaginary[mode]};
   }
   void set_state(std::size_t mode, std::complex<double> z) noexcept {
-    real_[mode] = z.real();
-    imaginary_[mode] = z.imag();
+    state_.real[mode] = z.real();
+    state_.imaginary[mode] = z.imag();
   }
   void rest_rigid() noexcept {
     rigid_place_.fill(0);
     rigid_speed_.fill(0);
   }
-  [[nodiscard]] std::size_t modes() const noexcept { return real_.size(); }
+  [[nodiscard]] std::size_t modes() const noexcept { return modes_; }
   /// Energy of modes, rigid motion, strikers and elastic contacts, J.
   [[nodiscard]] double energy() const noexcept;
 
 private:
+  using Rigid = std::array<double, kRigid>;
+  /// Complex numbers of all modes; zeros up to a whole number of kContactLanes.
+  struct Split {
+    std::vector<double> real, imaginary;
+    explicit Split(std::size_t count = 0) : real(count, 0), imaginary(count, 0) {}
+    [[nodiscard]] SplitView view() noexcept { return {real.data(), imaginary.data()}; }
+    [[nodiscard]] ConstSplitView view() const noexcept { return {real.data(), imaginary.data()}; }
+  };
   struct Slot {
     std::vector<double> gain, place_gain; ///< b and b/omega_d of the modes
-    std::array<double, kRigid> rigid{};
-    double mobility = 0; ///< 1/kg that the contact feels at once
+    Split push;                           ///< b (exp(s h) - 1)/s
+    Rigid rigid{};
+    double mobility = 0;   ///< 1/kg that the contact feels at once
+    double steps = 1;      ///< in a sample, that the blow wants
+    double patience_s = 0; ///< a contact that lasts longer lies still
+    double last_force = 0; ///< of the step before
   };
+  static SeriesContact series(const Contact& contact) noexcept {
+    return {contact.law, contact.compliance_m_per_n};
+  }
+  [[nodiscard]] static double rigid_at(const Slot& slot, const Rigid& q) noexcept {
+    double sum = 0;
+    for (std::size_t r = 0; r < kRigid; ++r)
+      sum += slot.rigid[r] * q[r];
+    return sum;
+  }
+  void fill(Slot& slot, const Contact& contact, std::span<const double> gain,
+            const Rigid& rigid_gain) noexcept;
+  [[nodiscard]] double wanted_steps() const noexcept;
   void choose_steps(double wanted) noexcept;
+  void set_steps(unsigned steps) noexcept;
+  void work_out_pushes(std::size_t slot) noexcept;
   void work_out_answers() noexcept;
-  void substep(double h) noexcept;
+  void move_freely(double h) noexcept;
+  void find_forces(double h) noexcept;
+  void apply_forces(double h) noexcept;
   [[nodiscard]] double surface_place(std::size_t slot) const noexcept;
-  [[nodiscard]] double stored(const Contact& contact, double depth) const noexcept;
-  [[nodiscard]] double elastic(const Contact& contact, double depth) const noexcept;
-  /// The compression after a step that would end at `free` without force, and its force.
-  [[nodiscard]] double solve(const Contact& contact, double free, double answer, double h,
-                             double& force) const noexcept;
   void look_for_ends() noexcept;
 
   double sample_rate_;
   bool has_rigid_;
+  const ContactKernel* kernel_;
+  std::size_t modes_, padded_;
   std::vector<double> alpha_, omega_;
-  std::vector<double> finest_real_, finest_imaginary_; ///< exp(s T / kMostSteps)
-  std::vector<double> step_real_, step_imaginary_;     ///< of the step at work
-  std::vector<double> push_real_, push_imaginary_;     ///< (exp(s h) - 1)/s
-  std::vector<double> real_, imaginary_;
-  std::array<double, kRigid> rigid_place_{}, rigid_speed_{};
+  Split finest_;  ///< exp(s T / kMostSteps)
+  Split turn_;    ///< of the step at work
+  Split push_;    ///< (exp(s h) - 1)/s
+  Split state_;   ///< z
+  std::vector<Split> weights_;
+  Rigid rigid_place_{}, rigid_speed_{};
   std::vector<Contact> contacts_;
   std::vector<Slot> slots_;
   std::vector<double> answer_;  ///< [i][j] m/N: place of contact i after a step with force at j
   std::vector<double> free_, force_, next_force_;
-  std::vector<std::size_t> touching_; ///< the active contacts
+  std::vector<std::size_t> touching_; ///< the active contacts, in the order of their slots
   std::size_t active_count_ = 0;
   unsigned steps_ = 0;
 };

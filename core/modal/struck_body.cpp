@@ -371,7 +371,7 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
       if (pulses_[i].active && chunk_.pulse[i][n] != 0)
         m.solver.kick(m.push_gain[1 + i], static_cast<double>(chunk_.pulse[i][n]) / sample_rate_);
     for (std::size_t l = 0; l < m.settings.listeners; ++l) {
-      double heard = m.solver.hear(m.weight[l]);
+      double heard = m.solver.hear(l);
       if (const std::size_t left = m.bank.fade_left(l); left > 0)
         heard += static_cast<double>(left) / static_cast<double>(ModeBank::kFade) *
                  (m.solver.hear(m.old_weight[l]) - heard);

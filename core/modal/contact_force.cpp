@@ -1,0 +1,85 @@
+#include "core/modal/contact_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::modal {
+namespace {
+
+constexpr int kMostRounds = 60;
+constexpr int kSecants = 12;          // rounds after which every other one halves the bracket
+constexpr double kExact = 1e-12;      // of the compression
+
+} // namespace
+
+double SeriesContact::elastic(double depth) const noexcept {
+  if (!(compliance_m_per_n > 0) || !(depth > 0))
+    return law.force(depth, 0);
+  // depth = d + C f(d): the right side grows with d and bends upwards, so Newton's method from
+  // above always arrives.
+  double d = depth;
+  for (int i = 0; i < kMostRounds; ++i) {
+    const double over = d + compliance_m_per_n * law.force(d, 0) - depth;
+    const double next = std::max(d - over / (1 + compliance_m_per_n * law.slope(d)), 0.0);
+    if (!(std::abs(next - d) > 1e-12 * depth))
+      break;
+    d = next;
+  }
+  return (depth - d) / compliance_m_per_n;
+}
+
+double SeriesContact::stored(double depth) const noexcept {
+  if (!(compliance_m_per_n > 0))
+    return law.work(depth);
+  const double force = elastic(depth);
+  return law.work(depth - compliance_m_per_n * force) + 0.5 * compliance_m_per_n * force * force;
+}
+
+double SeriesContact::mean_force(double start, double stored_at_start, double end,
+                                 double time_s) const noexcept {
+  const double way = end - start;
+  double force = 0;
+  if (start > 0 && end > 0 && !(compliance_m_per_n > 0) && law.exponent == 1.5) {
+    // (x^5 - y^5)/(x^2 - y^2) for the roots x and y of the compressions, without the difference.
+    const double x = std::sqrt(end), y = std::sqrt(start), xy = x * y, squares = end + start;
+    force = 0.4 * law.stiffness * (squares * squares + xy * (squares - xy)) / (x + y);
+  } else if (start > 0 && end > 0 && !(compliance_m_per_n > 0) && law.exponent == 1) {
+    force = 0.5 * law.stiffness * (start + end);
+  } else if (std::abs(way) > 1e-4 * std::max(std::abs(start), std::abs(end))) {
+    force = (stored(end) - stored_at_start) / way;
+  } else {
+    force = elastic(0.5 * (start + end));
+  }
+  return std::max(force * (1 + law.loss_s_per_m * way / time_s), 0.0);
+}
+
+double SeriesContact::solve(double start, double free, double answer, double time_s,
+                            double guess) const noexcept {
+  if (start <= 0 && free <= 0)
+    return 0;
+  const double before = stored(start);
+  // Secants from the guess. As F grows with d, the root lies between any d and free - answer F(d).
+  double low = -1e300, high = free, last_d = 0, last_error = 0, force = 0;
+  double d = free - answer * guess;
+  for (int round = 0; round < kMostRounds; ++round) {
+    force = mean_force(start, before, d, time_s);
+    const double error = d + answer * force - free;
+    if (!(std::abs(error) > kExact * (std::abs(d) + std::abs(start)) + 1e-30))
+      break;
+    low = std::max(low, std::min(d, d - error));
+    high = std::min(high, std::max(d, d - error));
+    double slope = 1;
+    if (round == 0)
+      slope += 0.5 * answer * law.slope(std::max(d, start));
+    else if (d != last_d)
+      slope = std::max((error - last_error) / (d - last_d), 1.0);
+    last_d = d;
+    last_error = error;
+    d -= error / slope;
+    if (!(d > low && d < high) || (round > kSecants && round % 2))
+      d = 0.5 * (low + high);
+  }
+  return force;
+}
+
+} // namespace tactus::modal
