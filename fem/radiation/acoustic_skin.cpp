@@ -1,0 +1,312 @@
+#include "fem/radiation/acoustic_skin.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace tactus::fem {
+namespace {
+
+Vector3 double_area(const AcousticSkin& s, const std::array<int, 3>& t) {
+  const Vector3& a = s.vertex[static_cast<std::size_t>(t[0])];
+  return cross(s.vertex[static_cast<std::size_t>(t[1])] - a,
+               s.vertex[static_cast<std::size_t>(t[2])] - a);
+}
+
+/// Vertices that no triangle uses go.
+AcousticSkin compact(const AcousticSkin& s) {
+  std::vector<int> renamed(s.vertex.size(), -1);
+  AcousticSkin out;
+  for (auto t : s.triangle) {
+    for (int& v : t) {
+      int& name = renamed[static_cast<std::size_t>(v)];
+      if (name < 0) {
+        name = static_cast<int>(out.vertex.size());
+        out.vertex.push_back(s.vertex[static_cast<std::size_t>(v)]);
+      }
+      v = name;
+    }
+    out.triangle.push_back(t);
+  }
+  return out;
+}
+
+AcousticSkin refined(const AcousticSkin& s) {
+  AcousticSkin out{s.vertex, {}};
+  std::map<std::pair<int, int>, int> middle;
+  const auto mid = [&](int a, int b) {
+    const auto [at, added] =
+        middle.try_emplace(std::minmax(a, b), static_cast<int>(out.vertex.size()));
+    if (added)
+      out.vertex.push_back(
+          .5 * (s.vertex[static_cast<std::size_t>(a)] + s.vertex[static_cast<std::size_t>(b)]));
+    return at->second;
+  };
+  for (const auto& [a, b, c] : s.triangle) {
+    const int ab = mid(a, b), bc = mid(b, c), ca = mid(c, a);
+    out.triangle.insert(out.triangle.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+  }
+  return out;
+}
+
+} // namespace
+
+AcousticSkin outer_skin(const Mesh& mesh) {
+  const Surface skin = surface_of(mesh);
+  AcousticSkin all;
+  for (const int node : skin.node)
+    all.vertex.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
+  all.triangle = skin.triangles;
+  std::vector<int> part(all.vertex.size());
+  std::iota(part.begin(), part.end(), 0);
+  const auto root = [&](int v) {
+    while (part[static_cast<std::size_t>(v)] != v)
+      v = part[static_cast<std::size_t>(v)] =
+          part[static_cast<std::size_t>(part[static_cast<std::size_t>(v)])];
+    return v;
+  };
+  for (const auto& t : all.triangle)
+    for (const int v : t)
+      part[static_cast<std::size_t>(root(v))] = root(t[0]);
+  std::vector<double> enclosed(all.vertex.size(), 0);
+  for (const auto& t : all.triangle)
+    enclosed[static_cast<std::size_t>(root(t[0]))] +=
+        dot(all.vertex[static_cast<std::size_t>(t[0])], double_area(all, t)) / 6;
+  std::erase_if(all.triangle, [&](const auto& t) {
+    return enclosed[static_cast<std::size_t>(root(t[0]))] <= 0;
+  });
+  return all;
+}
+
+namespace {
+
+/// Symmetric 4 x 4 sums of squared distances to planes.
+struct Quadric {
+  std::array<double, 10> q{};
+  void add(const Vector3& n, double d) {
+    const std::array<double, 4> p{n.x, n.y, n.z, d};
+    for (std::size_t i = 0, at = 0; i < 4; ++i)
+      for (std::size_t j = i; j < 4; ++j)
+        q[at++] += p[i] * p[j];
+  }
+  [[nodiscard]] double operator()(const Vector3& v) const {
+    const std::array<double, 4> p{v.x, v.y, v.z, 1};
+    double sum = 0;
+    for (std::size_t i = 0, at = 0; i < 4; ++i)
+      for (std::size_t j = i; j < 4; ++j)
+        sum += (i == j ? 1 : 2) * q[at++] * p[i] * p[j];
+    return std::max(sum, 0.0);
+  }
+};
+
+/// 1 for an equilateral triangle, 0 for a line.
+double quality(const Vector3& a, const Vector3& b, const Vector3& c) {
+  const double sides = dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c);
+  return sides > 0 ? 2 * std::sqrt(3.0) * length(cross(b - a, c - a)) / sides : 0;
+}
+
+class Collapse {
+public:
+  explicit Collapse(AcousticSkin skin) : skin_(std::move(skin)) {
+    around_.resize(skin_.vertex.size());
+    quadric_.resize(skin_.vertex.size());
+    for (std::size_t t = 0; t < skin_.triangle.size(); ++t) {
+      const Vector3 n = double_area(skin_, skin_.triangle[t]);
+      const double size = length(n);
+      for (const int v : skin_.triangle[t]) {
+        around_[at(v)].push_back(static_cast<int>(t));
+        if (size > 0)
+          quadric_[at(v)].add((1 / size) * n,
+                              -dot((1 / size) * n, vertex(skin_.triangle[t][0])));
+      }
+    }
+    alive_.assign(skin_.triangle.size(), true);
+    count_ = skin_.triangle.size();
+  }
+
+  AcousticSkin to(std::size_t triangles) {
+    // Rounds with a growing limit of cost: cheap, deterministic, and it keeps the sizes even.
+    double area = 0;
+    for (const auto& t : skin_.triangle)
+      area += length(double_area(skin_, t)) / 2;
+    double limit = 1e-4 * area / static_cast<double>(triangles);
+    for (int round = 0; round < 80 && count_ > triangles; ++round, limit *= 1.35) {
+      std::vector<std::tuple<double, int, int>> edges;
+      for (std::size_t t = 0; t < alive_.size(); ++t)
+        if (alive_[t])
+          for (std::size_t k = 0; k < 3; ++k) {
+            const int a = skin_.triangle[t][k], b = skin_.triangle[t][(k + 1) % 3];
+            for (const auto& [from, onto] : {std::pair(a, b), std::pair(b, a)})
+              if (const double c = cost(from, onto); c < limit)
+                edges.emplace_back(c, from, onto);
+          }
+      std::sort(edges.begin(), edges.end());
+      for (const auto& [c, from, onto] : edges)
+        if (count_ > triangles && std::abs(cost(from, onto) - c) <= 1e-9 * c)
+          collapse(from, onto);
+    }
+    AcousticSkin out{skin_.vertex, {}};
+    for (std::size_t t = 0; t < alive_.size(); ++t)
+      if (alive_[t])
+        out.triangle.push_back(skin_.triangle[t]);
+    return compact(out);
+  }
+
+private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  const Vector3& vertex(int v) const { return skin_.vertex[at(v)]; }
+  double cost(int from, int onto) const {
+    const Vector3 way = vertex(onto) - vertex(from);
+    return quadric_[at(from)](vertex(onto)) + .05 * dot(way, way);
+  }
+  std::vector<int> neighbours(int v) const {
+    std::vector<int> out;
+    for (const int t : around_[at(v)])
+      for (const int w : skin_.triangle[at(t)])
+        if (w != v)
+          out.push_back(w);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+  bool collapse(int from, int onto) {
+    const auto a = neighbours(from), b = neighbours(onto);
+    if (!std::binary_search(a.begin(), a.end(), onto))
+      return false;
+    std::vector<int> common;
+    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+    if (common.size() != 2 || a.size() + b.size() > 24)
+      return false; // more would pinch the surface
+    for (const int t : around_[at(from)]) {
+      auto corners = skin_.triangle[at(t)];
+      if (std::find(corners.begin(), corners.end(), onto) != corners.end())
+        continue;
+      const Vector3 before = double_area(skin_, corners);
+      const double shape = quality(vertex(corners[0]), vertex(corners[1]), vertex(corners[2]));
+      std::replace(corners.begin(), corners.end(), from, onto);
+      const Vector3 after = double_area(skin_, corners);
+      if (dot(before, after) <= .7 * length(before) * length(after) ||
+          quality(vertex(corners[0]), vertex(corners[1]), vertex(corners[2])) <
+              std::min(.35, .8 * shape))
+        return false;
+    }
+    for (const int t : std::vector<int>(around_[at(from)])) {
+      auto& corners = skin_.triangle[at(t)];
+      if (std::find(corners.begin(), corners.end(), onto) != corners.end()) {
+        alive_[at(t)] = false;
+        --count_;
+        for (const int v : corners)
+          std::erase(around_[at(v)], t);
+      } else {
+        std::replace(corners.begin(), corners.end(), from, onto);
+        around_[at(onto)].push_back(t);
+      }
+    }
+    around_[at(from)].clear();
+    for (std::size_t i = 0; i < 10; ++i)
+      quadric_[at(onto)].q[i] += quadric_[at(from)].q[i];
+    return true;
+  }
+
+  AcousticSkin skin_;
+  std::vector<std::vector<int>> around_;
+  std::vector<Quadric> quadric_;
+  std::vector<bool> alive_;
+  std::size_t count_ = 0;
+};
+
+} // namespace
+
+AcousticSkin with_triangles(const AcousticSkin& skin, std::size_t triangles) {
+  AcousticSkin out = compact(skin);
+  while (4 * out.triangle.size() <= triangles)
+    out = refined(out);
+  if (2 * out.triangle.size() <= triangles)
+    out = refined(out); // to be coarsened again
+  return out.triangle.size() > triangles ? Collapse(std::move(out)).to(triangles) : out;
+}
+
+std::array<double, 3> nearest_on_triangle(const std::array<Vector3, 3>& c, const Vector3& p) {
+  const Vector3 ab = c[1] - c[0], ac = c[2] - c[0], ap = p - c[0], n = cross(ab, ac);
+  const double area = dot(n, n);
+  const double v = dot(cross(ap, ac), n) / area, w = dot(cross(ab, ap), n) / area;
+  if (v >= 0 && w >= 0 && v + w <= 1)
+    return {1 - v - w, v, w};
+  std::array<double, 3> best{};
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t next = (k + 1) % 3;
+    const Vector3 edge = c[next] - c[k];
+    const double s = std::clamp(dot(p - c[k], edge) / dot(edge, edge), 0.0, 1.0);
+    const Vector3 off = p - c[k] - s * edge;
+    if (dot(off, off) < least) {
+      least = dot(off, off);
+      best = {};
+      best[k] = 1 - s;
+      best[next] = s;
+    }
+  }
+  return best;
+}
+
+FlowTransfer::FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse)
+    : fine_(fine.triangle), count_(coarse.vertex.size()) {
+  std::vector<Vector3> middle, normal;
+  std::vector<double> radius;
+  for (const auto& t : coarse.triangle) {
+    Vector3 sum;
+    for (const int v : t)
+      sum += coarse.vertex[static_cast<std::size_t>(v)];
+    middle.push_back((1. / 3) * sum);
+    const Vector3 n = double_area(coarse, t);
+    normal.push_back((1 / length(n)) * n);
+    double r = 0;
+    for (const int v : t)
+      r = std::max(r, length(coarse.vertex[static_cast<std::size_t>(v)] - middle.back()));
+    radius.push_back(r);
+  }
+  for (const auto& t : fine.triangle) {
+    const Vector3 twice = double_area(fine, t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vector3 p;
+      for (std::size_t j = 0; j < 3; ++j)
+        p += (j == k ? 2. / 3 : 1. / 6) * fine.vertex[static_cast<std::size_t>(t[j])];
+      Share share{};
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t u = 0; u < coarse.triangle.size(); ++u) {
+        if (dot(normal[u], twice) <= 0) // the other side of a thin wall is near, and wrong
+          continue;
+        const double away = length(p - middle[u]) - radius[u];
+        if (away > 0 && away * away >= least)
+          continue;
+        std::array<Vector3, 3> corner;
+        for (std::size_t j = 0; j < 3; ++j)
+          corner[j] = coarse.vertex[static_cast<std::size_t>(coarse.triangle[u][j])];
+        const auto weight = nearest_on_triangle(corner, p);
+        const Vector3 off =
+            p - (weight[0] * corner[0] + weight[1] * corner[1] + weight[2] * corner[2]);
+        if (dot(off, off) < least) {
+          least = dot(off, off);
+          share = {coarse.triangle[u], weight, (1. / 6) * twice};
+        }
+      }
+      shares_.push_back(share);
+    }
+  }
+}
+
+std::vector<double> FlowTransfer::operator()(std::span<const Vector3> velocity) const {
+  std::vector<double> flow(count_, 0.0);
+  for (std::size_t s = 0; s < shares_.size(); ++s) {
+    const auto& t = fine_[s / 3];
+    Vector3 v;
+    for (std::size_t j = 0; j < 3; ++j)
+      v += (j == s % 3 ? 2. / 3 : 1. / 6) * velocity[static_cast<std::size_t>(t[j])];
+    const double through = dot(v, shares_[s].area);
+    for (std::size_t j = 0; j < 3; ++j)
+      flow[static_cast<std::size_t>(shares_[s].to[j])] += shares_[s].weight[j] * through;
+  }
+  return flow;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,207 @@
+#include "fem/radiation/exterior_field.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+// LAPACK, which OpenBLAS carries: LU with partial pivoting and its solve, column-major.
+extern "C" void zgesv_(const int* n, const int* columns, std::complex<double>* matrix,
+                       const int* leading, int* pivots, std::complex<double>* right,
+                       const int* leading_right, int* info);
+
+namespace tactus::fem {
+namespace {
+
+constexpr double kOver4Pi = 1 / (4 * std::numbers::pi);
+
+/// Seven points of degree five (Radon 1948).
+struct OuterPoint {
+  std::array<double, 3> hat;
+  double weight;
+};
+std::vector<OuterPoint> outer_rule(bool touching) {
+  const double root = std::sqrt(15.0), a = (6 - root) / 21, b = (6 + root) / 21;
+  const double wa = (155 - root) / 1200, wb = (155 + root) / 1200;
+  std::vector<OuterPoint> rule{{{1. / 3, 1. / 3, 1. / 3}, .225}};
+  for (const auto& [t, w] : {std::pair(a, wa), std::pair(b, wb)})
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::array<double, 3> hat{t, t, t};
+      hat[k] = 1 - 2 * t;
+      rule.push_back({hat, w});
+    }
+  if (!touching)
+    return rule;
+  // Touching panels: the inner integral has a logarithm at the edge; four quarters see it.
+  const std::array<std::array<std::array<double, 3>, 3>, 4> quarters{
+      {{{{1, 0, 0}, {.5, .5, 0}, {.5, 0, .5}}},
+       {{{0, 1, 0}, {0, .5, .5}, {.5, .5, 0}}},
+       {{{0, 0, 1}, {.5, 0, .5}, {0, .5, .5}}},
+       {{{.5, .5, 0}, {0, .5, .5}, {.5, 0, .5}}}}};
+  std::vector<OuterPoint> fine;
+  for (const auto& quarter : quarters)
+    for (const OuterPoint& p : rule) {
+      OuterPoint q{{}, p.weight / 4};
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+          q.hat[i] += p.hat[c] * quarter[c][i];
+      fine.push_back(q);
+    }
+  return fine;
+}
+
+Vector3 point_of(const Panel& p, const std::array<double, 3>& hat) {
+  return hat[0] * p.corner[0] + hat[1] * p.corner[1] + hat[2] * p.corner[2];
+}
+
+} // namespace
+
+ExteriorField::ExteriorField(AcousticSkin skin) : skin_(std::move(skin)) {
+  for (const auto& t : skin_.triangle)
+    panels_.emplace_back(std::array<Vector3, 3>{skin_.vertex[static_cast<std::size_t>(t[0])],
+                                                skin_.vertex[static_cast<std::size_t>(t[1])],
+                                                skin_.vertex[static_cast<std::size_t>(t[2])]});
+  prepare_neighbours();
+}
+
+double ExteriorField::memory_bytes() const noexcept {
+  return 16.0 * static_cast<double>(unknowns()) * static_cast<double>(unknowns());
+}
+
+void ExteriorField::prepare_neighbours() {
+  const auto plain = outer_rule(false), touching = outer_rule(true);
+  near_.resize(panels_.size());
+  for (std::size_t t = 0; t < panels_.size(); ++t)
+    for (std::size_t u = t; u < panels_.size(); ++u) {
+      const Panel &p = panels_[t], &q = panels_[u];
+      const double distance = length(p.middle - q.middle), reach = p.radius + q.radius;
+      if (distance > 2 * reach)
+        continue;
+      Neighbours pair{static_cast<int>(u), {}, {}, {}};
+      for (const OuterPoint& o : distance < reach ? touching : plain) {
+        // Test point on the first panel: potential and the slope back, as the normal is the second's.
+        const StaticIntegrals over_q = static_integrals(q, point_of(p, o.hat));
+        const StaticIntegrals over_p = static_integrals(p, point_of(q, o.hat));
+        for (std::size_t a = 0; a < 3; ++a)
+          for (std::size_t b = 0; b < 3; ++b) {
+            const double first = kOver4Pi * o.weight * p.area * o.hat[a];
+            const double second = kOver4Pi * o.weight * q.area * o.hat[b];
+            pair.potential[3 * a + b] += .5 * first * over_q.potential[b];
+            pair.potential[3 * a + b] += .5 * second * over_p.potential[a];
+            if (t != u) {
+              pair.slope_back[3 * a + b] += first * over_q.slope[b];
+              pair.slope[3 * a + b] += second * over_p.slope[a];
+            }
+          }
+      }
+      near_[t].push_back(pair);
+    }
+}
+
+std::vector<Complex> ExteriorField::solve(double k, std::span<const double> flow,
+                                          std::size_t columns, double air_density,
+                                          double sound_speed) const {
+  const std::size_t n = unknowns();
+  std::vector<Complex> matrix(n * n, 0.0);
+  const Complex eta(0, k);
+  const auto entry = [&](int row, int column) -> Complex& {
+    return matrix[static_cast<std::size_t>(column) * n + static_cast<std::size_t>(row)];
+  };
+  for (std::size_t t = 0; t < panels_.size(); ++t) {
+    const Panel& p = panels_[t];
+    auto close = near_[t].begin();
+    for (std::size_t u = t; u < panels_.size(); ++u) {
+      const Panel& q = panels_[u];
+      const bool near = close != near_[t].end() && static_cast<std::size_t>(close->second) == u;
+      const double weight = kOver4Pi * p.area * q.area / 9;
+      // Values at point pairs; then hat functions from the left and the right.
+      std::array<std::array<Complex, 3>, 3> value{}, slope{}, slope_back{};
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+          const Vector3 way = p.point[i] - q.point[j];
+          const double r = length(way);
+          if (r == 0) {
+            value[i][j] = Complex(0, -k * weight);
+            continue;
+          }
+          const double x = k * r, c = std::cos(x), s = std::sin(x), over = weight / r;
+          const double cubed = over / (r * r);
+          Complex steep(cubed * (c + x * s), cubed * (x * c - s)); // (1 + jx) exp(-jx)/r^3
+          Complex wave(over * c, -over * s);
+          if (near) {
+            wave -= over;
+            steep -= cubed;
+          }
+          value[i][j] = wave;
+          slope[i][j] = -dot(way, p.normal) * steep;
+          slope_back[i][j] = dot(way, q.normal) * steep;
+        }
+      const auto hats = [&](std::array<std::array<Complex, 3>, 3>& m) {
+        // kHatAtPoint = 1/6 (everywhere) + 1/2 (identity), from both sides
+        for (std::size_t pass = 0; pass < 2; ++pass) {
+          std::array<std::array<Complex, 3>, 3> turned;
+          for (std::size_t i = 0; i < 3; ++i) {
+            const Complex sum = (m[i][0] + m[i][1] + m[i][2]) / 6.0;
+            for (std::size_t j = 0; j < 3; ++j)
+              turned[j][i] = sum + .5 * m[i][j];
+          }
+          m = turned;
+        }
+      };
+      hats(value);
+      hats(slope);
+      hats(slope_back);
+      if (near) {
+        for (std::size_t a = 0; a < 3; ++a)
+          for (std::size_t b = 0; b < 3; ++b) {
+            value[a][b] += close->potential[3 * a + b];
+            slope[a][b] += close->slope[3 * a + b];
+            slope_back[a][b] += close->slope_back[3 * a + b];
+          }
+        ++close;
+      }
+      Complex total = 0;
+      for (const auto& row : value)
+        total += row[0] + row[1] + row[2];
+      const double turn = k * k * dot(p.normal, q.normal);
+      for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b) {
+          const Complex steep = turn * value[a][b] - dot(p.curl[a], q.curl[b]) * total;
+          const int row = skin_.triangle[t][a], column = skin_.triangle[u][b];
+          entry(row, column) += steep + eta * slope[a][b];
+          if (t != u)
+            entry(column, row) += steep + eta * slope_back[a][b];
+          else
+            entry(row, column) -= eta * (p.area / (a == b ? 12 : 24));
+        }
+    }
+  }
+  std::vector<Complex> mu(n * columns);
+  const Complex drive(0, -k * sound_speed * air_density);
+  for (std::size_t i = 0; i < mu.size(); ++i)
+    mu[i] = drive * flow[i];
+  std::vector<int> pivots(n);
+  const int size = static_cast<int>(n), right = static_cast<int>(columns);
+  int info = 0;
+  zgesv_(&size, &right, matrix.data(), &size, pivots.data(), mu.data(), &size, &info);
+  if (info != 0)
+    throw Refusal("the boundary elements have no single solution: is the skin closed and sound?");
+  return mu;
+}
+
+Complex ExteriorField::pressure(double k, std::span<const Complex> mu, const Vector3& x) const {
+  Complex sum = 0;
+  for (std::size_t t = 0; t < panels_.size(); ++t) {
+    const Panel& p = panels_[t];
+    for (std::size_t i = 0; i < 3; ++i) {
+      Complex density = 0;
+      for (std::size_t j = 0; j < 3; ++j)
+        density += kHatAtPoint[i][j] * mu[static_cast<std::size_t>(skin_.triangle[t][j])];
+      const Vector3 way = x - p.point[i];
+      const double r = length(way);
+      const Complex wave = std::polar(kOver4Pi * p.area / 3 / r, -k * r);
+      sum += density * wave * (dot(way, p.normal) / r * Complex(1 / r, k) + Complex(0, k));
+    }
+  }
+  return sum;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,55 @@
+#pragma once
+#include "fem/radiation/acoustic_skin.hpp"
+#include "fem/radiation/panel.hpp"
+
+#include <complex>
+
+namespace tactus::fem {
+
+using Complex = std::complex<double>;
+
+/// The air around a vibrating closed surface, exp(+j omega t). Outside,
+///
+///   p(x) = ∫ mu(y) (dG/dn_y + eta G) dS,   G = exp(-j k R)/(4 pi R),   eta = j k,
+///
+/// a combined layer (Brakhage & Werner 1965), which has one solution at every frequency: neither
+/// of its layers alone has at the resonances of the enclosed space. mu is continuous and linear on
+/// the triangles and satisfies Galerkin's equations
+///
+///   <H mu, phi_i> + eta <(D' - 1/2) mu, phi_i> = -j omega rho <v_n, phi_i>,
+///   <H mu, phi> = -∫∫ G (curl mu . curl phi - k^2 n.n' mu phi) dS dS'   (Maue 1949).
+///
+/// Integrals with 1/R of neighbours are closed forms inside and Gauss points outside; they do not
+/// depend on the frequency and are kept.
+class ExteriorField {
+public:
+  explicit ExteriorField(AcousticSkin);
+
+  [[nodiscard]] std::size_t unknowns() const noexcept { return skin_.vertex.size(); }
+  [[nodiscard]] const AcousticSkin& skin() const noexcept { return skin_; }
+  [[nodiscard]] const std::vector<Panel>& panels() const noexcept { return panels_; }
+  /// Bytes of one solution's matrix.
+  [[nodiscard]] double memory_bytes() const noexcept;
+
+  /// `flow`: columns of ∫ v_n phi_i dS, m^3/s. Returns the columns of mu at wavenumber `k`, 1/m.
+  /// Refuses when the matrix is singular.
+  [[nodiscard]] std::vector<Complex> solve(double k, std::span<const double> flow,
+                                           std::size_t columns, double air_density,
+                                           double sound_speed) const;
+
+  /// Pressure at a point outside, farther off than a triangle's size.
+  [[nodiscard]] Complex pressure(double k, std::span<const Complex> mu, const Vector3& x) const;
+
+private:
+  struct Neighbours { ///< a pair of panels (first <= second) whose 1/R needs care
+    int second;
+    std::array<double, 9> potential, slope, slope_back;
+  };
+  void prepare_neighbours();
+
+  AcousticSkin skin_;
+  std::vector<Panel> panels_;
+  std::vector<std::vector<Neighbours>> near_; ///< by first panel, second ascending
+};
+
+} // namespace tactus::fem
