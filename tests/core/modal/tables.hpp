@@ -60,7 +60,7 @@ inline std::uint32_t plain_crc32(std::string_view bytes) { // bit by bit, not th
 
 inline void put(std::string& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i)
-    out += static_cast<char>(value >> 8 * i & 0xff);
+    out += static_cast<char>(i < 8 ? value >> 8 * i & 0xff : 0);
 }
 
 /// A ZIP archive of stored members; method 8 claims that they are compressed.
