@@ -41,13 +41,16 @@ struct CreationArgument {
   std::string_view parameter;
 };
 
+/// Where answers come out. An object has it at the right, or declares it among its outlets.
+inline constexpr std::string_view kInfoOutlet = "info";
+
 struct Declaration {
   std::string_view name;         ///< as typed in a box: "greed~"
   std::string_view title;        ///< half a line: "generalised pressure-controlled valve on a bore"
   std::string_view description;  ///< one paragraph
   std::string_view keywords;
   std::span<const Port> inlets;
-  std::span<const Port> outlets;  ///< the shell adds the info outlet at the right
+  std::span<const Port> outlets;  ///< the shell adds the info outlet at the right, if none is here
   std::span<const Parameter> parameters;
   std::span<const Message> messages{};
   std::span<const CreationArgument> arguments{};

@@ -44,7 +44,7 @@ public:
   virtual ~Host() = default;
   /// One number makes a float, several a list, a leading word a message.
   virtual void send(std::size_t outlet, std::span<const Atom> atoms) = 0;
-  /// The info outlet, which every object has at the right.
+  /// The info outlet, which every object has, at the right unless it is declared elsewhere.
   virtual void info(std::span<const Atom> atoms) = 0;
   /// One sentence; the host adds the object's name in front.
   virtual void error(std::string_view sentence) = 0;

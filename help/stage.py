@@ -60,9 +60,9 @@ def initial_text(parameter):
 
 
 def ports(declaration, side):
-    """The declared ports of one side; every object has the info outlet at the right."""
+    """The declared ports of one side, and the info outlet at the right if it is not among them."""
     listed = [(p["kind"], p["name"], p["unit"], p["text"]) for p in declaration[side]]
-    if side == "outlets":
+    if side == "outlets" and "info" not in (name for _, name, *_ in listed):
         listed.append(("control", "info", "", "answers to get, dump and other questions"))
     return listed
 

@@ -193,10 +193,12 @@ private:
       else
         inlet_new(object, &object->ob_pd, &s_float, gensym(("_inlet" + std::to_string(i)).c_str()));
     }
-    for (const Port& port : declaration_.outlets)
+    for (const Port& port : declaration_.outlets) {
       outlets_.push_back(
           outlet_new(object, port.kind == Port::Kind::kSignal ? &s_signal : nullptr));
-    info_ = outlet_new(object, nullptr);
+      if (port.name == kInfoOutlet) info_ = outlets_.back();
+    }
+    if (!info_) info_ = outlet_new(object, nullptr);
   }
 
   void run(const Command& command) {

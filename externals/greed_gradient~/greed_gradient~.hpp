@@ -44,6 +44,7 @@ public:
       Port{Port::Kind::kSignal, "sound", "", "of the reed at the hand, within +-1"},
       Port{Port::Kind::kControl, "f_p", "", "playability of that reed, after each block"},
       Port{Port::Kind::kControl, "gradient", "", "list g_y g_z, for one unit of y and of z"},
+      Port{Port::Kind::kControl, "info", "", "answers, and map 0..1 while one is made"},
       Port{Port::Kind::kControl, "force", "N", "list F_y F_z, on the hand"},
   };
   static constexpr std::array kMessages{
@@ -120,7 +121,7 @@ private:
     kHysteresis
   };
   static constexpr std::size_t kFirstOwn = greed::kParameters.size();
-  static constexpr std::size_t kPlayabilityOutlet = 1, kGradientOutlet = 2, kForceOutlet = 3;
+  static constexpr std::size_t kPlayabilityOutlet = 1, kGradientOutlet = 2, kForceOutlet = 4;
 
   reed::ReedGradient gradient_;
   reed::Parameters parameters_{};

@@ -70,8 +70,8 @@ def gradient(patch, y, z, *flags):
     patch.obj("sig~", z) >> reed[1]
     patch.log("f_p", reed[1])
     patch.log("gradient", reed[2])
-    patch.log("force", reed[3])
-    patch.log("info", reed[4])
+    patch.log("info", reed[3])
+    patch.log("force", reed[4])
     patch.record("sound", reed[0])
     return reed
 
