@@ -122,6 +122,16 @@ void write_table(const std::string& path, const ModalTable& t) {
   npz.add("inertia", t.body.inertia, {3, 3});
   if (!t.poisson_slope.empty())
     npz.add("dlnf_dnu", t.poisson_slope, {modes});
+  if (const ModeRadiation& r = t.radiation; !r.empty()) {
+    const std::array<double, 3> middle{r.centre.x, r.centre.y, r.centre.z};
+    npz.add("alpha_rad", r.decay_rate, {modes});
+    npz.add("mp_lmax", r.highest_degree, {modes});
+    npz.add("mp_off", r.offset, {modes + 1});
+    npz.add("mp_scales", r.ratios, {r.ratios.size()});
+    npz.add("mp_coef", r.coefficients, {r.coefficients.size()});
+    npz.add("mp_center", middle, {3});
+    npz.add("mp_rref", std::span(&r.reference_radius, 1), {});
+  }
   npz.write(path);
 }
 

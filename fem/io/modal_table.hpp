@@ -1,5 +1,6 @@
 #pragma once
 #include "fem/modes/body.hpp"
+#include "fem/radiation/mode_radiation.hpp"
 
 #include <string>
 
@@ -23,10 +24,12 @@ struct ModalTable {
   std::vector<double> loss;          ///< loss factor of each mode
   std::vector<double> poisson_slope; ///< may be empty
   TableNotes notes;
+  ModeRadiation radiation; ///< may be empty
 };
 
 /// NAME.modal.npz, SI, little-endian: meta (JSON), freq, phi [K,V,3] at the skin's vertices, xyz,
-/// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu. docs/modal_fem.md
+/// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu; with radiation also mp_*
+/// and alpha_rad. docs/modal_fem.md
 /// lists them.
 void write_table(const std::string& path, const ModalTable&);
 

@@ -42,6 +42,14 @@ void NpzWriter::add(const std::string& name, std::span<const std::int32_t> v,
                     std::vector<std::size_t> shape) {
   add_bytes(name, "<i4", std::as_bytes(v), shape);
 }
+void NpzWriter::add(const std::string& name, std::span<const std::int64_t> v,
+                    std::vector<std::size_t> shape) {
+  add_bytes(name, "<i8", std::as_bytes(v), shape);
+}
+void NpzWriter::add(const std::string& name, std::span<const std::complex<float>> v,
+                    std::vector<std::size_t> shape) {
+  add_bytes(name, "<c8", std::as_bytes(v), shape);
+}
 void NpzWriter::add(const std::string& name, std::span<const std::uint8_t> v,
                     std::vector<std::size_t> shape) {
   add_bytes(name, "|u1", std::as_bytes(v), shape);

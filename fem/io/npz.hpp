@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <complex>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -13,6 +14,9 @@ public:
   void add(const std::string& name, std::span<const double>, std::vector<std::size_t> shape);
   void add(const std::string& name, std::span<const float>, std::vector<std::size_t> shape);
   void add(const std::string& name, std::span<const std::int32_t>, std::vector<std::size_t> shape);
+  void add(const std::string& name, std::span<const std::int64_t>, std::vector<std::size_t> shape);
+  void add(const std::string& name, std::span<const std::complex<float>>,
+           std::vector<std::size_t> shape);
   void add(const std::string& name, std::span<const std::uint8_t>, std::vector<std::size_t> shape);
   /// Writes all arrays; the file appears only when complete. Same arrays, same bytes.
   void write(const std::string& path) const;

@@ -6,7 +6,8 @@
 //   2. check    units, inside-out elements, loose parts
 //   3. assemble K and M, supports
 //   4. solve    factor K + s M, block Lanczos
-//   5. write    NAME.modal.npz, and CSV, VTU, a picture sheet
+//   5. radiate  the air around each mode, by boundary elements (--radiation body)
+//   6. write    NAME.modal.npz, and CSV, VTU, a picture sheet
 #include "fem/io/load.hpp"
 #include "fem/io/modal_table.hpp"
 #include "fem/io/safe_file.hpp"
@@ -17,6 +18,7 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <numbers>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,11 +29,19 @@ using namespace tactus::fem;
 void print(const ModalTable& table) {
   const Modes& modes = table.modes;
   std::printf("%zu motions without strain left out; mass %.6g kg\n", modes.rigid, table.body.mass);
-  std::printf("mode  frequency Hz  mult   T60 s   %s\n",
+  const ModeRadiation& sound = table.radiation;
+  std::printf("mode  frequency Hz  mult   T60 s   %s%s\n",
+              sound.empty() ? "" : "with sound  efficiency  degree  ",
               table.notes.relative_error.empty() ? "" : "estimated error %");
   for (std::size_t k = 0; k < modes.frequency_hz.size(); ++k) {
     std::printf("%4zu  %12.3f  %4d  %6.3g", k + 1, modes.frequency_hz[k], modes.multiplicity[k],
                 decay_time(modes.frequency_hz[k], table.loss[k]));
+    if (!sound.empty()) {
+      const double loss = table.loss[k] + sound.decay_rate[k] / (std::numbers::pi *
+                                                                 modes.frequency_hz[k]);
+      std::printf("   %10.3g  %10.3g  %6d  ", decay_time(modes.frequency_hz[k], loss),
+                  sound.efficiency[k], sound.highest_degree[k]);
+    }
     if (k < table.notes.relative_error.size())
       std::printf("   %.2g", 100 * table.notes.relative_error[k]);
     std::puts("");
@@ -71,6 +81,8 @@ int run(const std::vector<std::string>& words) {
   notes.body_name = std::filesystem::path(order.body).stem().string();
   notes.support = body.support_words;
   notes.relative_error = body.relative_error;
+  notes.air_density = order.air_density;
+  notes.air_speed = order.sound_speed;
   // SOURCE_DATE_EPOCH set: no date, so that equal bodies are equal files
   notes.created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now();
   const ModalTable table{
@@ -81,7 +93,8 @@ int run(const std::vector<std::string>& words) {
       loss_factors(body.mesh, body.materials, *body.matrices, body.modes),
       order.output.empty() ? std::vector<double>{}
                            : poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
-      notes};
+      notes,
+      body.radiation};
   print(table);
   if (!order.output.empty())
     write_table(order.output, table);

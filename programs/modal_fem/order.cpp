@@ -143,6 +143,27 @@ Order read_order(const std::vector<std::string>& words) {
       order.profile = value();
     } else if (option == "--threads") {
       order.threads = static_cast<int>(number(option, value(), 1, 256));
+    } else if (option == "--radiation") {
+      if (const std::string& word = value(); word != "body" && word != "none")
+        throw Refusal("--radiation " + word + ": expected body or none");
+      order.radiation = words[i] == "body";
+    } else if (option == "--acoustic-triangles") {
+      order.acoustic_triangles = static_cast<std::size_t>(number(option, value(), 20, 20000));
+    } else if (option == "--ratios") {
+      order.ratios.clear();
+      for (const std::string& cell : split(value(), ','))
+        order.ratios.push_back(number(option, cell, .1, 10));
+      if (order.ratios.size() > 33 || !std::is_sorted(order.ratios.begin(), order.ratios.end()) ||
+          std::adjacent_find(order.ratios.begin(), order.ratios.end()) != order.ratios.end())
+        throw Refusal("--ratios: expected up to 33 ascending numbers, such as 0.5,0.7,1,1.4,2");
+      if (std::find(order.ratios.begin(), order.ratios.end(), 1.0) == order.ratios.end())
+        throw Refusal("--ratios: expected 1, the body as it is, among them");
+    } else if (option == "--air") {
+      const auto cells = split(value(), ',');
+      if (cells.size() != 2)
+        throw Refusal("--air: expected DENSITY,SPEED in kg/m^3 and m/s");
+      order.air_density = number(option, cells[0], 1e-3, 1e4);
+      order.sound_speed = number(option, cells[1], 10, 1e4);
     } else if (option == "--verify") {
       order.verify = true;
     } else if (option == "--multi") {
@@ -196,6 +217,11 @@ Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or 
 Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
               --remesh (renew an STL's triangles)  --straight  (no curved sides)
 Modes         --modes N (40)  --threads N (1)  --verify  (each mode's error from coarser meshes)
+Sound         --radiation body         outgoing waves of each mode (boundary elements) and the
+                                       damping that sound takes from it
+              --acoustic-triangles N (2000)  --air DENSITY,SPEED (1.184,346.1)
+              --ratios R1,R2,...       also at these multiples of the frequencies, for a body
+                                       whose E or rho will be changed
 Output        -o NAME.modal.npz  --csv FILE  --vtu FILE  --sheet FILE.png
               --export-inp FILE  the same mesh and supports for CalculiX
               --export-petsc FILE  K and M in PETSc's binary form

@@ -35,6 +35,10 @@ struct Order {
   std::size_t modes = 40;
   bool verify = false, several_parts = false, quiet = false, straight = false, remesh = false;
   int threads = 1;
+  bool radiation = false;
+  std::size_t acoustic_triangles = 2000;
+  std::vector<double> ratios{1}; ///< of frequency, at which radiation is tabulated
+  double air_density = 1.184, sound_speed = 346.1; ///< air at 25 degrees
   std::string output, csv, vtu, sheet, inp, petsc, import_values, import_vectors;
 };
 

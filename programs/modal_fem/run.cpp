@@ -210,6 +210,20 @@ Solved solve(const Order& order) {
   body.solved = true;
   if (order.verify)
     body.relative_error = verify(order, body.modes, progress);
+  if (order.radiation) {
+    RadiationSettings sound{.triangles = order.acoustic_triangles,
+                            .ratios = order.ratios,
+                            .air_density = order.air_density,
+                            .sound_speed = order.sound_speed,
+                            .memory_limit_bytes = free_memory()};
+    sound.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
+    sound.say = [&](const std::string& sentence) { progress.say(sentence); };
+    body.radiation = radiate(body.mesh, body.modes, sound);
+    if (body.modes.frequency_hz.back() * order.ratios.back() > body.radiation.resolved_hz)
+      progress.say(format("above %.0f Hz a wave in air has fewer than six acoustic elements: expect "
+                          "more than 0.3 dB there, or take more --acoustic-triangles",
+                          body.radiation.resolved_hz));
+  }
   progress.say(format("%zu right-hand sides solved", body.modes.solves));
   return body;
 }

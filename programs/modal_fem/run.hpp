@@ -1,5 +1,6 @@
 #pragma once
 #include "fem/modes/body.hpp"
+#include "fem/radiation/mode_radiation.hpp"
 #include "programs/modal_fem/order.hpp"
 
 #include <memory>
@@ -14,6 +15,7 @@ struct Solved {
   Modes modes;
   std::string support_words = "free";
   std::vector<double> relative_error;
+  ModeRadiation radiation;
   bool solved = false; ///< false: only exported
 };
 
