@@ -255,22 +255,51 @@ SurfacePoint BodyModel::nearest(const Vec3& point) const noexcept {
   return place;
 }
 
+namespace {
+
+/// The state with the same displacement and velocity at another rate.
+std::complex<double> same_motion(std::complex<double> z, std::complex<double> before,
+                                 std::complex<double> now) noexcept {
+  const double q = z.imag() / before.imag();
+  const double speed = z.real() + before.real() * q;
+  return {speed - now.real() * q, now.imag() * q};
+}
+
+} // namespace
+
 void BodyModel::continue_from(BodyModel& before) noexcept {
   before.bank.settle();
+  for (std::size_t i = 0; i < heard; ++i)
+    if (const std::size_t j = before.place_of[mode[i]]; j < before.heard)
+      bank.set_state(i, same_motion(before.bank.state(j), before.rate[j], rate[i]));
+  fade_from(before);
+}
+
+void BodyModel::continue_touched(BodyModel& before) noexcept {
+  for (std::size_t i = 0; i < mode.size(); ++i)
+    if (const std::size_t j = before.place_of[mode[i]]; j < before.mode.size())
+      solver.set_state(i, same_motion(before.solver.state(j), before.rate[j], rate[i]));
+  const double longer = settings.size / before.settings.size;
+  solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1, longer);
+  fade_from(before);
+}
+
+void BodyModel::fade_from(const BodyModel& before) noexcept {
   bank.set_clock(before.bank.clock());
-  const auto old_place = [&](std::size_t i) { return before.place_of[mode[i]]; };
-  for (std::size_t i = 0; i < heard; ++i) {
-    const std::size_t j = old_place(i);
-    if (j >= before.heard)
-      continue;
-    const std::complex<double> z = before.bank.state(j);
-    const double q = z.imag() / before.rate[j].imag();
-    const double speed = z.real() + before.rate[j].real() * q;
-    bank.set_state(i, {speed - rate[i].real() * q, rate[i].imag() * q});
-  }
   for (std::size_t l = 0; l < kMostListeners; ++l) {
-    for (std::size_t i = 0; i < heard; ++i)
-      old_weight[l][i] = old_place(i) < before.heard ? before.weight[l][old_place(i)] : weight[l][i];
+    for (std::size_t i = 0; i < heard; ++i) {
+      const std::size_t j = before.place_of[mode[i]];
+      if (j >= before.heard) {
+        old_weight[l][i] = weight[l][i];
+        continue;
+      }
+      // What this displacement and velocity sounded like until now: the same w_i (q' + alpha q) +
+      // w_r omega q, written for the new rate. The fade begins without a step.
+      const std::complex<double> w = before.weight[l][j], s = before.rate[j];
+      old_weight[l][i] = {
+          (w.real() * s.imag() + w.imag() * (rate[i].real() - s.real())) / rate[i].imag(),
+          w.imag()};
+    }
     bank.jump_to_weight(l, old_weight[l]);
     bank.set_weight(l, weight[l]);
   }

@@ -95,8 +95,12 @@ struct BodyModel {
   /// Lets this model go on where another of the same table was: modal displacement and velocity
   /// stay, and so does the sound, whose weights change in a fade.
   void continue_from(BodyModel& before) noexcept;
+  /// The same while something touches the body: motion is in the solvers. Contacts are still to be
+  /// taken over.
+  void continue_touched(BodyModel& before) noexcept;
 
 private:
+  void fade_from(const BodyModel& before) noexcept;
   [[nodiscard]] double decay_rate(std::size_t mode, double omega) const;
   void find_rates();
   void find_weights();

@@ -3,11 +3,32 @@
 #include "core/modal/bank_kernel.hpp"
 
 #include <cstddef>
+#include <vector>
 
 /// The sums over modes that a contact needs in every step, one copy for each instruction set.
 namespace tactus::modal {
 
-inline constexpr std::size_t kContactLanes = 8; ///< arrays are whole multiples of it, zeros behind
+inline constexpr std::size_t kContactLanes = 16; ///< arrays are whole multiples of it
+
+/// One number a mode, zeros up to a whole multiple of kContactLanes, aligned for vectors.
+class LaneArray {
+public:
+  explicit LaneArray(std::size_t count = 0)
+      : blocks_((count + kContactLanes - 1) / kContactLanes) {}
+  [[nodiscard]] double* data() noexcept { return reinterpret_cast<double*>(blocks_.data()); }
+  [[nodiscard]] const double* data() const noexcept {
+    return reinterpret_cast<const double*>(blocks_.data());
+  }
+  [[nodiscard]] double& operator[](std::size_t mode) noexcept { return data()[mode]; }
+  [[nodiscard]] double operator[](std::size_t mode) const noexcept { return data()[mode]; }
+  [[nodiscard]] std::size_t padded() const noexcept { return blocks_.size() * kContactLanes; }
+
+private:
+  struct alignas(64) Block {
+    double v[kContactLanes] = {};
+  };
+  std::vector<Block> blocks_;
+};
 
 /// Complex numbers of all modes, real and imaginary parts apart.
 struct SplitView {

@@ -13,17 +13,13 @@ constexpr int kMostRounds = 40;
 constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
 constexpr double kLongestRest = 8;      // contact times after which one that has not left lies still
 
-std::size_t whole_lanes(std::size_t count) noexcept {
-  return (count + kContactLanes - 1) / kContactLanes * kContactLanes;
-}
-
 } // namespace
 
 ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
                              std::size_t contacts, bool rigid, std::size_t listeners)
     : sample_rate_(sample_rate), has_rigid_(rigid), kernel_(&contact_kernel()), modes_(rate.size()),
-      padded_(whole_lanes(rate.size())), alpha_(padded_, 0), omega_(padded_, 1), finest_(padded_),
-      turn_(padded_), push_(padded_), state_(padded_), weights_(listeners, Split(padded_)),
+      padded_(LaneArray(modes_).padded()), alpha_(modes_, 0), omega_(modes_, 1), finest_(modes_),
+      turn_(modes_), push_(modes_), state_(modes_), weights_(listeners, Split(modes_)),
       contacts_(contacts), slots_(contacts), answer_(contacts * contacts, 0), free_(contacts, 0),
       force_(contacts, 0), next_force_(contacts, 0), touching_(contacts, 0) {
   for (std::size_t k = 0; k < modes_; ++k) {
@@ -34,10 +30,11 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
     finest_.imaginary[k] = finest.imag();
   }
   for (Slot& slot : slots_) {
-    slot.gain.assign(padded_, 0);
-    slot.place_gain.assign(padded_, 0);
-    slot.push = Split(padded_);
+    slot.gain = slot.place_gain = LaneArray(modes_);
+    slot.push = Split(modes_);
   }
+  const double most = kMostLedSteps * sample_rate;
+  most_led_rate_ = most * most;
   set_steps(1);
 }
 
@@ -54,8 +51,8 @@ void ContactSolver::choose_steps(double wanted) noexcept {
 
 void ContactSolver::set_steps(unsigned steps) noexcept {
   steps_ = steps;
-  turn_.real = finest_.real;
-  turn_.imaginary = finest_.imaginary;
+  std::copy_n(finest_.real.data(), modes_, turn_.real.data());
+  std::copy_n(finest_.imaginary.data(), modes_, turn_.imaginary.data());
   for (unsigned s = steps; s < kMostSteps; s *= 2)
     for (std::size_t k = 0; k < modes_; ++k) {
       const double re = turn_.real[k], im = turn_.imaginary[k];
@@ -192,8 +189,8 @@ void ContactSolver::lead(std::size_t slot, double place_m, double fastest_m_per_
 void ContactSolver::silence() noexcept {
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     end(i);
-  std::fill(state_.real.begin(), state_.real.end(), 0.0);
-  std::fill(state_.imaginary.begin(), state_.imaginary.end(), 0.0);
+  std::fill_n(state_.real.data(), modes_, 0.0);
+  std::fill_n(state_.imaginary.data(), modes_, 0.0);
   rest_rigid();
 }
 
@@ -287,16 +284,20 @@ void ContactSolver::apply_forces(double h) noexcept {
 }
 
 double ContactSolver::wanted_steps() const noexcept {
-  double wanted = 1;
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const Contact& c = contacts_[i];
+  double wanted = 1, square = 1;
+  for (std::size_t a = 0; a < contacts_.size(); ++a) {
+    const Contact& c = contacts_[a];
     if (!c.active)
       continue;
     // A contact that stiffens as it is pressed in is followed in shorter steps.
-    const double rate = std::sqrt(c.law.slope(c.compression_m) * slots_[i].mobility * 5) / sample_rate_;
-    wanted = std::max(wanted, c.led ? std::min(rate, kMostLedSteps)
-                                    : std::max(slots_[i].steps, rate));
+    const double rate = c.law.slope(c.compression_m) * slots_[a].mobility * 5;
+    square = std::max(square, c.led ? std::min(rate, most_led_rate_) : rate);
+    if (!c.led)
+      wanted = std::max(wanted, slots_[a].steps);
   }
+  const double rate_of_steps = wanted * sample_rate_;
+  if (square > rate_of_steps * rate_of_steps)
+    wanted = std::sqrt(square) / sample_rate_;
   return std::min(wanted, double{kMostSteps});
 }
 

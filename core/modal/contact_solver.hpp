@@ -100,15 +100,15 @@ public:
 
 private:
   using Rigid = std::array<double, kRigid>;
-  /// Complex numbers of all modes; zeros up to a whole number of kContactLanes.
+  /// Complex numbers of all modes.
   struct Split {
-    std::vector<double> real, imaginary;
-    explicit Split(std::size_t count = 0) : real(count, 0), imaginary(count, 0) {}
+    LaneArray real, imaginary;
+    explicit Split(std::size_t count = 0) : real(count), imaginary(count) {}
     [[nodiscard]] SplitView view() noexcept { return {real.data(), imaginary.data()}; }
     [[nodiscard]] ConstSplitView view() const noexcept { return {real.data(), imaginary.data()}; }
   };
   struct Slot {
-    std::vector<double> gain, place_gain; ///< b and b/omega_d of the modes
+    LaneArray gain, place_gain;           ///< b and b/omega_d of the modes
     Split push;                           ///< b (exp(s h) - 1)/s
     Rigid rigid{};
     double mobility = 0;   ///< 1/kg that the contact feels at once
@@ -140,6 +140,7 @@ private:
 
   double sample_rate_;
   bool has_rigid_;
+  double most_led_rate_ = 0; ///< 1/s^2, of a hand's contact
   const ContactKernel* kernel_;
   std::size_t modes_, padded_;
   std::vector<double> alpha_, omega_;

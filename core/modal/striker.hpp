@@ -29,7 +29,12 @@ struct ContactLaw {
   }
   /// d force / d compression of the elastic part, N/m.
   [[nodiscard]] double slope(double compression_m) const noexcept {
-    return compression_m > 0 ? exponent * stiffness * power(compression_m) / compression_m : 0;
+    if (!(compression_m > 0))
+      return 0;
+    return exponent * stiffness *
+           (exponent == 1.5 ? std::sqrt(compression_m)
+            : exponent == 1 ? 1.0
+                            : std::pow(compression_m, exponent - 1));
   }
   /// d^a; quick for balls and springs.
   [[nodiscard]] double power(double compression_m) const noexcept {

@@ -56,11 +56,17 @@ void StruckBody::adopt() noexcept {
   Handover* next = incoming_.exchange(nullptr, std::memory_order_acq_rel);
   if (!next)
     return;
-  leave_contact();
   const bool goes_on = next->same_body && model_ && model_->loaded == next->model->loaded;
-  if (goes_on) {
+  const bool touched = goes_on && coupled_now_ && next->model->settings.sample_rate == model_->settings.sample_rate;
+  if (!touched)
+    leave_contact();
+  if (touched) {
+    next->model->continue_touched(*model_);
+  } else if (goes_on) {
     next->model->continue_from(*model_);
   } else {
+    blows_ = {};
+    next_landing_ = kNever;
     left_over_ = last_;
     fade_left_ = kFade;
     pulses_ = {};
@@ -69,6 +75,8 @@ void StruckBody::adopt() noexcept {
       next->model->bank.set_clock(model_->bank.clock());
   }
   std::swap(model_, next->model);
+  if (touched)
+    take_over_contacts(*next->model);
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     if (!goes_on)
       delay_[l].clear();
@@ -88,6 +96,9 @@ void StruckBody::adopt() noexcept {
     }
   }
   renew_point();
+  for (std::size_t i = model_->settings.voices; i < kMostContacts; ++i)
+    blows_[i] = {};
+  find_next_landing();
   for (std::size_t i = 0; i < pulses_.size(); ++i)
     pulses_[i].active = false;
   next->next = retired_.load(std::memory_order_relaxed);
@@ -98,7 +109,6 @@ void StruckBody::adopt() noexcept {
 void StruckBody::renew_point() noexcept {
   if (!model_)
     return;
-  leave_contact();
   model_->gains(point_, point_direction_, model_->scratch);
   model_->bank.set_gain(0, std::span<const double>(model_->scratch).first(model_->heard));
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
@@ -109,12 +119,33 @@ void StruckBody::set_point(const SurfacePoint& place, const Vec3& direction) noe
   point_ = place;
   point_direction_ = direction;
   point_set_ = true;
+  if (model_)
+    model_->solver.end(model_->settings.voices); // a hand lets go and comes down anew
   renew_point();
+}
+
+void StruckBody::take_over_contacts(BodyModel& before) noexcept {
+  BodyModel& m = *model_;
+  const std::size_t led = m.settings.voices, old_led = before.settings.voices;
+  for (std::size_t i = 0; i < std::min(led, old_led); ++i) {
+    if (!before.solver.contact(i).active)
+      continue;
+    const Hit& hit = blows_[i].hit;
+    m.gains(hit.place, hit.direction, m.scratch);
+    m.solver.take_over(i, before.solver, i, m.scratch, m.rigid_gains(hit.place, hit.direction));
+  }
+  if (before.solver.contact(old_led).active) {
+    m.gains(point_, point_direction_, m.scratch);
+    m.solver.take_over(led, before.solver, old_led, m.scratch,
+                       m.rigid_gains(point_, point_direction_));
+  }
 }
 
 void StruckBody::reset() noexcept {
   pulses_ = {};
   recordings_ = {};
+  blows_ = {};
+  next_landing_ = kNever;
   left_over_ = last_;
   fade_left_ = kFade;
   for (DelayLine& line : delay_)
@@ -135,18 +166,23 @@ std::size_t StruckBody::contacts() const noexcept {
   return count;
 }
 
-ContactLaw StruckBody::law(const SurfacePoint&, double speed) const noexcept {
+std::size_t StruckBody::flights() const noexcept {
+  return static_cast<std::size_t>(
+      std::count_if(blows_.begin(), blows_.end(), [](const Blow& blow) { return blow.in_air; }));
+}
+
+ContactLaw StruckBody::law(const Striker& striker, double speed) const noexcept {
   ContactLaw law;
   law.exponent = 1.5;
-  law.stiffness = hertz_stiffness(striker_.radius_m, striker_.youngs_modulus_pa, striker_.poisson,
+  law.stiffness = hertz_stiffness(striker.radius_m, striker.youngs_modulus_pa, striker.poisson,
                                   model_->youngs_modulus_pa, model_->poisson);
-  if (striker_.stiffness > 0) {
-    law.stiffness = striker_.stiffness;
-    law.exponent = striker_.exponent;
-    law.loss_s_per_m = striker_.loss_s_per_m;
+  if (striker.stiffness > 0) {
+    law.stiffness = striker.stiffness;
+    law.exponent = striker.exponent;
+    law.loss_s_per_m = striker.loss_s_per_m;
   }
-  if (striker_.restitution < 1)
-    law.loss_s_per_m = loss_for_restitution(striker_.restitution, speed);
+  if (striker.restitution < 1)
+    law.loss_s_per_m = loss_for_restitution(striker.restitution, speed);
   return law;
 }
 
@@ -154,12 +190,15 @@ std::size_t StruckBody::free_slot() noexcept {
   const std::size_t voices = model_->settings.voices;
   std::size_t oldest = 0;
   for (std::size_t i = 0; i < voices; ++i) {
-    if (!pulses_[i].active && !recordings_[i].active && !model_->solver.contact(i).active)
+    if (!pulses_[i].active && !recordings_[i].active && !model_->solver.contact(i).active &&
+        !blows_[i].in_air)
       return i;
     if (begun_[i] < begun_[oldest])
       oldest = i;
   }
   model_->solver.end(oldest);
+  blows_[oldest] = {};
+  find_next_landing();
   pulses_[oldest].active = recordings_[oldest].active = false;
   return oldest;
 }
@@ -171,23 +210,70 @@ bool StruckBody::hit(const Hit& hit) noexcept {
   begun_[slot] = ++turn_;
   if (model_->plays_raw)
     strike_raw(slot, hit);
-  else if (options_.coupled)
-    strike_coupled(slot, hit);
+  else if (options_.coupled || hit.falls)
+    strike_coupled(slot, hit, striker_);
   else
     strike_pulse(slot, hit);
   return true;
 }
 
-void StruckBody::strike_coupled(std::size_t slot, const Hit& hit) noexcept {
+void StruckBody::strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept {
   enter_contact();
+  blows_[slot] = {hit, striker, hit.falls, false, 0, 0};
   ContactSolver::Contact contact;
-  contact.law = law(hit.place, hit.speed_m_per_s);
-  contact.striker_mass_kg = striker_.mass_kg;
+  contact.law = law(striker, hit.speed_m_per_s);
+  contact.striker_mass_kg = striker.mass_kg;
   contact.speed_m_per_s = hit.speed_m_per_s;
+  contact.fall_m_per_s2 = hit.falls ? kGravity : 0;
   contact.compliance_m_per_n = model_->left_out(hit.place);
   model_->gains(hit.place, hit.direction, model_->scratch);
   model_->solver.begin(slot, contact, model_->scratch,
                        model_->rigid_gains(hit.place, hit.direction));
+}
+
+/// Contacts have ended: who falls is in the air now, unless it lies.
+void StruckBody::let_go() noexcept {
+  for (std::size_t i = 0; i < model_->settings.voices; ++i)
+    if (blows_[i].bounces && !blows_[i].in_air && !model_->solver.contact(i).active)
+      take_off(i);
+}
+
+void StruckBody::take_off(std::size_t slot) noexcept {
+  Blow& blow = blows_[slot];
+  const ContactSolver::Contact& contact = model_->solver.contact(slot);
+  // The body's supports hold it where it was: the way down ends at its resting surface.
+  const double up = -contact.speed_m_per_s;
+  const double height = std::max(model_->solver.height(slot), 0.0);
+  const double landing_speed = std::sqrt(up * up + 2 * kGravity * height);
+  const double time = (up + landing_speed) / kGravity;
+  // A ball that is back before a contact would be over does not leave at all.
+  const bool leaves = !contact.lies && std::isfinite(time) && landing_speed > 0 &&
+                      time > contact.law.duration(contact.striker_mass_kg, landing_speed);
+  blow.bounces = blow.in_air = leaves;
+  if (leaves) {
+    blow.landing_speed_m_per_s = landing_speed;
+    blow.landing = now_ + static_cast<std::uint64_t>(std::clamp(time * sample_rate_, 1.0, 1e12));
+  }
+  find_next_landing();
+}
+
+void StruckBody::find_next_landing() noexcept {
+  next_landing_ = kNever;
+  for (const Blow& blow : blows_)
+    if (blow.in_air)
+      next_landing_ = std::min(next_landing_, blow.landing);
+}
+
+void StruckBody::land() noexcept {
+  for (std::size_t i = 0; i < model_->settings.voices; ++i) {
+    const Blow blow = blows_[i];
+    if (!blow.in_air || blow.landing > now_)
+      continue;
+    Hit hit = blow.hit;
+    hit.speed_m_per_s = blow.landing_speed_m_per_s;
+    strike_coupled(i, hit, blow.striker);
+  }
+  find_next_landing();
 }
 
 void StruckBody::strike_pulse(std::size_t slot, const Hit& hit) noexcept {
@@ -195,7 +281,7 @@ void StruckBody::strike_pulse(std::size_t slot, const Hit& hit) noexcept {
   double mobility = 1 / striker_.mass_kg;
   for (const double b : model_->rigid_gains(hit.place, hit.direction))
     mobility += b * b;
-  const ContactLaw contact = law(hit.place, hit.speed_m_per_s);
+  const ContactLaw contact = law(striker_, hit.speed_m_per_s);
   Pulse& pulse = pulses_[slot];
   pulse = {(1 + striker_.restitution) * hit.speed_m_per_s / mobility,
            contact.duration(1 / mobility, hit.speed_m_per_s), 0, true};
@@ -273,6 +359,8 @@ void StruckBody::leave_contact() noexcept {
   BodyModel& m = *model_;
   for (std::size_t i = 0; i <= m.settings.voices; ++i)
     m.solver.end(i);
+  for (Blow& blow : blows_)
+    blow.bounces = blow.in_air;
   double loudest = 0;
   for (std::size_t k = 0; k < m.heard; ++k) {
     double heard = 0;
@@ -334,7 +422,7 @@ void StruckBody::make_pulses(std::size_t frames) noexcept {
 void StruckBody::begin_led() noexcept {
   enter_contact();
   ContactSolver::Contact contact;
-  contact.law = law(point_, 1);
+  contact.law = law(striker_, 1);
   contact.led = true;
   contact.place_m = -last_height_;
   contact.compliance_m_per_n = model_->left_out(point_);
@@ -350,17 +438,24 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
   const std::size_t led_slot = m.settings.voices;
   std::size_t n = from;
   for (; n < frames && m.solver.touching(); ++n) {
+    if (now_ >= next_landing_)
+      land();
     const auto height = static_cast<double>(chunk_.height[n]);
     const bool led = options_.led && options_.spring_n_per_m == 0;
     if (led && height < 0 && !m.solver.contact(led_slot).active)
       begin_led();
     if (m.solver.contact(led_slot).active)
       m.solver.lead(led_slot, -height);
+    const std::size_t before = m.solver.active();
     double force = m.solver.step();
+    ++now_;
     if (!(std::abs(force) < kUnreal)) { // no body stands that: begin again from rest
       m.solver.silence();
+      blows_ = {};
       force = 0;
     }
+    if (m.solver.active() < before)
+      let_go();
     last_height_ = height;
     if (m.solver.contact(led_slot).active && (!led || (height >= 0 && force == 0)))
       m.solver.end(led_slot);
@@ -394,6 +489,9 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
         to = n;
         break;
       }
+  const bool lands = next_landing_ < now_ + (to - from);
+  if (lands)
+    to = from + static_cast<std::size_t>(next_landing_ - std::min(now_, next_landing_));
   if (to > from) {
     std::array<const float*, 1 + kMostContacts> force{};
     force[0] = chunk_.force.data() + from;
@@ -404,9 +502,12 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
       out[l] = chunk_.heard[l].data() + from;
     m.bank.process(std::span<const float* const>(force.data(), 1 + m.settings.voices), out,
                    to - from);
+    now_ += to - from;
     last_height_ = static_cast<double>(chunk_.height[to - 1]);
   }
-  if (to < frames)
+  if (lands)
+    land();
+  else if (to < frames)
     begin_led();
   return to;
 }

@@ -25,6 +25,7 @@ struct Hit {
   SurfacePoint place;
   Vec3 direction{0, 0, 1}; ///< of length 1; the blow goes against it
   double speed_m_per_s = 1;
+  bool falls = false; ///< by its weight: it comes back under gravity until it lies
 };
 
 /// A body that is struck, pushed and pressed, and heard: model, contacts, mode bank and the ways to
@@ -75,6 +76,10 @@ public:
   /// Modes that the last blow left out as inaudible, and those that ring now.
   [[nodiscard]] std::size_t culled() const noexcept { return culled_; }
   [[nodiscard]] std::size_t contacts() const noexcept;
+  /// Strikers that are in the air between two bounces.
+  [[nodiscard]] std::size_t flights() const noexcept;
+
+  static constexpr double kGravity = 9.80665; ///< m/s^2
 
   /// out: kMostListeners spans or fewer, overwritten, N samples each; force_out in N.
   /// `force` N, `height` m above the point. Input and output may share memory.
@@ -93,6 +98,14 @@ private:
     double speed_m_per_s = 0, age_s = 0;
     bool active = false;
   };
+  /// A coupled blow, and where its striker is when it bounces.
+  struct Blow {
+    Hit hit;
+    Striker striker;
+    bool bounces = false, in_air = false;
+    double landing_speed_m_per_s = 0;
+    std::uint64_t landing = 0; ///< on the clock of samples
+  };
   struct Chunk {
     std::array<float, kChunk> force{}, height{}, contact{};
     std::array<std::array<float, kChunk>, kMostListeners> heard{};
@@ -102,12 +115,17 @@ private:
   [[nodiscard]] std::size_t in_contact(std::size_t from, std::size_t frames) noexcept;
   [[nodiscard]] std::size_t in_flight(std::size_t from, std::size_t frames) noexcept;
   void begin_led() noexcept;
+  void take_over_contacts(BodyModel& before) noexcept;
+  void let_go() noexcept;
+  void take_off(std::size_t slot) noexcept;
+  void land() noexcept;
+  void find_next_landing() noexcept;
   void finish(std::size_t frames) noexcept;
   void enter_contact() noexcept;
   void leave_contact() noexcept;
   void make_pulses(std::size_t frames) noexcept;
-  [[nodiscard]] ContactLaw law(const SurfacePoint& place, double speed) const noexcept;
-  void strike_coupled(std::size_t slot, const Hit& hit) noexcept;
+  [[nodiscard]] ContactLaw law(const Striker& striker, double speed) const noexcept;
+  void strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
   void strike_pulse(std::size_t slot, const Hit& hit) noexcept;
   void strike_raw(std::size_t slot, const Hit& hit) noexcept;
   void play_raw(std::size_t frames) noexcept;
@@ -131,6 +149,9 @@ private:
   bool coupled_now_ = false;
   std::array<Pulse, kMostContacts> pulses_{};
   std::array<Recording, kMostContacts> recordings_{};
+  std::array<Blow, kMostContacts> blows_{};
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+  std::uint64_t now_ = 0, next_landing_ = kNever; // samples
   std::size_t culled_ = 0;
   std::uint64_t turn_ = 0;
   std::array<std::uint64_t, kMostContacts> begun_{};
