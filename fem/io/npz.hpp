@@ -18,12 +18,13 @@ public:
   void add(const std::string& name, std::span<const std::complex<float>>,
            std::vector<std::size_t> shape);
   void add(const std::string& name, std::span<const std::uint8_t>, std::vector<std::size_t> shape);
+  /// Little-endian elements in C order, `kind` as NumPy's descr: "<f8".
+  void add_bytes(const std::string& name, const char* kind, std::span<const std::byte> bytes,
+                 const std::vector<std::size_t>& shape);
   /// Writes all arrays; the file appears only when complete. Same arrays, same bytes.
   void write(const std::string& path) const;
 
 private:
-  void add_bytes(const std::string& name, const char* kind, std::span<const std::byte> bytes,
-                 const std::vector<std::size_t>& shape);
   struct Member {
     std::string name;
     std::vector<std::byte> bytes;

@@ -13,6 +13,7 @@
 #include "fem/io/safe_file.hpp"
 #include "fem/io/words.hpp"
 #include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/raw.hpp"
 #include "programs/modal_fem/run.hpp"
 
 #include <cstdio>
@@ -114,9 +115,11 @@ int main(int argc, char** argv) {
   clean_up_on_interrupt();
   try {
     if (!words.empty() && (words[0] == "--help" || words[0] == "-h")) {
-      std::fputs(usage().c_str(), stdout);
+      std::fputs((usage() + raw_usage()).c_str(), stdout);
       return 0;
     }
+    if (!words.empty() && words[0] == "raw")
+      return run_raw({words.begin() + 1, words.end()});
     return run(words);
   } catch (const std::bad_alloc&) {
     std::fputs("modal_fem: out of memory; take a coarser mesh (--h)\n", stderr);

@@ -1,0 +1,222 @@
+#include "programs/modal_fem/raw.hpp"
+
+#include "fem/io/words.hpp"
+#include "fem/radiation/acoustic_skin.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+namespace tactus::fem {
+namespace {
+
+using modal::BodyModel;
+using modal::LoadedTable;
+using modal::SurfacePoint;
+using modal::Vec3;
+
+struct Grid {
+  std::vector<SurfacePoint> point;
+  std::vector<double> area_m2;
+};
+
+Vec3 unit(const Vec3& v) { return v * (1 / norm(v)); }
+Vec3 area_of(const std::array<Vec3, 3>& c) {
+  const Vec3 a = c[1] - c[0], b = c[2] - c[0];
+  return 0.5 * Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// A plate's rim looks sideways; a ball's half looks to any side.
+bool looks_to(const Vec3& area, const Vec3& side, bool flat) {
+  return dot(area, side) > (flat ? .5 : 0) * norm(area);
+}
+
+Grid every_triangle(const modal::Surface& surface, const Vec3& side, bool flat) {
+  Grid grid;
+  for (std::size_t t = 0; t < surface.triangles(); ++t) {
+    const Vec3 area = area_of(surface.corners(t));
+    if (!looks_to(area, side, flat))
+      continue;
+    grid.point.push_back(surface.on(t, 1. / 3, 1. / 3));
+    grid.area_m2.push_back(norm(area));
+  }
+  return grid;
+}
+
+/// Middles of a coarser skin's triangles, put back onto the body; the areas' sum is the body's.
+Grid coarse_grid(const modal::ModalTable& table, const modal::Surface& surface, const Vec3& side,
+                 bool flat, std::size_t points, const Grid& whole) {
+  AcousticSkin skin;
+  for (const Vec3& v : table.vertex_m)
+    skin.vertex.push_back({v.x, v.y, v.z});
+  skin.triangle.assign(table.triangle.begin(), table.triangle.end());
+  const auto share = static_cast<double>(whole.point.size()) /
+                     static_cast<double>(surface.triangles());
+  skin = with_triangles(skin, static_cast<std::size_t>(static_cast<double>(points) / share));
+  Grid grid;
+  double sum = 0, all = 0;
+  for (const double a : whole.area_m2)
+    all += a;
+  for (const auto& t : skin.triangle) {
+    std::array<Vec3, 3> corner;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Vector3& v = skin.vertex[static_cast<std::size_t>(t[j])];
+      corner[j] = {v.x, v.y, v.z};
+    }
+    const Vec3 area = area_of(corner);
+    if (!looks_to(area, side, flat))
+      continue;
+    grid.point.push_back(surface.nearest((corner[0] + corner[1] + corner[2]) * (1. / 3)));
+    grid.area_m2.push_back(norm(area));
+    sum += norm(area);
+  }
+  for (double& a : grid.area_m2)
+    a *= all / sum;
+  return grid;
+}
+
+/// Middles of `points` rings along one radius; each has its whole ring's area.
+Grid rings(const modal::Surface& surface, const RawSettings& settings, const Grid& whole) {
+  Vec3 middle{};
+  double all = 0, top = -1e300;
+  for (std::size_t i = 0; i < whole.point.size(); ++i) {
+    middle += whole.area_m2[i] * whole.point[i].position;
+    all += whole.area_m2[i];
+    top = std::max(top, dot(whole.point[i].position, settings.side));
+  }
+  middle = middle * (1 / all);
+  const double radius = std::sqrt(all / std::numbers::pi);
+  const Vec3 z = settings.side;
+  const Vec3 x = unit(std::abs(z.x) < .9 ? Vec3{1, 0, 0} - z.x * z : Vec3{0, 1, 0} - z.y * z);
+  const Vec3 y{z.y * x.z - z.z * x.y, z.z * x.x - z.x * x.z, z.x * x.y - z.y * x.x};
+  const Vec3 along = std::cos(settings.ring_angle_rad) * x + std::sin(settings.ring_angle_rad) * y;
+  Grid grid;
+  const double step = radius / static_cast<double>(settings.points);
+  for (std::size_t i = 0; i < settings.points; ++i) {
+    const double r = step * static_cast<double>(i);
+    const Vec3 at = middle + (r + step / 2) * along;
+    grid.point.push_back(surface.nearest(at + (top - dot(at, z)) * z));
+    grid.area_m2.push_back(std::numbers::pi * ((r + step) * (r + step) - r * r));
+  }
+  return grid;
+}
+
+/// Force of a striker at 1 m/s, mean of each short step, N.
+std::vector<double> blow(const std::shared_ptr<const LoadedTable>& loaded,
+                         const RawSettings& settings, const Vec3& place, double rate) {
+  modal::BodySettings body;
+  body.sample_rate = rate;
+  body.radiation = modal::Radiation::kNone;
+  auto struck = std::make_unique<modal::StruckBody>();
+  struck->prepare(rate);
+  struck->publish(std::make_unique<BodyModel>(loaded, body), false);
+  struck->adopt();
+  struck->set_striker(settings.striker);
+  const SurfacePoint at = struck->model()->nearest(place);
+  if (!struck->hit({at, at.normal, 1}))
+    throw Refusal("the blow could not start");
+  constexpr std::size_t kBlock = 64;
+  std::array<float, kBlock> silence{}, left{}, right{}, contact{};
+  std::vector<double> force;
+  const auto longest = static_cast<std::size_t>(std::min(settings.seconds, .1) * rate);
+  while (struck->contacts() > 0 && force.size() < longest) {
+    const std::array<std::span<float>, 2> out{left, right};
+    struck->process<float>(silence, silence, out, contact);
+    force.insert(force.end(), contact.begin(), contact.end());
+  }
+  return force;
+}
+
+} // namespace
+
+modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& settings) {
+  if (table.shape.empty())
+    throw Refusal("the table has no mode shapes: nothing moves");
+  if (settings.hit_m.empty())
+    throw Refusal("no place to strike: give --hit X,Y,Z");
+  const auto loaded = std::make_shared<const LoadedTable>(table);
+  const modal::Surface& surface = loaded->surface;
+  const Vec3 side = unit(settings.side);
+  double seen = 0, flat_area = 0, all = 0;
+  for (std::size_t t = 0; t < surface.triangles(); ++t) {
+    const Vec3 area = area_of(surface.corners(t));
+    all += norm(area);
+    seen += std::abs(dot(area, side));
+    flat_area += std::abs(dot(area, side)) > .9 * norm(area) ? norm(area) : 0;
+  }
+  const bool flat = seen > .6 * all && flat_area > .6 * all;
+  const Grid whole = every_triangle(surface, side, flat);
+  if (whole.point.empty())
+    throw Refusal("no face of the body looks to --side");
+  RawSettings own = settings;
+  own.side = side;
+  const Grid grid = settings.ring         ? rings(surface, own, whole)
+                    : settings.points == 0 ? whole
+                                           : coarse_grid(table, surface, side, flat,
+                                                         settings.points, whole);
+  modal::BodySettings body;
+  body.sample_rate = settings.sample_rate;
+  body.radiation = modal::Radiation::kNone;
+  const BodyModel model(loaded, body);
+
+  modal::RawTable out;
+  out.hits = settings.hit_m.size();
+  out.points = grid.point.size();
+  out.samples = static_cast<std::size_t>(std::ceil(settings.seconds * settings.sample_rate));
+  const double bytes = 4.0 * static_cast<double>(out.hits) * static_cast<double>(out.points) *
+                       static_cast<double>(out.samples);
+  if (bytes > 3e9)
+    throw Refusal(format("the velocities would take %.1f GB: take fewer --points, --hit places or "
+                         "--seconds",
+                         bytes / 1e9));
+  out.sample_rate_hz = settings.sample_rate;
+  out.area_m2 = grid.area_m2;
+  for (const SurfacePoint& p : grid.point)
+    out.position_m.push_back(p.position);
+  out.velocity_m_per_s.resize(out.hits * out.points * out.samples);
+
+  const std::size_t modes = model.heard;
+  std::vector<float> normal(out.points * modes); // phi . n
+  std::vector<double> gain(model.mode.size());
+  for (std::size_t p = 0; p < out.points; ++p) {
+    model.gains(grid.point[p], grid.point[p].normal, gain);
+    for (std::size_t k = 0; k < modes; ++k)
+      normal[p * modes + k] = static_cast<float>(-gain[k]);
+  }
+  const auto finer = static_cast<std::size_t>(
+      std::clamp(std::floor(1e6 / settings.sample_rate), 1.0, 16.0));
+  const double step = 1 / (settings.sample_rate * static_cast<double>(finer));
+  std::vector<float> speed(out.samples * modes);
+  for (std::size_t h = 0; h < out.hits; ++h) {
+    const SurfacePoint at = model.nearest(settings.hit_m[h]);
+    if (at.distance > .1 * surface.diagonal())
+      throw Refusal(format("--hit %zu lies %.3g mm off the body", h + 1, 1e3 * at.distance));
+    out.hit_m.push_back(at.position);
+    const std::vector<double> force =
+        settings.impulse_n_s > 0 ? std::vector<double>{}
+                                 : blow(loaded, settings, at.position, 1 / step);
+    model.gains(at, at.normal, gain);
+    for (std::size_t k = 0; k < modes; ++k) {
+      const std::complex<double> s = model.rate[k], turn = std::exp(s * step);
+      // z = q' + alpha q + j omega q; a force held for a step adds b F (exp(sT) - 1)/s.
+      const std::complex<double> push = gain[k] * (turn - 1.0) / s;
+      std::complex<double> z = gain[k] * settings.impulse_n_s;
+      for (std::size_t n = 0, fine = 0; n < out.samples; ++n) {
+        speed[n * modes + k] =
+            static_cast<float>(z.real() + s.real() / s.imag() * z.imag());
+        for (std::size_t i = 0; i < finer; ++i, ++fine)
+          z = turn * z + (fine < force.size() ? push * force[fine] : 0.0);
+      }
+    }
+    for (std::size_t p = 0; p < out.points; ++p)
+      for (std::size_t n = 0; n < out.samples; ++n) {
+        float sum = 0;
+        for (std::size_t k = 0; k < modes; ++k)
+          sum += normal[p * modes + k] * speed[n * modes + k];
+        out.velocity_m_per_s[(h * out.points + p) * out.samples + n] = sum;
+      }
+  }
+  return out;
+}
+
+} // namespace tactus::fem
