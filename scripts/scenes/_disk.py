@@ -23,7 +23,7 @@ support's two numbers, a patch of 9 mm radius at the centre of the back on a pos
 its axis, free to slide (of aluminium, 18 mm across and 36 mm long). Three numbers for three peaks: that
 they fit shows that one plain support suffices, not that it is the one the authors had. A rigid clamp
 alone does not do it: one of 2 mm radius leaves the first peak 7 % too low, one of 3 mm puts the third
-10 % too high. The clamp of 2 mm has, within 0.8 %, the paper's simulated 3668 Hz, as if its mesh had
+9 % too high. The clamp of 2 mm has, within 0.8 %, the paper's simulated 3668 Hz, as if its mesh had
 been held there. Not explained: the measured 9186 Hz (the free disk has 9993 Hz, the fitted one nothing
 between 6 and 13 kHz), and the paper's simulated 5720 Hz, 2.9 % below what its own numbers give. Peaks
 that the fit was not asked for: 1338 Hz (the disk rocks on its post) and 13.06 kHz."""

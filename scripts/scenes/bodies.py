@@ -1,0 +1,68 @@
+"""A tour of struck bodies: bowl, glass, bell, wood, tube, ring, disks, and a machine part from CAD
+
+Eleven bodies from modal_fem's shapes, two profiles in data/bodies and one surface model in Debian's
+gmsh-doc, each played by [modal_impact~] at three places with the striker that suits it and heard by
+two ears 35 cm in front. The first time takes a minute or two for the modes; the tables are kept in
+the build folder. Sheets show each body bent by its first modes, red where the skin moves outwards.
+"""
+import pathlib
+import shutil
+import sys
+
+import matplotlib.pyplot as plt
+import numpy
+from make_scene import spectrogram
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import _bodies  # noqa: E402
+import _room  # noqa: E402
+import _tour  # noqa: E402
+from _bodies import RATE  # noqa: E402
+
+PATCH = "build/tactus/modal_impact~-help.pd"
+
+
+def mono_room(parts):
+    """The piece in a small room: each body keeps its two ears, the room hears their sum."""
+    dry = sum(parts.values())
+    placed = _room.place(dry.sum(axis=1), RATE, wet=0.12)
+    wet = placed - numpy.pad(dry.sum(axis=1), (0, len(placed) - len(dry)))[:, None] * 0.5 ** 0.5
+    return numpy.pad(dry, ((0, len(placed) - len(dry)), (0, 0))) + wet
+
+
+def show_sheet(scene, name):
+    file = name.replace(" ", "_").replace("(", "").replace(")", "") + ".png"
+    shutil.copy(_bodies.picture_of(_tour.table(name)), scene.folder / file)
+    figure, axes = plt.subplots(figsize=(13, 9.8))
+    axes.imshow(plt.imread(scene.folder / file))
+    axes.set_axis_off()
+    scene.picture(pathlib.Path(file).stem, figure, f"{name}: its first modes")
+
+
+def make(scene):
+    sounds = {}
+    for name in _tour.BODIES:
+        sounds[name] = _tour.visit(name)
+        scene.progress(f"{name}")
+    scene.heading("A piece for nine bodies")
+    piece = mono_room(_tour.perform())
+    scene.sound("piece", _room.full_scale(piece), RATE, "nine bodies together, in a small room")
+    scene.heading("The tour")
+    scene.sound("tour", numpy.concatenate([_room.full_scale(s, 0.7) for s in sounds.values()]), RATE,
+                "all bodies in the table's order, three places each, made equally loud")
+    scene.table(["body", "kg", "first mode, Hz", "its T60, s", "struck with", "loudest peaks, Hz",
+                 "loudest, Pa"], [_tour.in_numbers(n, s) for n, s in sounds.items()],
+                "the T60 is the material's own; air and hands would shorten it")
+    figure, axes = plt.subplots(len(sounds), 1, figsize=(12, 2.1 * len(sounds)), sharex=True,
+                                constrained_layout=True)
+    for a, (name, sound) in zip(axes, sounds.items()):
+        spectrogram(a, sound.sum(axis=1), RATE, top_hz=16000)
+        a.set_title(name, loc="left")
+        a.set_xlabel("")
+    axes[-1].set_xlabel("time, s")
+    scene.picture("tour_spectrograms", figure, "each body struck at three places")
+    scene.heading("The bodies")
+    for name, sound in sounds.items():
+        file = name.replace(" ", "_").replace("(", "").replace(")", "")
+        scene.sound(f"{file}_sound", _room.full_scale(sound, 0.7), RATE, name)
+        show_sheet(scene, name)
