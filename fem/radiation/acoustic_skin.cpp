@@ -129,8 +129,10 @@ public:
     double area = 0;
     for (const auto& t : skin_.triangle)
       area += length(double_area(skin_, t)) / 2;
+    // Edges of equilateral triangles, and a margin that grows where nothing else can give way.
+    longest_ = 1.4 * std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(triangles));
     double limit = 1e-4 * area / static_cast<double>(triangles);
-    for (int round = 0; round < 80 && count_ > triangles; ++round, limit *= 1.35) {
+    for (int round = 0; round < 80 && count_ > triangles; ++round, limit *= 1.35, longest_ *= 1.01) {
       std::vector<std::tuple<double, int, int>> edges;
       for (std::size_t t = 0; t < alive_.size(); ++t)
         if (alive_[t])
@@ -185,6 +187,9 @@ private:
       const double shape = quality(vertex(corners[0]), vertex(corners[1]), vertex(corners[2]));
       std::replace(corners.begin(), corners.end(), from, onto);
       const Vector3 after = double_area(skin_, corners);
+      for (const int v : corners)
+        if (v != onto && length(vertex(v) - vertex(onto)) > longest_)
+          return false;
       if (dot(before, after) <= .7 * length(before) * length(after) ||
           quality(vertex(corners[0]), vertex(corners[1]), vertex(corners[2])) <
               std::min(.35, .8 * shape))
@@ -213,6 +218,7 @@ private:
   std::vector<Quadric> quadric_;
   std::vector<bool> alive_;
   std::size_t count_ = 0;
+  double longest_ = 0; ///< m, edge that a collapse may make
 };
 
 } // namespace
