@@ -80,7 +80,7 @@ ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSetti
       edges += length(coarse.vertex[static_cast<std::size_t>(t[(j + 1) % 3])] -
                       coarse.vertex[static_cast<std::size_t>(t[j])]);
   const double edge = edges / (3 * static_cast<double>(coarse.triangle.size()));
-  out.resolved_hz = settings.sound_speed / (6 * edge);
+  out.resolved_hz = settings.sound_speed / (4 * edge);
 
   std::vector<Vector3> used; // the outer skin's own vertices
   for (const auto& t : fine.triangle)

@@ -220,7 +220,7 @@ Solved solve(const Order& order) {
     sound.say = [&](const std::string& sentence) { progress.say(sentence); };
     body.radiation = radiate(body.mesh, body.modes, sound);
     if (body.modes.frequency_hz.back() * order.ratios.back() > body.radiation.resolved_hz)
-      progress.say(format("above %.0f Hz a wave in air has fewer than six acoustic elements: expect "
+      progress.say(format("above %.0f Hz a wave in air has fewer than four acoustic elements: expect "
                           "more than 0.3 dB there, or take more --acoustic-triangles",
                           body.radiation.resolved_hz));
   }

@@ -101,6 +101,53 @@ def test_progress_and_a_prediction_come_before_the_work(disk):
     assert said.index("ahead") < said.index("factorising") < said.index("finding modes")
 
 
+@pytest.fixture(scope="module")
+def sounding(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sound")
+    done = run(*COARSE_DISK, "--radiation", "body", "--acoustic-triangles", "300", "--ratios", "0.7,1,1.4",
+               "-o", "disk.modal.npz", folder=folder)
+    return folder, done, np.load(folder / "disk.modal.npz")
+
+
+def test_radiation_writes_waves_and_damping_with_a_prediction_first(sounding):
+    _, done, table = sounding
+    modes, offsets = len(table["freq"]), table["mp_off"]
+    assert table["mp_coef"].dtype == np.complex64 and table["mp_coef"].shape == (3 * offsets[-1],)
+    assert np.all(np.diff(offsets) == (table["mp_lmax"] + 1) ** 2) and offsets[0] == 0
+    assert offsets.dtype == np.int64 and table["mp_lmax"].dtype == np.int32 and len(offsets) == modes + 1
+    assert table["mp_rref"] == pytest.approx(np.hypot(0.05, 0.006), rel=1e-4) and table["mp_rref"].shape == ()
+    assert np.allclose(table["mp_center"], 0, atol=1e-6) and np.all(table["mp_scales"] == [0.7, 1, 1.4])
+    assert np.all(table["alpha_rad"] > 0) and np.all(np.isfinite(table["mp_coef"]))
+    assert done.stderr.index("unknowns") < done.stderr.index("radiation 100 %") and "efficiency" in done.stdout
+
+
+def test_raw_adds_velocities_and_keeps_every_other_array(sounding):
+    folder, _, table = sounding
+    run("raw", "disk.modal.npz", "--hit", "25,0,6", "--hit", "0,0,6", "--seconds", "0.02", "-o", "raw.modal.npz",
+        folder=folder)
+    raw = np.load(folder / "raw.modal.npz")
+    assert all(np.array_equal(raw[name], table[name]) for name in table.files)
+    hits, points, samples = raw["raw_v"].shape
+    assert hits == 2 and samples == 882 and raw["raw_xyz"].shape == (points, 3) and raw["raw_fs"] == 44100
+    assert raw["raw_ds"].sum() == pytest.approx(np.pi * 0.05**2, rel=0.01)
+    assert np.allclose(raw["raw_xyz"][:, 2], 0.006, atol=1e-5)
+    spectrum = np.abs(np.fft.rfft(raw["raw_v"][0, np.argmax(raw["raw_xyz"][:, 0])] * np.hanning(882)))
+    peak = np.fft.rfftfreq(882, 1 / 44100)[np.argmax(spectrum)]
+    assert np.min(np.abs(table["freq"] - peak)) < 60
+
+
+@pytest.mark.parametrize("words, expected", [
+    (["disk.modal.npz", "-o", "r.modal.npz"], "--hit"),
+    (["disk.modal.npz", "--hit", "1,2", "-o", "r.modal.npz"], "--hit 1,2"),
+    (["disk.modal.npz", "--hit", "900,0,0", "-o", "r.modal.npz"], "off the body"),
+    (["disk.modal.npz", "--hit", "0,0,6", "--side", "up", "-o", "r.modal.npz"], "--side up"),
+    (["disk.modal.npz", "--hit", "0,0,6", "--striker", "1,0,1,0.3", "-o", "r.modal.npz"], "--striker"),
+    (["none.npz", "--hit", "0,0,6", "-o", "r.modal.npz"], "none.npz"),
+])
+def test_a_bad_order_of_raw_is_refused_by_name(words, expected, sounding):
+    assert expected in refusal("raw", *words, folder=sounding[0])
+
+
 def test_equal_orders_write_equal_bytes(tmp_path):
     sums = []
     for name in ("a.modal.npz", "b.modal.npz"):
@@ -131,6 +178,9 @@ def test_an_interrupt_leaves_nothing_behind(tmp_path):
     (["hollow-disk", "--diameter", "100", "--thickness", "25", "--cavity-diameter", "120",
       "--cavity-thickness", "13"], "cavity"),
     (["nothing.stl"], "nothing.stl"),
+    ([*COARSE_DISK, "--radiation", "loud"], "--radiation loud"),
+    ([*COARSE_DISK, "--radiation", "body", "--ratios", "0.5,2"], "--ratios"),
+    ([*COARSE_DISK, "--air", "1.2"], "--air"),
 ])
 def test_a_bad_order_is_refused_by_name(words, expected, tmp_path):
     assert expected in refusal(*words, folder=tmp_path)
