@@ -25,7 +25,8 @@ class Loop final : public Peer {
 public:
   explicit Loop(std::size_t modes) : p_(modes), z_(modes) {
     for (std::size_t i = 0; i < modes; ++i)
-      p_[i] = std::polar(0.9999F, static_cast<float>(2 * std::numbers::pi * frequency(i, modes) / 48000));
+      p_[i] = std::polar(0.9999F,
+                         static_cast<float>(2 * std::numbers::pi * frequency(i, modes) / 48000));
   }
   void block(const float* in, float* out) override {
     for (std::size_t n = 0; n < 64; ++n) {
@@ -72,7 +73,8 @@ private:
 class CsoundBank final : public Peer {
 public:
   explicit CsoundBank(std::size_t modes) {
-    std::string program = "sr=48000\nksmps=64\nnchnls=1\nnchnls_i=1\n0dbfs=1\ninstr 1\nain in\nasum = 0\n";
+    std::string program =
+        "sr=48000\nksmps=64\nnchnls=1\nnchnls_i=1\n0dbfs=1\ninstr 1\nain in\nasum = 0\n";
     for (std::size_t i = 0; i < modes; ++i)
       program += "am" + std::to_string(i) + " mode ain, " + std::to_string(frequency(i, modes)) +
                  ", 2000\nasum = asum + am" + std::to_string(i) + "\n";

@@ -8,7 +8,7 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kHighestOfRate = 0.45;  // a mode above is not heard: it would alias
+constexpr double kHighestOfRate = 0.45; // a mode above is not heard: it would alias
 constexpr double kNepersIn60dB = 6.907755278982137;
 constexpr double kUnknownModulus = 70e9, kUnknownDensity = 2700;
 
@@ -24,7 +24,8 @@ double on_curve(const std::vector<std::array<double, 2>>& curve, double frequenc
     return curve.front()[1];
   for (std::size_t i = 1; i < curve.size(); ++i)
     if (frequency <= curve[i][0]) {
-      const double x = std::log(frequency / curve[i - 1][0]) / std::log(curve[i][0] / curve[i - 1][0]);
+      const double x =
+          std::log(frequency / curve[i - 1][0]) / std::log(curve[i][0] / curve[i - 1][0]);
       const double low = std::max(curve[i - 1][1], 1e-12), high = std::max(curve[i][1], 1e-12);
       return low * std::pow(high / low, x);
     }
@@ -94,8 +95,8 @@ double BodyModel::decay_rate(std::size_t k, double omega) const {
     break;
   }
   if (!table.radiation_decay_rate.empty()) // area times shape squared over mass, at the same k a
-    rate_per_s += table.radiation_decay_rate[k] * shape_scale * shape_scale * settings.size *
-                  settings.size;
+    rate_per_s +=
+        table.radiation_decay_rate[k] * shape_scale * shape_scale * settings.size * settings.size;
   if (settings.choke_t60_s > 0)
     rate_per_s += kNepersIn60dB / settings.choke_t60_s;
   return rate_per_s;
@@ -106,8 +107,8 @@ void BodyModel::find_rates() {
   const Material& own = table.material;
   const double modulus = own.youngs_modulus_pa > 0 ? own.youngs_modulus_pa : kUnknownModulus;
   const double density = own.density_kg_per_m3 > 0 ? own.density_kg_per_m3 : kUnknownDensity;
-  const double faster = std::sqrt(youngs_modulus_pa / modulus / (density_kg_per_m3 / density)) /
-                        settings.size;
+  const double faster =
+      std::sqrt(youngs_modulus_pa / modulus / (density_kg_per_m3 / density)) / settings.size;
   const double highest = kHighestOfRate * settings.sample_rate;
   const std::size_t most = settings.most_modes > 0 ? settings.most_modes : table.modes();
   std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
@@ -143,7 +144,8 @@ void BodyModel::find_rates() {
 
 void BodyModel::find_weights() {
   const ModalTable& table = loaded->table;
-  const std::span<const std::complex<double>> rates = std::span<const std::complex<double>>(rate).first(heard);
+  const std::span<const std::complex<double>> rates =
+      std::span<const std::complex<double>>(rate).first(heard);
   const std::span<const std::size_t> modes = std::span<const std::size_t>(mode).first(heard);
   const bool has_surface = !loaded->surface.empty();
   plays_raw = settings.radiation == Radiation::kRaw && !table.raw.empty();
@@ -160,13 +162,13 @@ void BodyModel::find_weights() {
       continue;
     ListenerTransfer transfer;
     if (has_surface && settings.radiation == Radiation::kModal)
-      transfer = loaded->radiating.modal(rates, modes, settings.listener[l], settings.size,
-                                         shape_scale, table.air_density_kg_per_m3,
-                                         table.sound_speed_m_per_s);
+      transfer =
+          loaded->radiating.modal(rates, modes, settings.listener[l], settings.size, shape_scale,
+                                  table.air_density_kg_per_m3, table.sound_speed_m_per_s);
     else if (has_surface && settings.radiation == Radiation::kBody && !table.multipoles.empty())
-      transfer = multipole_transfer(table, rates, modes, settings.listener[l], settings.size,
-                                    shape_scale, table.air_density_kg_per_m3,
-                                    table.sound_speed_m_per_s);
+      transfer =
+          multipole_transfer(table, rates, modes, settings.listener[l], settings.size, shape_scale,
+                             table.air_density_kg_per_m3, table.sound_speed_m_per_s);
     else {
       // What a vibrometer sees at the nearest place: the velocity along the normal, outwards.
       transfer.pressure.assign(heard, 1);
@@ -240,9 +242,10 @@ double BodyModel::left_out(const SurfacePoint& place) const noexcept {
     return 0;
   double sum = 0;
   for (std::size_t i = 0; i < 3; ++i)
-    sum += place.weight[i] *
-           static_cast<double>(table.residual_compliance[static_cast<std::size_t>(
-               table.triangle[place.triangle][i])]);
+    sum +=
+        place.weight[i] *
+        static_cast<double>(
+            table.residual_compliance[static_cast<std::size_t>(table.triangle[place.triangle][i])]);
   const double modulus = table.material.youngs_modulus_pa;
   return sum * (modulus > 0 ? modulus / youngs_modulus_pa : 1) / settings.size;
 }
@@ -296,9 +299,9 @@ void BodyModel::fade_from(const BodyModel& before) noexcept {
       // What this displacement and velocity sounded like until now: the same w_i (q' + alpha q) +
       // w_r omega q, written for the new rate. The fade begins without a step.
       const std::complex<double> w = before.weight[l][j], s = before.rate[j];
-      old_weight[l][i] = {
-          (w.real() * s.imag() + w.imag() * (rate[i].real() - s.real())) / rate[i].imag(),
-          w.imag()};
+      old_weight[l][i] = {(w.real() * s.imag() + w.imag() * (rate[i].real() - s.real())) /
+                              rate[i].imag(),
+                          w.imag()};
     }
     bank.jump_to_weight(l, old_weight[l]);
     bank.set_weight(l, weight[l]);

@@ -22,20 +22,20 @@ enum class Damping { kTable, kRayleigh, kLoss, kCurve };
 
 /// What can be changed of a body while it sounds.
 struct BodySettings {
-  double youngs_modulus_pa = 0;   ///< 0: the table's
-  double density_kg_per_m3 = 0;   ///< 0: the table's
-  double poisson = -1;            ///< below 0: the table's
-  double size = 1;                ///< times the table's lengths
+  double youngs_modulus_pa = 0; ///< 0: the table's
+  double density_kg_per_m3 = 0; ///< 0: the table's
+  double poisson = -1;          ///< below 0: the table's
+  double size = 1;              ///< times the table's lengths
   Damping damping = Damping::kTable;
   double rayleigh_a_per_s = 0, rayleigh_b_s = 0;
   double loss_factor = 0;
   std::vector<std::array<double, 2>> loss_curve; ///< Hz, loss factor; ascending
-  double choke_t60_s = 0;         ///< above 0: damps every mode by this decay time besides
+  double choke_t60_s = 0; ///< above 0: damps every mode by this decay time besides
   Radiation radiation = Radiation::kModal;
   std::array<Vec3, kMostListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5}}; ///< m
   std::size_t listeners = 2;
-  std::size_t most_modes = 0;     ///< 0: all that can be heard
-  std::size_t voices = 8;         ///< contacts at once
+  std::size_t most_modes = 0; ///< 0: all that can be heard
+  std::size_t voices = 8;     ///< contacts at once
   double sample_rate = 48000;
 };
 
@@ -64,9 +64,10 @@ struct BodyModel {
   /// Table's number of each mode: first those of the bank, then those that only give way in a
   /// contact, up to kContactLimit.
   std::vector<std::size_t> mode;
-  std::vector<std::size_t> place_of; ///< in `mode`, of each of the table's modes; its size: left out
+  std::vector<std::size_t>
+      place_of; ///< in `mode`, of each of the table's modes; its size: left out
   std::size_t heard = 0;
-  std::vector<std::complex<double>> rate; ///< of `mode`
+  std::vector<std::complex<double>> rate;                               ///< of `mode`
   std::array<std::vector<std::complex<double>>, kMostListeners> weight; ///< of the first `heard`
   std::array<double, kMostListeners> delay_s{};
   bool plays_raw = false; ///< blows start recordings instead of contacts
@@ -84,7 +85,8 @@ struct BodyModel {
 
   /// Gains b = -phi . direction of all modes at a place of the surface, 1/sqrt(kg), for a push
   /// against `direction` (usually the outward normal). No allocation beyond `gain`'s size.
-  void gains(const SurfacePoint& place, const Vec3& direction, std::span<double> gain) const noexcept;
+  void gains(const SurfacePoint& place, const Vec3& direction,
+             std::span<double> gain) const noexcept;
   /// The same of a free body's three displacements and three rotations.
   [[nodiscard]] std::array<double, ContactSolver::kRigid>
   rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept;

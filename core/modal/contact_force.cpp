@@ -7,8 +7,8 @@ namespace tactus::modal {
 namespace {
 
 constexpr int kMostRounds = 60;
-constexpr int kSecants = 12;          // rounds after which every other one halves the bracket
-constexpr double kExact = 1e-12;      // of the compression
+constexpr int kSecants = 12;     // rounds after which every other one halves the bracket
+constexpr double kExact = 1e-12; // of the compression
 
 } // namespace
 
@@ -57,11 +57,21 @@ double SeriesContact::solve(double start, double free, double answer, double tim
                             double guess) const noexcept {
   if (start <= 0 && free <= 0)
     return 0;
-  const double before = stored(start);
+  const bool elastic_only = !(compliance_m_per_n > 0) && start > 0;
+  if (elastic_only && law.exponent == 1 && law.loss_s_per_m == 0) { // a spring that stays pressed
+    const double force = 0.5 * law.stiffness * (start + free) / (1 + 0.5 * law.stiffness * answer);
+    if (free - answer * force > 0)
+      return force;
+  }
+  // Balls and springs need it only where the contact opens (mean_force).
+  const bool closed_form = elastic_only && (law.exponent == 1.5 || law.exponent == 1);
+  double before = closed_form ? -1 : stored(start);
   // Secants from the guess. As F grows with d, the root lies between any d and free - answer F(d).
   double low = -1e300, high = free, last_d = 0, last_error = 0, force = 0;
   double d = free - answer * guess;
   for (int round = 0; round < kMostRounds; ++round) {
+    if (before < 0 && !(d > 0))
+      before = stored(start);
     force = mean_force(start, before, d, time_s);
     const double error = d + answer * force - free;
     if (!(std::abs(error) > kExact * (std::abs(d) + std::abs(start)) + 1e-30))

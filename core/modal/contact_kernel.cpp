@@ -10,9 +10,12 @@ const ContactKernel* contact_kernel(VectorSet set) noexcept {
   if (!bank_kernel(set))
     return nullptr;
   switch (set) {
-  case VectorSet::kAvx512: return avx512_contact_kernel();
-  case VectorSet::kAvx2: return avx2_contact_kernel();
-  case VectorSet::kBaseline: break;
+  case VectorSet::kAvx512:
+    return avx512_contact_kernel();
+  case VectorSet::kAvx2:
+    return avx2_contact_kernel();
+  case VectorSet::kBaseline:
+    break;
   }
   static const ContactLanes<simd::Baseline> kernel;
   return &kernel;

@@ -57,8 +57,8 @@ template <class Set> class ContactLanes final : public ContactKernel {
     if constexpr (kWidth == 8) {
       const auto four = __builtin_shufflevector(all, all, 0, 1, 2, 3) +
                         __builtin_shufflevector(all, all, 4, 5, 6, 7);
-      const auto two = __builtin_shufflevector(four, four, 0, 1) +
-                       __builtin_shufflevector(four, four, 2, 3);
+      const auto two =
+          __builtin_shufflevector(four, four, 0, 1) + __builtin_shufflevector(four, four, 2, 3);
       return two[0] + two[1];
     } else if constexpr (kWidth == 4) {
       const auto two =

@@ -11,7 +11,11 @@ constexpr double kStepsPerContact = 32; // error of the rebound below 0.1 %
 constexpr double kMostLedSteps = 4;     // a hand's contact lasts: it is followed less finely
 constexpr int kMostRounds = 40;
 constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
-constexpr double kLongestRest = 8;      // contact times after which one that has not left lies still
+constexpr std::size_t kMostWork =
+    16384; // modes times steps in a sample, so that blows stay in time
+constexpr unsigned kLeastSteps = 2;
+constexpr double kUnheardOf = 8;   // of the root mean square of many modes' sum
+constexpr double kLongestRest = 8; // contact times after which one that has not left lies still
 
 } // namespace
 
@@ -35,6 +39,8 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
   }
   const double most = kMostLedSteps * sample_rate;
   most_led_rate_ = most * most;
+  while (most_steps_ > kLeastSteps && most_steps_ * modes_ > kMostWork)
+    most_steps_ /= 2;
   set_steps(1);
 }
 
@@ -43,7 +49,7 @@ void ContactSolver::choose_steps(double wanted) noexcept {
   if (wanted <= steps_ && 4 * wanted > steps_)
     return;
   unsigned steps = 1;
-  while (steps < kMostSteps && steps < wanted)
+  while (steps < most_steps_ && steps < wanted)
     steps *= 2;
   if (steps != steps_)
     set_steps(steps);
@@ -86,7 +92,8 @@ void ContactSolver::work_out_answers() noexcept {
     for (std::size_t j = 0; j < count; ++j) {
       if (!contacts_[i].active || !contacts_[j].active)
         continue;
-      double sum = kernel_->sum(slots_[i].place_gain.data(), slots_[j].push.imaginary.data(), padded_);
+      double sum =
+          kernel_->sum(slots_[i].place_gain.data(), slots_[j].push.imaginary.data(), padded_);
       if (has_rigid_)
         sum += rigid_at(slots_[i], slots_[j].rigid) * h * h / 2;
       if (i == j && !contacts_[i].led)
@@ -98,6 +105,7 @@ void ContactSolver::work_out_answers() noexcept {
 void ContactSolver::fill(Slot& s, const Contact& contact, std::span<const double> gain,
                          const Rigid& rigid_gain) noexcept {
   s.last_force = 0;
+  s.out_of_reach = false;
   s.mobility = contact.led ? 0 : 1 / contact.striker_mass_kg;
   for (std::size_t k = 0; k < modes_; ++k) {
     s.gain[k] = k < gain.size() ? gain[k] : 0;
@@ -131,8 +139,9 @@ void ContactSolver::begin(std::size_t slot, const Contact& contact, std::span<co
   if (!contact.led && contact.speed_m_per_s > 0) {
     const double time = contact.law.duration(1 / s.mobility, contact.speed_m_per_s);
     s.steps = kStepsPerContact / (time * sample_rate_);
-    s.patience_s = std::max(kLongestFlight, kLongestRest * contact.law.duration(
-                                                contact.striker_mass_kg, contact.speed_m_per_s));
+    s.patience_s =
+        std::max(kLongestFlight, kLongestRest * contact.law.duration(contact.striker_mass_kg,
+                                                                     contact.speed_m_per_s));
   }
   work_out_pushes(slot);
   work_out_answers();
@@ -212,9 +221,10 @@ void ContactSolver::move_freely(double h) noexcept {
     c.place_m += h * (c.speed_m_per_s + 0.5 * h * c.fall_m_per_s2);
     c.speed_m_per_s += h * c.fall_m_per_s2;
     c.age_s += h;
-    const double swing =
-        turned ? kernel_->sum(s.place_gain.data(), state_.imaginary.data(), padded_)
-               : kernel_->turn(state_.view(), std::as_const(turn_).view(), s.place_gain.data(), padded_);
+    const double swing = turned
+                             ? kernel_->sum(s.place_gain.data(), state_.imaginary.data(), padded_)
+                             : kernel_->turn(state_.view(), std::as_const(turn_).view(),
+                                             s.place_gain.data(), padded_);
     turned = true;
     free_[i] = c.place_m - swing - rigid_at(s, rigid_place_);
   }
@@ -226,8 +236,9 @@ void ContactSolver::find_forces(double h) noexcept {
   const std::size_t count = contacts_.size();
   if (active_count_ == 1) {
     const std::size_t i = touching_[0];
-    force_[i] = series(contacts_[i]).solve(contacts_[i].compression_m, free_[i],
-                                           answer_[i * count + i], h, slots_[i].last_force);
+    force_[i] = series(contacts_[i])
+                    .solve(contacts_[i].compression_m, free_[i], answer_[i * count + i], h,
+                           slots_[i].last_force);
   } else {
     for (std::size_t a = 0; a < active_count_; ++a)
       force_[touching_[a]] = 0;
@@ -239,9 +250,9 @@ void ContactSolver::find_forces(double h) noexcept {
         for (std::size_t b = 0; b < active_count_; ++b)
           if (b != a)
             free -= answer_[i * count + touching_[b]] * force_[touching_[b]];
-        next_force_[i] = series(contacts_[i]).solve(contacts_[i].compression_m, free,
-                                                    answer_[i * count + i], h,
-                                                    slots_[i].last_force);
+        next_force_[i] = series(contacts_[i])
+                             .solve(contacts_[i].compression_m, free, answer_[i * count + i], h,
+                                    slots_[i].last_force);
         change = std::max(change, std::abs(next_force_[i] - force_[i]));
         largest = std::max(largest, next_force_[i]);
       }
@@ -292,13 +303,13 @@ double ContactSolver::wanted_steps() const noexcept {
     // A contact that stiffens as it is pressed in is followed in shorter steps.
     const double rate = c.law.slope(c.compression_m) * slots_[a].mobility * 5;
     square = std::max(square, c.led ? std::min(rate, most_led_rate_) : rate);
-    if (!c.led)
+    if (!c.led && !slots_[a].out_of_reach)
       wanted = std::max(wanted, slots_[a].steps);
   }
   const double rate_of_steps = wanted * sample_rate_;
   if (square > rate_of_steps * rate_of_steps)
     wanted = std::sqrt(square) / sample_rate_;
-  return std::min(wanted, double{kMostSteps});
+  return std::min(wanted, static_cast<double>(most_steps_));
 }
 
 double ContactSolver::step() noexcept {
@@ -330,23 +341,31 @@ void ContactSolver::look_for_ends() noexcept {
     Contact& c = contacts_[i];
     if (!c.active || c.led)
       continue;
-    const Slot& s = slots_[i];
+    Slot& s = slots_[i];
+    s.out_of_reach = false;
     if (c.compression_m > 0 || c.force_n > 0) {
       c.lies = c.fall_m_per_s2 > 0 && c.age_s > s.patience_s;
       if (c.lies)
         end(i);
       continue;
     }
-    // It has let go. It meets the surface again only if that can still catch up with it: no point
-    // moves further or faster than all modes together.
-    double place = 0, speed = 0;
+    // It has let go. It meets the surface again only if that can still catch up with it. No point
+    // moves further or faster than all modes together; of many modes, which never meet, no more
+    // than kUnheardOf times their root of the mean square.
+    double place = 0, speed = 0, place_square = 0, speed_square = 0;
     for (std::size_t k = 0; k < modes_; ++k) {
-      const double size = std::sqrt(state_.real[k] * state_.real[k] +
-                                    state_.imaginary[k] * state_.imaginary[k]);
+      const double square =
+          state_.real[k] * state_.real[k] + state_.imaginary[k] * state_.imaginary[k];
+      const double size = std::sqrt(square);
       place += std::abs(s.place_gain[k]) * size;
       speed += std::abs(s.gain[k]) * size;
+      place_square += s.place_gain[k] * s.place_gain[k] * square;
+      speed_square += s.gain[k] * s.gain[k] * square;
     }
+    place = std::min(place, kUnheardOf * std::sqrt(0.5 * place_square));
+    speed = std::min(speed, kUnheardOf * std::sqrt(0.5 * speed_square));
     const double away = rigid_at(s, rigid_speed_) - c.speed_m_per_s;
+    s.out_of_reach = -c.compression_m > 2 * std::max(speed - away, 0.0) / sample_rate_;
     if (away > speed || (away >= 0 && height(i) > place) || c.age_s > kLongestFlight)
       end(i);
   }
@@ -388,7 +407,8 @@ double ContactSolver::energy() const noexcept {
     const Contact& c = contacts_[i];
     if (c.led || c.age_s == 0)
       continue;
-    sum += c.striker_mass_kg * (0.5 * c.speed_m_per_s * c.speed_m_per_s - c.fall_m_per_s2 * c.place_m);
+    sum +=
+        c.striker_mass_kg * (0.5 * c.speed_m_per_s * c.speed_m_per_s - c.fall_m_per_s2 * c.place_m);
     if (c.active)
       sum += series(c).stored(c.place_m - surface_place(i));
   }

@@ -24,7 +24,9 @@ namespace tactus::modal {
 class ContactSolver {
 public:
   static constexpr std::size_t kRigid = 6;
-  static constexpr unsigned kMostSteps = 1024; ///< in a sample, a power of 2
+  /// In a sample, a power of 2; fewer for bodies of more than 16 modes, so that a sample's work is
+  /// bounded: 256 for 64 modes, 4 for 4096. Fewer steps are less exact and as passive.
+  static constexpr unsigned kMostSteps = 1024;
 
   /// Rates s of all modes, also those too high to be heard; room for so many contacts and
   /// listeners. `rigid`: the body is free to recoil.
@@ -42,9 +44,9 @@ public:
     bool led = false;              ///< its place is prescribed: a hand holds it
     bool active = false;
     double age_s = 0;
-    double force_n = 0;            ///< mean of the last sample
+    double force_n = 0; ///< mean of the last sample
     double compression_m = 0;
-    bool lies = false;             ///< it has ended because the striker has come to rest
+    bool lies = false; ///< it has ended because the striker has come to rest
   };
   /// Starts a contact: b of all modes and of the rigid motions, 1/sqrt(kg).
   void begin(std::size_t slot, const Contact& contact, std::span<const double> gain,
@@ -79,7 +81,8 @@ public:
   /// A contact goes on with the body's new rates and shapes: same compression and striker.
   /// Both solvers' modal states must be in place; gains as in begin().
   void take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
-                 std::span<const double> gain, const std::array<double, kRigid>& rigid_gain) noexcept;
+                 std::span<const double> gain,
+                 const std::array<double, kRigid>& rigid_gain) noexcept;
   /// A free body goes on moving where it was, its mass and lengths changed by these factors.
   void take_over_rigid(const ContactSolver& before, double heavier, double longer) noexcept;
 
@@ -108,13 +111,14 @@ private:
     [[nodiscard]] ConstSplitView view() const noexcept { return {real.data(), imaginary.data()}; }
   };
   struct Slot {
-    LaneArray gain, place_gain;           ///< b and b/omega_d of the modes
-    Split push;                           ///< b (exp(s h) - 1)/s
+    LaneArray gain, place_gain; ///< b and b/omega_d of the modes
+    Split push;                 ///< b (exp(s h) - 1)/s
     Rigid rigid{};
-    double mobility = 0;   ///< 1/kg that the contact feels at once
-    double steps = 1;      ///< in a sample, that the blow wants
-    double patience_s = 0; ///< a contact that lasts longer lies still
-    double last_force = 0; ///< of the step before
+    double mobility = 0;       ///< 1/kg that the contact feels at once
+    double steps = 1;          ///< in a sample, that the blow wants
+    double patience_s = 0;     ///< a contact that lasts longer lies still
+    double last_force = 0;     ///< of the step before
+    bool out_of_reach = false; ///< nothing can touch within the next sample
   };
   static SeriesContact series(const Contact& contact) noexcept {
     return {contact.law, contact.compliance_m_per_n};
@@ -144,19 +148,19 @@ private:
   const ContactKernel* kernel_;
   std::size_t modes_, padded_;
   std::vector<double> alpha_, omega_;
-  Split finest_;  ///< exp(s T / kMostSteps)
-  Split turn_;    ///< of the step at work
-  Split push_;    ///< (exp(s h) - 1)/s
-  Split state_;   ///< z
+  Split finest_; ///< exp(s T / kMostSteps)
+  Split turn_;   ///< of the step at work
+  Split push_;   ///< (exp(s h) - 1)/s
+  Split state_;  ///< z
   std::vector<Split> weights_;
   Rigid rigid_place_{}, rigid_speed_{};
   std::vector<Contact> contacts_;
   std::vector<Slot> slots_;
-  std::vector<double> answer_;  ///< [i][j] m/N: place of contact i after a step with force at j
+  std::vector<double> answer_; ///< [i][j] m/N: place of contact i after a step with force at j
   std::vector<double> free_, force_, next_force_;
   std::vector<std::size_t> touching_; ///< the active contacts, in the order of their slots
   std::size_t active_count_ = 0;
-  unsigned steps_ = 0;
+  unsigned steps_ = 0, most_steps_ = kMostSteps;
 };
 
 } // namespace tactus::modal

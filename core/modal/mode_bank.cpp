@@ -62,7 +62,9 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
     }
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t lane = k - first;
-      const auto power = [&](double samples) { return std::exp(rate[k] * (samples / sample_rate_)); };
+      const auto power = [&](double samples) {
+        return std::exp(rate[k] * (samples / sample_rate_));
+      };
       if (!poles.even) {
         for (std::size_t m = 0; m < kLeap; ++m)
           put(poles.power[m], lane, power(static_cast<double>(m) + 1));

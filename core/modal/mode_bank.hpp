@@ -23,7 +23,8 @@ namespace tactus::modal {
 /// is cut into blocks.
 class ModeBank {
 public:
-  /// Rates as above, in any order (modes of like decay side by side are computed fastest); |s| times the sample's length should be below pi.
+  /// Rates as above, in any order (modes of like decay side by side are computed fastest); |s|
+  /// times the sample's length should be below pi.
   ModeBank(std::span<const std::complex<double>> rate, double sample_rate, std::size_t drives,
            std::size_t pickups, VectorSet set = best_vector_set());
 
@@ -86,10 +87,12 @@ private:
   [[nodiscard]] Echo& echo(std::size_t drive, std::size_t pickup, bool old) noexcept {
     return echo_[(drive * pickups_.size() + pickup) * 2 + (old ? 1 : 0)];
   }
-  [[nodiscard]] std::complex<double> entry(const ComplexLane& lanes, std::size_t lane) const noexcept {
+  [[nodiscard]] std::complex<double> entry(const ComplexLane& lanes,
+                                           std::size_t lane) const noexcept {
     return {static_cast<double>(lanes.real.v[lane]), static_cast<double>(lanes.imaginary.v[lane])};
   }
-  void write_weight(std::vector<ComplexLane>& to, std::span<const std::complex<double>> weight) noexcept;
+  void write_weight(std::vector<ComplexLane>& to,
+                    std::span<const std::complex<double>> weight) noexcept;
   void work_out_echo(std::size_t drive, std::size_t pickup) noexcept;
   void wake(std::size_t drive) noexcept;
   void make_poles(std::span<const std::complex<double>> rate);
@@ -121,8 +124,8 @@ private:
   std::size_t active_count_ = 0;
   double floor_ = 0;
 
-  std::uint64_t clock_ = 0;  // samples
-  std::size_t phase_ = 0;    // samples of the leap at hand that are over
+  std::uint64_t clock_ = 0;                       // samples
+  std::size_t phase_ = 0;                         // samples of the leap at hand that are over
   std::vector<std::array<float, kLeap>> history_; // [drive], their forces
   // Of the chunk at hand.
   struct Ear {

@@ -24,8 +24,7 @@ struct ContactLaw {
   [[nodiscard]] double work(double compression_m) const noexcept {
     if (!(compression_m > 0))
       return 0;
-    return stiffness / (exponent + 1) *
-           compression_m * power(compression_m);
+    return stiffness / (exponent + 1) * compression_m * power(compression_m);
   }
   /// d force / d compression of the elastic part, N/m.
   [[nodiscard]] double slope(double compression_m) const noexcept {
@@ -58,16 +57,18 @@ struct ContactLaw {
 /// Hertz' stiffness of a ball against a flat body: k = 4/3 E* sqrt(R),
 /// 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
 [[nodiscard]] inline double hertz_stiffness(double radius_m, double modulus_pa, double poisson,
-                                            double other_modulus_pa, double other_poisson) noexcept {
-  const double softness = (1 - poisson * poisson) / modulus_pa +
-                          (1 - other_poisson * other_poisson) / other_modulus_pa;
+                                            double other_modulus_pa,
+                                            double other_poisson) noexcept {
+  const double softness =
+      (1 - poisson * poisson) / modulus_pa + (1 - other_poisson * other_poisson) / other_modulus_pa;
   return 4.0 / 3.0 * std::sqrt(radius_m) / softness;
 }
 
 /// The loss mu with which an impact at speed v on a resting wall returns with e v:
 /// ln((1 + mu v) / (1 - mu e v)) = mu v (1 + e), exact for the law above with any exponent
 /// (Marhefka & Orin 1999). e in (0, 1]; grows without bound as e goes to 0, where it is cut off.
-[[nodiscard]] inline double loss_for_restitution(double restitution, double speed_m_per_s) noexcept {
+[[nodiscard]] inline double loss_for_restitution(double restitution,
+                                                 double speed_m_per_s) noexcept {
   if (restitution >= 1)
     return 0;
   const double e = std::max(restitution, 0.01);

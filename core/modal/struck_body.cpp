@@ -9,12 +9,12 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kMostForce = 1e6;    // N taken from the inlet
-constexpr double kMostHeight = 10;    // m
-constexpr double kUnreal = 1e12;      // N
-constexpr double kQuietest = 1e-8;    // of full scale: a mode below it is put to rest
-constexpr std::size_t kFade = 512;    // samples, of the sound of a body that is exchanged
-constexpr double kGainSpeed = 0.005;  // of the way, per sample
+constexpr double kMostForce = 1e6;   // N taken from the inlet
+constexpr double kMostHeight = 10;   // m
+constexpr double kUnreal = 1e12;     // N
+constexpr double kQuietest = 1e-8;   // of full scale: a mode below it is put to rest
+constexpr std::size_t kFade = 512;   // samples, of the sound of a body that is exchanged
+constexpr double kGainSpeed = 0.005; // of the way, per sample
 
 double sane(double x, double most) noexcept {
   return x > -most ? (x < most ? x : most) : (x <= -most ? -most : 0.0);
@@ -57,7 +57,8 @@ void StruckBody::adopt() noexcept {
   if (!next)
     return;
   const bool goes_on = next->same_body && model_ && model_->loaded == next->model->loaded;
-  const bool touched = goes_on && coupled_now_ && next->model->settings.sample_rate == model_->settings.sample_rate;
+  const bool touched =
+      goes_on && coupled_now_ && next->model->settings.sample_rate == model_->settings.sample_rate;
   if (!touched)
     leave_contact();
   if (touched) {
@@ -334,8 +335,8 @@ void StruckBody::play_raw(std::size_t frames) noexcept {
       continue;
     for (std::size_t n = 0; n < frames; ++n) {
       for (std::size_t l = 0; l < model_->settings.listeners; ++l)
-        chunk_.heard[l][n] += static_cast<float>(
-            r.speed_m_per_s * model_->raw[l].pressure(table, r.hit, r.age_s));
+        chunk_.heard[l][n] +=
+            static_cast<float>(r.speed_m_per_s * model_->raw[l].pressure(table, r.hit, r.age_s));
       r.age_s += 1 / sample_rate_;
     }
     r.active = r.age_s < model_->raw[0].end_s(table);
@@ -411,8 +412,8 @@ void StruckBody::make_pulses(std::size_t frames) noexcept {
     };
     for (std::size_t n = 0; n < frames; ++n) {
       const double next = pulse.age_s + 1 / sample_rate_;
-      chunk_.pulse[i][n] = static_cast<float>(pulse.impulse * sample_rate_ *
-                                              (passed(next) - passed(pulse.age_s)));
+      chunk_.pulse[i][n] =
+          static_cast<float>(pulse.impulse * sample_rate_ * (passed(next) - passed(pulse.age_s)));
       pulse.age_s = next;
       chunk_.contact[n] += chunk_.pulse[i][n];
     }

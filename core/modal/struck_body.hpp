@@ -32,7 +32,8 @@ struct Hit {
 /// the listeners. New models are handed over between threads and taken at a block's beginning.
 ///
 /// Contacts run coupled with the body in ContactSolver, sample by sample; everything else rings in
-/// ModeBank. process() and hit() belong to one thread (or are called in turn), publish() to another.
+/// ModeBank. process() and hit() belong to one thread (or are called in turn), publish() to
+/// another.
 class StruckBody {
 public:
   StruckBody() = default;
@@ -64,11 +65,11 @@ public:
   [[nodiscard]] std::vector<double> levels(std::size_t most);
 
   struct Options {
-    bool coupled = true;           ///< else blows are pulses of known shape
-    bool led = false;              ///< the second inlet holds a striker's height above the point
+    bool coupled = true; ///< else blows are pulses of known shape
+    bool led = false;    ///< the second inlet holds a striker's height above the point
     bool doppler = false;
-    double spring_n_per_m = 0;     ///< above 0: the led striker feels this spring, nothing sounds
-    double gain = 0.1;             ///< of the sound, 1/Pa (1 for `none`: s/m)
+    double spring_n_per_m = 0; ///< above 0: the led striker feels this spring, nothing sounds
+    double gain = 0.1;         ///< of the sound, 1/Pa (1 for `none`: s/m)
     double cull_db = 90;
   };
   void set_options(const Options& options) noexcept { options_ = options; }

@@ -30,9 +30,10 @@ const NpzArray* TableArrays::take(std::string_view name, std::string_view kinds,
     refuse(named + "holds the wrong kind of numbers");
     return nullptr;
   }
-  const bool fits = array->shape.size() == shape.size() &&
-                    std::equal(shape.begin(), shape.end(), array->shape.begin(),
-                               [](std::size_t want, std::size_t is) { return want == kAny || want == is; });
+  const bool fits =
+      array->shape.size() == shape.size() &&
+      std::equal(shape.begin(), shape.end(), array->shape.begin(),
+                 [](std::size_t want, std::size_t is) { return want == kAny || want == is; });
   if (!fits) {
     refuse(named + "has shape " + text_of(array->shape) + ": expected " +
            text_of({shape.begin(), shape.size()}));

@@ -29,10 +29,11 @@ enum ParameterIndex : std::size_t {
   kSync,
 };
 inline constexpr std::array kParameters{
-    Parameter{"radiation", "", 0, 0, 3,
-              "how the body sounds to a listener: baffled surface mode by mode, recorded or computed "
-              "surface velocities, free body by its multipoles, or bare surface velocity",
-              kRadiations},
+    Parameter{
+        "radiation", "", 0, 0, 3,
+        "how the body sounds to a listener: baffled surface mode by mode, recorded or computed "
+        "surface velocities, free body by its multipoles, or bare surface velocity",
+        kRadiations},
     Parameter{"contact", "", 0, 0, 1,
               "striker and body coupled, or a pulse of known shape for many blows at once",
               kContacts},
@@ -59,6 +60,7 @@ enum MessageIndex : std::size_t {
   kHit,
   kHitVertex,
   kHitFace,
+  kDrop,
   kBang,
   kNormal,
   kStriker,
@@ -75,28 +77,36 @@ enum MessageIndex : std::size_t {
   kRing,
 };
 inline constexpr std::array kMessages{
-    Message{"load", "file.npz [-sync]", 1, 2, "read a body's table; the old body goes on until then"},
-    Message{"hit", "[x y z] v", 1, 4, "blow at x y z mm with v m/s; without a place where the last one was"},
+    Message{"load", "file.npz [-sync]", 1, 2,
+            "read a body's table; the old body goes on until then"},
+    Message{"hit", "[x y z] v", 1, 4,
+            "blow at x y z mm with v m/s; without a place where the last one was"},
     Message{"hitv", "vertex v", 2, 2, "blow at a vertex of the table"},
     Message{"hitf", "face u v speed", 4, 4,
             "blow on a triangle, u and v the weights of its second and third corner"},
+    Message{"drop", "[x y z] h", 1, 4,
+            "the striker falls h mm onto x y z mm and bounces until it lies"},
     Message{"bang", "", 0, 0, "the last blow again"},
-    Message{"normal", "[x y z]", 0, 3, "direction out of the body that blows go against; none: the surface's"},
+    Message{"normal", "[x y z]", 0, 3,
+            "direction out of the body that blows go against; none: the surface's"},
     Message{"striker", "mass radius E nu", 4, 4, "a ball: kg, m, Pa (Hertz' contact)"},
     Message{"hardness", "k exponent loss", 1, 3,
             "contact law k d^exponent (1 + loss v) instead of Hertz'; 0: Hertz"},
     Message{"point", "x y z or vertex", 1, 3, "where inlets 1 and 2 meet the body, mm"},
     Message{"listener", "i x y z", 4, 4, "places listener 1 or 2, mm"},
     Message{"material", "E rho", 2, 2, "Pa and kg/m^3; 0: the table's"},
-    Message{"preset", "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|polycarbonate|rubber|table",
+    Message{"preset",
+            "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|"
+            "polycarbonate|rubber|table",
             1, 1, "elasticity, density and damping of a material"},
     Message{"rayleigh", "a b", 2, 2, "damping (a + b omega^2)/2 in 1/s"},
     Message{"loss", "eta", 1, 1, "the same loss factor at all frequencies"},
     Message{"losscurve", "f1 eta1 f2 eta2 ...", 2, 64, "loss factor over frequency in Hz"},
     Message{"reset", "", 0, 0, "silence"},
     Message{"info", "", 0, 0, "body, counts, frequencies and decay times, out of the info outlet"},
-    Message{"ring", "", 0, 0,
-            "levels of the modes that ring, dB from full scale, by frequency, out of the info outlet"},
+    Message{
+        "ring", "", 0, 0,
+        "levels of the modes that ring, dB from full scale, by frequency, out of the info outlet"},
 };
 
 inline constexpr std::array kArguments{CreationArgument{"load"}};

@@ -14,8 +14,8 @@ using namespace modal_impact;
 namespace {
 
 constexpr double kMillimetre = 0.001;
-constexpr double kFarthest = 1e6;   // mm
-constexpr double kFastest = 50;     // m/s
+constexpr double kFarthest = 1e6;    // mm
+constexpr double kFastest = 50;      // m/s
 constexpr double kFarFromBody = 0.1; // of its diagonal
 
 /// What a number must be, or a sentence about the first that is not.
@@ -33,8 +33,8 @@ bool within(std::string_view message, std::span<const double> numbers,
     const double x = numbers[i++];
     if (x >= range.lowest && x <= range.highest)
       continue;
-    std::string sentence = std::string(message) + ": " + std::string(range.name) + " " +
-                           number_text(x);
+    std::string sentence =
+        std::string(message) + ": " + std::string(range.name) + " " + number_text(x);
     if (!range.unit.empty())
       sentence += " " + std::string(range.unit);
     host.error(sentence + ": expected " + number_text(range.lowest) + ".." +
@@ -63,23 +63,41 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     numbers.push_back(atom.number);
   }
   switch (index) {
-  case kHit: return hit(numbers, host);
-  case kHitVertex: return hit_vertex(numbers, host);
-  case kHitFace: return hit_face(numbers, host);
-  case kBang: return hit(std::array{last_speed_}, host);
-  case kNormal: return set_normal(numbers, host);
-  case kStriker: return set_striker(numbers, host);
-  case kHardness: return set_hardness(numbers, host);
-  case kPoint: return set_point(numbers, host);
-  case kListener: return set_listener(numbers, host);
-  case kMaterial: return set_material(numbers, host);
+  case kHit:
+    return hit(numbers, host);
+  case kHitVertex:
+    return hit_vertex(numbers, host);
+  case kHitFace:
+    return hit_face(numbers, host);
+  case kDrop:
+    return drop(numbers, host);
+  case kBang:
+    return again(host);
+  case kNormal:
+    return set_normal(numbers, host);
+  case kStriker:
+    return set_striker(numbers, host);
+  case kHardness:
+    return set_hardness(numbers, host);
+  case kPoint:
+    return set_point(numbers, host);
+  case kListener:
+    return set_listener(numbers, host);
+  case kMaterial:
+    return set_material(numbers, host);
   case kRayleigh:
   case kLoss:
-  case kLossCurve: return set_damping(index, numbers, host);
-  case kReset: return body_.reset();
-  case kInfo: body_.adopt(); return tell_info(host);
-  case kRing: return tell_ring(host);
-  default: return;
+  case kLossCurve:
+    return set_damping(index, numbers, host);
+  case kReset:
+    return body_.reset();
+  case kInfo:
+    body_.adopt();
+    return tell_info(host);
+  case kRing:
+    return tell_ring(host);
+  default:
+    return;
   }
 }
 
@@ -110,9 +128,8 @@ void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
 
 void ModalImpact::warn_of_distance(const SurfacePoint& place, Host& host) {
   const BodyModel* model = body_.model();
-  const double diagonal = model->loaded->surface.empty()
-                              ? 0
-                              : model->loaded->surface.diagonal() * model->settings.size;
+  const double diagonal =
+      model->loaded->surface.empty() ? 0 : model->loaded->surface.diagonal() * model->settings.size;
   if (warned_ || place.distance <= kFarFromBody * diagonal || diagonal == 0)
     return;
   warned_ = true;
@@ -120,11 +137,12 @@ void ModalImpact::warn_of_distance(const SurfacePoint& place, Host& host) {
            " mm beside the body is taken to the nearest place on it; said once");
 }
 
-void ModalImpact::strike(const SurfacePoint& place, double speed, Host& host) {
+void ModalImpact::strike(const SurfacePoint& place, double speed, Host& host, bool falls) {
   warn_of_distance(place, host);
   last_place_ = place;
   last_speed_ = speed;
-  body_.hit({place, normal_.value_or(place.normal), speed});
+  last_fell_ = falls;
+  body_.hit({place, normal_.value_or(place.normal), speed, falls});
 }
 
 void ModalImpact::hit(Numbers n, Host& host) {
@@ -141,6 +159,27 @@ void ModalImpact::hit(Numbers n, Host& host) {
   strike(last_place_.value_or(body_.point()), n[0], host);
 }
 
+void ModalImpact::drop(Numbers n, Host& host) {
+  if (n.size() != 1 && n.size() != 4)
+    return host.error("drop: expected h, or x y z h");
+  constexpr Range kHeight{"h", "mm", 1e-3, 100000};
+  if (n.size() == 4 ? !within("drop", n, {kX, kY, kZ, kHeight}, host)
+                    : !within("drop", n, {kHeight}, host))
+    return;
+  const BodyModel* model = body(host);
+  if (!model)
+    return;
+  const double speed = std::sqrt(2 * StruckBody::kGravity * kMillimetre * n.back());
+  strike(n.size() == 4 ? model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]})
+                       : last_place_.value_or(body_.point()),
+         speed, host, true);
+}
+
+void ModalImpact::again(Host& host) {
+  if (body(host))
+    strike(last_place_.value_or(body_.point()), last_speed_, host, last_fell_);
+}
+
 SurfacePoint ModalImpact::at_vertex(std::size_t vertex) const noexcept {
   const LoadedTable& loaded = *body_.model()->loaded;
   if (loaded.surface.empty())
@@ -152,8 +191,7 @@ void ModalImpact::hit_vertex(Numbers n, Host& host) {
   const BodyModel* model = body(host);
   if (!model)
     return;
-  const double last =
-      std::max<double>(static_cast<double>(model->loaded->table.vertices()), 1) - 1;
+  const double last = std::max<double>(static_cast<double>(model->loaded->table.vertices()), 1) - 1;
   if (within("hitv", n, {{"vertex", "", 0, last}, kSpeed}, host))
     strike(at_vertex(static_cast<std::size_t>(n[0])), n[1], host);
 }
@@ -164,11 +202,14 @@ void ModalImpact::hit_face(Numbers n, Host& host) {
     return;
   const Surface& surface = model->loaded->surface;
   const double last = std::max<double>(static_cast<double>(surface.triangles()), 1) - 1;
-  if (!within("hitf", n, {{"face", "", 0, last}, {"u", "", 0, 1}, {"v", "", 0, 1 - n[1]},
-                          {"speed", "m/s", 1e-6, kFastest}}, host))
+  if (!within("hitf", n,
+              {{"face", "", 0, last},
+               {"u", "", 0, 1},
+               {"v", "", 0, 1 - n[1]},
+               {"speed", "m/s", 1e-6, kFastest}},
+              host))
     return;
-  strike(surface.empty() ? SurfacePoint{}
-                         : surface.on(static_cast<std::size_t>(n[0]), n[1], n[2]),
+  strike(surface.empty() ? SurfacePoint{} : surface.on(static_cast<std::size_t>(n[0]), n[1], n[2]),
          n[3], host);
 }
 
@@ -245,9 +286,9 @@ void ModalImpact::set_listener(Numbers n, Host& host) {
 
 void ModalImpact::set_material(Numbers n, Host& host) {
   for (std::size_t i = 0; i < 2; ++i)
-    if (n[i] != 0 && !within("material", n.subspan(i, 1),
-                             {i == 0 ? Range{"E", "Pa", 1e3, 1e13}
-                                     : Range{"rho", "kg/m^3", 1, 1e5}}, host))
+    if (n[i] != 0 &&
+        !within("material", n.subspan(i, 1),
+                {i == 0 ? Range{"E", "Pa", 1e3, 1e13} : Range{"rho", "kg/m^3", 1, 1e5}}, host))
       return;
   settings_.youngs_modulus_pa = n[0];
   settings_.density_kg_per_m3 = n[1];
@@ -295,8 +336,7 @@ void ModalImpact::set_damping(std::size_t index, Numbers n, Host& host) {
     std::vector<std::array<double, 2>> curve;
     for (std::size_t i = 0; i < n.size(); i += 2) {
       const double least = curve.empty() ? 1e-3 : curve.back()[0] * (1 + 1e-9);
-      if (!within("losscurve", n.subspan(i, 2),
-                  {{"f", "Hz", least, 1e6}, {"eta", "", 0, 2}}, host))
+      if (!within("losscurve", n.subspan(i, 2), {{"f", "Hz", least, 1e6}, {"eta", "", 0, 2}}, host))
         return;
       curve.push_back({n[i], n[i + 1]});
     }

@@ -50,9 +50,11 @@ private:
   void load(std::span<const Atom> arguments, Host& host);
   void load(const std::string& name, bool at_once, Host& host);
   void hit(Numbers numbers, Host& host);
+  void drop(Numbers numbers, Host& host);
+  void again(Host& host);
   void hit_vertex(Numbers numbers, Host& host);
   void hit_face(Numbers numbers, Host& host);
-  void strike(const SurfacePoint& place, double speed, Host& host);
+  void strike(const SurfacePoint& place, double speed, Host& host, bool falls = false);
   void set_normal(Numbers numbers, Host& host);
   void set_striker(Numbers numbers, Host& host);
   void set_hardness(Numbers numbers, Host& host);
@@ -84,6 +86,7 @@ private:
   std::optional<Vec3> normal_;
   std::optional<SurfacePoint> last_place_;
   double last_speed_ = 1;
+  bool last_fell_ = false;
   bool warned_ = false;
   double sample_rate_ = 48000;
   TableWorker worker_; // last: its thread ends before what it uses

@@ -183,3 +183,41 @@ def test_the_module_needs_neither_finite_elements_nor_meshers_nor_hdf5():
     needs = subprocess.run(["ldd", module], check=True, capture_output=True, text=True).stdout
     for library in ("fem", "gmsh", "hdf5", "cholmod", "blas", "faust"):
         assert library not in needs
+
+
+@pytest.mark.parametrize("block", [1, 16, 1024, 4096])
+def test_any_block_size_gives_the_same_blow(tmp_path, block):
+    def play(size):
+        patch, box = struck(tmp_path, block=size)
+        patch.at(0, box, "hit 30 40 0 1")
+        return patch.render(0.4, path=[tmp_path])["left"]
+    ours, reference = play(block), play(64)
+    length = 16384 - max(block, 64)
+    start = [int(numpy.argmax(abs(x) > 1e-6 * abs(x).max())) for x in (ours, reference)]
+    a, b = (x[s:s + length // 2] for x, s in zip((ours, reference), start))
+    assert abs(a - b).max() < 1e-6 * abs(b).max()
+
+
+def test_a_dropped_ball_bounces_until_it_lies(tmp_path):
+    patch, box = struck(tmp_path, "-restitution", 0.5)
+    patch.at(100, box, "drop 30 40 0 20")
+    contact = patch.render(1.5, path=[tmp_path])["contact"]
+    hit = numpy.flatnonzero(contact > 0)
+    onsets = hit[numpy.flatnonzero(numpy.diff(hit, prepend=-10000) > 500)]
+    assert len(onsets) >= 3
+    speed = (2 * 9.80665 * 0.02) ** 0.5
+    # Restitution limits the first bounce; of the later ones the swinging plate throws some higher.
+    flight = numpy.diff(onsets) / RATE
+    assert (flight < 2 * 0.5 * speed / 9.80665 + 0.002).all()
+    assert not contact[RATE:].any()
+
+
+@pytest.mark.parametrize("wrong, sentence", [("drop 1 2", "drop: expected h, or x y z h"),
+                                             ("drop -5", "drop: h -5 mm: expected"),
+                                             ("drop 0 0 0 1e9", "drop: h 1e.09 mm: expected"),
+                                             ("drop 0 0 0 high", "drop: expected numbers")])
+def test_a_drop_from_nowhere_is_refused(tmp_path, wrong, sentence):
+    patch, box = struck(tmp_path)
+    patch.at(50, box, wrong)
+    result = patch.render(0.2, path=[tmp_path], expect_errors=["modal_impact~: " + sentence])
+    assert not result["left"].any()

@@ -27,7 +27,8 @@ Blow strike(ContactSolver& solver, double rate, ContactSolver::Contact contact,
             std::span<const double> gain, std::array<double, 6> rigid = {}) {
   Blow blow;
   solver.begin(0, contact, gain, rigid);
-  const double before = 0.5 * contact.striker_mass_kg * contact.speed_m_per_s * contact.speed_m_per_s;
+  const double before =
+      0.5 * contact.striker_mass_kg * contact.speed_m_per_s * contact.speed_m_per_s;
   for (int n = 0; n < 100000 && solver.touching(); ++n) {
     const double force = solver.step();
     blow.impulse += force / rate;
@@ -47,7 +48,6 @@ ContactSolver::Contact ball() {
   return contact;
 }
 
-
 } // namespace
 
 TEST_CASE("Hertz' numbers for the ball are the closed form's") {
@@ -63,7 +63,8 @@ TEST_CASE("Hertz' numbers for the ball are the closed form's") {
   CHECK(spring.duration(0.1, 1) == doctest::Approx(kPi * std::sqrt(0.1 / 1000)));
 }
 
-TEST_CASE("on a wall the ball returns as fast as it came, at every sample rate, after Hertz' time") {
+TEST_CASE(
+    "on a wall the ball returns as fast as it came, at every sample rate, after Hertz' time") {
   for (const double rate : {8000.0, 22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
     CAPTURE(rate);
     ContactSolver solver({}, rate, 1, false);
@@ -146,14 +147,13 @@ TEST_CASE("the steel ball on a free aluminium disk parts as finer computations f
   struct Mode {
     double frequency_hz, shape;
   };
-  const std::vector<Mode> low{{5891.5, 1.3198}, {9993.9, 1.4932}, {12869.7, 0.8859},
-                              {20581.6, 3.5416}, {21125.2, 0.5946}};
-  const std::vector<Mode> high{{23364.8, 0.0115}, {27421.5, 0.1239}, {30227.9, 0.3988},
-                               {32176.4, 3.7348}, {34917.8, 1.4805}, {35445.5, 0.3618},
-                               {35894.0, 0.0221}, {39880.8, 0.2672}, {42573.0, 0.1448},
-                               {44158.7, 3.4438}, {46760.9, 0.0228}, {49046.9, 0.0404},
-                               {49888.5, 0.1788}, {56255.5, 2.9675}, {56948.0, 0.0185},
-                               {58417.3, 0.1338}};
+  const std::vector<Mode> low{
+      {5891.5, 1.3198}, {9993.9, 1.4932}, {12869.7, 0.8859}, {20581.6, 3.5416}, {21125.2, 0.5946}};
+  const std::vector<Mode> high{
+      {23364.8, 0.0115}, {27421.5, 0.1239}, {30227.9, 0.3988}, {32176.4, 3.7348},
+      {34917.8, 1.4805}, {35445.5, 0.3618}, {35894.0, 0.0221}, {39880.8, 0.2672},
+      {42573.0, 0.1448}, {44158.7, 3.4438}, {46760.9, 0.0228}, {49046.9, 0.0404},
+      {49888.5, 0.1788}, {56255.5, 2.9675}, {56948.0, 0.0185}, {58417.3, 0.1338}};
   constexpr double kMass = 0.254469, kInertia = 1.620966e-4, kArm = 0.025;
   const std::array<double, 6> recoil{1 / std::sqrt(kMass), kArm / std::sqrt(kInertia), 0, 0, 0, 0};
   const auto play = [&](std::vector<Mode> modes, double rate, std::vector<double>* speeds) {

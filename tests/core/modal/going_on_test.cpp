@@ -99,7 +99,9 @@ TEST_CASE("a loud body that is retuned begins its new sound where the old one st
     rig.body.publish(std::move(next), true);
     rig.body.adopt();
     CHECK(20 * std::log10(std::abs(sound(now, now.old_weight[0]) - last) /
-                              static_cast<double>(loudest) + 1e-12) < -60);
+                              static_cast<double>(loudest) +
+                          1e-12) <
+          -60);
   }
 }
 
@@ -148,7 +150,8 @@ TEST_CASE("falling balls without number, and bodies exchanged under them, stay f
   Rig rig(48000);
   rig.body.set_striker({0.002, 0.004, 206e9, 0.29, 0, 1.5, 0, 0.8});
   for (int round = 0; round < 200; ++round) {
-    const SurfacePoint at = rig.body.model()->nearest({0.001 * static_cast<double>(random() % 100), 0, 0});
+    const SurfacePoint at =
+        rig.body.model()->nearest({0.001 * static_cast<double>(random() % 100), 0, 0});
     rig.body.hit({at, at.normal, 0.01 * static_cast<double>(1 + random() % 200), true});
     if (round % 5 == 0)
       retune(rig, 1 + 0.001 * static_cast<double>(random() % 50));

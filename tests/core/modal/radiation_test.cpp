@@ -84,7 +84,9 @@ TEST_CASE("multipoles of degree 0 and 1 are the breathing and the swinging spher
   // Unit velocity: p = -j rho c v h_l(kr)/h_l'(ka); the table holds its value on the sphere over Y.
   const double x = k * a;
   const auto h0 = [](double y) { return Complex(0, 1) * std::polar(1.0, -y) / y; };
-  const auto h1 = [](double y) { return std::polar(1.0, -y) * (Complex(0, 1) / (y * y) - 1.0 / y); };
+  const auto h1 = [](double y) {
+    return std::polar(1.0, -y) * (Complex(0, 1) / (y * y) - 1.0 / y);
+  };
   const Complex h0_slope = -h1(x), h1_slope = h0(x) - 2.0 / x * h1(x);
   const Complex j(0, 1);
   const double y0 = std::sqrt(1 / (4 * kPi)), y1 = std::sqrt(3 / (4 * kPi)); // times cos(theta)
@@ -115,7 +117,8 @@ TEST_CASE("raw velocities of one small element give its retarded, differenced po
   table.area_m2 = {1e-4};
   const double omega = 2 * kPi * 1000;
   for (std::size_t n = 0; n < table.samples; ++n)
-    table.velocity_m_per_s.push_back(static_cast<float>(std::sin(omega * static_cast<double>(n) / 44100)));
+    table.velocity_m_per_s.push_back(
+        static_cast<float>(std::sin(omega * static_cast<double>(n) / 44100)));
   RawListener listener;
   const double d = 0.1;
   listener.set(table, {0, 0, d}, kAir, kSound);

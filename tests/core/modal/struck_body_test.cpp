@@ -22,7 +22,8 @@ std::complex<double> amplitude(std::span<const float> sound, std::complex<double
   std::complex<double> sum = 0;
   double weight = 0;
   for (std::size_t n = 0; n < sound.size(); ++n) {
-    const double window = std::sin(kPi * static_cast<double>(n) / static_cast<double>(sound.size()));
+    const double window =
+        std::sin(kPi * static_cast<double>(n) / static_cast<double>(sound.size()));
     const auto tone = std::exp(s * (static_cast<double>(n) / rate));
     sum += static_cast<double>(sound[n]) * window * window * std::conj(tone);
     weight += std::norm(tone) * window * window;
@@ -133,7 +134,8 @@ TEST_CASE("a pulse has the coupled blow's impulse and sound below half its inver
     return rig.run(48000);
   };
   const auto a = play(true), b = play(false);
-  CHECK(20 * std::log10(impulse(b, 96000) / impulse(a, 96000)) == doctest::Approx(0).epsilon(1).scale(1));
+  CHECK(20 * std::log10(impulse(b, 96000) / impulse(a, 96000)) ==
+        doctest::Approx(0).epsilon(1).scale(1));
   const Rig rig(96000, table);
   const ContactLaw law{2e7, 1.5, 0};
   const double highest = 0.5 / law.duration(0.002, 0.5);
@@ -209,7 +211,8 @@ TEST_CASE("a hundred bodies exchanged while they sound leave no step and no rubb
   float step = 0, last = 0, loudest = 0;
   for (int round = 0; round < 100; ++round) {
     rig.hit({0.05, 0.03, 0}, 0.001); // quiet: what is heard beside it would be a step
-    rig.loaded = std::make_shared<const LoadedTable>(plate(0.3 + 0.001 * round, 0.2, 0.005, 5000, 8, 8));
+    rig.loaded =
+        std::make_shared<const LoadedTable>(plate(0.3 + 0.001 * round, 0.2, 0.005, 5000, 8, 8));
     rig.renew(false);
     for (const float x : rig.run(100, 50).left) {
       CHECK(std::isfinite(x));

@@ -83,7 +83,8 @@ TEST_CASE("frequencies alone make a table that rings with unit gain") {
 }
 
 TEST_CASE("arrays that nobody knows are left aside") {
-  CHECK(refusal_with([](auto& m) { named(m, "weather").data = raw(std::vector<double>{1}); }) == "");
+  CHECK(refusal_with([](auto& m) { named(m, "weather").data = raw(std::vector<double>{1}); }) ==
+        "");
 }
 
 TEST_CASE("what is no archive, or a damaged one, is refused with a sentence") {
@@ -113,17 +114,23 @@ TEST_CASE("what is no archive, or a damaged one, is refused with a sentence") {
 }
 
 TEST_CASE("arrays that cannot be right are refused by name") {
-  says(refusal_with([](auto& m) { named(m, "meta").data = "{not json"; named(m, "meta").shape = {9}; }), "JSON");
+  says(refusal_with([](auto& m) {
+         named(m, "meta").data = "{not json";
+         named(m, "meta").shape = {9};
+       }),
+       "JSON");
   says(refusal_with([](auto& m) {
          auto& meta = named(m, "meta");
          meta.data = R"({"format":"modal-table","version":"2.0"})";
          meta.shape = {meta.data.size()};
-       }), "version");
+       }),
+       "version");
   says(refusal_with([](auto& m) {
          auto& meta = named(m, "meta");
          meta.data = R"({"format":"shopping list"})";
          meta.shape = {meta.data.size()};
-       }), "no modal table");
+       }),
+       "no modal table");
   const auto freq = [](std::vector<double> f) {
     return [f](auto& m) {
       named(m, "freq").data = raw(f);
@@ -137,29 +144,46 @@ TEST_CASE("arrays that cannot be right are refused by name") {
   says(refusal_with(freq({440, std::numeric_limits<double>::infinity()})), "not finite");
   says(refusal_with(freq(std::vector<double>(20001, 440))), "20000");
   says(refusal_with(freq({1, 2, 3})), "shape");
-  says(refusal_with([](auto& m) { named(m, "freq").type = "<c16"; named(m, "freq").shape = {1}; }), "wrong kind");
+  says(refusal_with([](auto& m) {
+         named(m, "freq").type = "<c16";
+         named(m, "freq").shape = {1};
+       }),
+       "wrong kind");
   says(refusal_with([](auto& m) { named(m, "freq").type = "<U4"; }), "type");
   says(refusal_with([](auto& m) { named(m, "freq").shape = {3}; }), "bytes long");
   says(refusal_with([](auto& m) { named(m, "phi").shape = {2, 3, 4}; }), "shape");
-  says(refusal_with([](auto& m) { named(m, "phi").data = raw(std::vector<float>(24, 0)); }), "zero");
+  says(refusal_with([](auto& m) { named(m, "phi").data = raw(std::vector<float>(24, 0)); }),
+       "zero");
   says(refusal_with([](auto& m) {
-         named(m, "phi").data = raw(std::vector<float>(24, std::numeric_limits<float>::quiet_NaN()));
-       }), "not finite");
+         named(m, "phi").data =
+             raw(std::vector<float>(24, std::numeric_limits<float>::quiet_NaN()));
+       }),
+       "not finite");
   says(refusal_with([](auto& m) { named(m, "tri").data[4] = 9; }), "corner");
   says(refusal_with([](auto& m) { named(m, "tri").data[3] = static_cast<char>(0x80); }), "corner");
   says(refusal_with([](auto& m) { named(m, "mass").data = raw(std::vector<double>{0}); }), "mass");
-  says(refusal_with([](auto& m) { named(m, "inertia").data = raw(std::vector<double>(9, -1)); }), "inertia");
-  says(refusal_with([](auto& m) { named(m, "eta").data = raw(std::vector<double>{-1, 0}); }), "eta");
-  says(refusal_with([](auto& m) { std::erase_if(m, [](auto& x) { return x.name == "xyz"; }); }), "'xyz' is missing");
-  says(refusal_with([](auto& m) { std::erase_if(m, [](auto& x) { return x.name == "freq"; }); }), "'freq' is missing");
+  says(refusal_with([](auto& m) { named(m, "inertia").data = raw(std::vector<double>(9, -1)); }),
+       "inertia");
+  says(refusal_with([](auto& m) {
+         named(m, "eta").data = raw(std::vector<double>{-1, 0});
+       }),
+       "eta");
+  says(refusal_with([](auto& m) { std::erase_if(m, [](auto& x) { return x.name == "xyz"; }); }),
+       "'xyz' is missing");
+  says(refusal_with([](auto& m) { std::erase_if(m, [](auto& x) { return x.name == "freq"; }); }),
+       "'freq' is missing");
 }
 
 TEST_CASE("a size that overflows is refused before anything is allocated") {
   const auto begin = std::chrono::steady_clock::now();
   says(refusal_with([](auto& m) {
          named(m, "xyz").shape = {std::size_t{1} << 62, std::size_t{1} << 62};
-       }), "more elements");
-  says(refusal_with([](auto& m) { named(m, "xyz").shape = {std::size_t{1} << 50, 3}; }), "bytes long");
+       }),
+       "more elements");
+  says(refusal_with([](auto& m) {
+         named(m, "xyz").shape = {std::size_t{1} << 50, 3};
+       }),
+       "bytes long");
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(1));
 }
 
@@ -172,15 +196,21 @@ TEST_CASE("multipoles and raw velocities must fit their own tables") {
     m.push_back({"mp_coef", "<c8", {5}, raw(std::vector<float>(10, 1))});
   };
   CHECK(refusal_with(with_multipoles) == "");
-  says(refusal_with([&](auto& m) { with_multipoles(m); named(m, "mp_off").data[8] = 5; }), "multipoles");
+  says(refusal_with([&](auto& m) {
+         with_multipoles(m);
+         named(m, "mp_off").data[8] = 5;
+       }),
+       "multipoles");
   says(refusal_with([&](auto& m) {
          with_multipoles(m);
          named(m, "mp_coef").shape = {4};
          named(m, "mp_coef").data.resize(32);
-       }), "mp_coef");
+       }),
+       "mp_coef");
   says(refusal_with([&](auto& m) {
          m.push_back({"raw_v", "<f4", {1, 2, 3}, raw(std::vector<float>(6, 1))});
-       }), "raw_");
+       }),
+       "raw_");
 }
 
 TEST_CASE("twenty thousand damaged files crash nothing and keep the old table") {
@@ -193,10 +223,18 @@ TEST_CASE("twenty thousand damaged files crash nothing and keep the old table") 
     for (unsigned n = 1 + random() % 4; n-- > 0;) {
       const std::size_t at = random() % bad.size();
       switch (random() % 4) {
-      case 0: bad[at] = static_cast<char>(random()); break;
-      case 1: bad[at] = static_cast<char>(bad[at] ^ 1 << random() % 8); break;
-      case 2: bad.erase(at, random() % 9); break;
-      default: bad.insert(at, std::string(random() % 9, static_cast<char>(random()))); break;
+      case 0:
+        bad[at] = static_cast<char>(random());
+        break;
+      case 1:
+        bad[at] = static_cast<char>(bad[at] ^ 1 << random() % 8);
+        break;
+      case 2:
+        bad.erase(at, random() % 9);
+        break;
+      default:
+        bad.insert(at, std::string(random() % 9, static_cast<char>(random())));
+        break;
       }
       if (bad.empty())
         bad = "x";

@@ -35,8 +35,8 @@ template <class T> std::string raw(const std::vector<T>& values) {
 }
 
 inline std::string npy(const Member& m) {
-  std::string header = "{'descr': '" + m.type + "', 'fortran_order': " +
-                       (m.fortran ? "True" : "False") + ", 'shape': (";
+  std::string header = "{'descr': '" + m.type +
+                       "', 'fortran_order': " + (m.fortran ? "True" : "False") + ", 'shape': (";
   for (const std::size_t extent : m.shape)
     header += std::to_string(extent) + ", ";
   header += "), }";
@@ -146,8 +146,7 @@ inline ModalTable plate(double a = 0.32, double b = 0.2, double h = 0.005, doubl
   table.free = false;
   table.material = {"aluminium", kE, kNu, kRho};
   table.mass_kg = kRho * a * b * h;
-  const double factor =
-      kPi / 2 * std::sqrt(kE * h * h * h / (12 * (1 - kNu * kNu)) / (kRho * h));
+  const double factor = kPi / 2 * std::sqrt(kE * h * h * h / (12 * (1 - kNu * kNu)) / (kRho * h));
   std::multimap<double, std::pair<int, int>> modes;
   for (int m = 1; m < 60; ++m)
     for (int n = 1; n < 60; ++n) {
@@ -180,6 +179,5 @@ inline ModalTable plate(double a = 0.32, double b = 0.2, double h = 0.005, doubl
   }
   return table;
 }
-
 
 } // namespace tactus::test
