@@ -1,0 +1,203 @@
+#include "core/modal/struck_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+/// How a StruckBody is struck: coupled blows and their bounces, pulses, recordings.
+namespace tactus::modal {
+
+ContactLaw StruckBody::law(const Striker& striker, double speed) const noexcept {
+  ContactLaw law;
+  law.exponent = 1.5;
+  law.stiffness = hertz_stiffness(striker.radius_m, striker.youngs_modulus_pa, striker.poisson,
+                                  model_->youngs_modulus_pa, model_->poisson);
+  if (striker.stiffness > 0) {
+    law.stiffness = striker.stiffness;
+    law.exponent = striker.exponent;
+    law.loss_s_per_m = striker.loss_s_per_m;
+  }
+  if (striker.restitution < 1)
+    law.loss_s_per_m = loss_for_restitution(striker.restitution, speed);
+  return law;
+}
+
+std::size_t StruckBody::free_slot() noexcept {
+  const std::size_t voices = model_->settings.voices;
+  std::size_t oldest = 0;
+  for (std::size_t i = 0; i < voices; ++i) {
+    if (!pulses_[i].active && !recordings_[i].active && !model_->solver.contact(i).active &&
+        !blows_[i].in_air)
+      return i;
+    if (begun_[i] < begun_[oldest])
+      oldest = i;
+  }
+  model_->solver.end(oldest);
+  blows_[oldest] = {};
+  find_next_landing();
+  pulses_[oldest].active = recordings_[oldest].active = false;
+  return oldest;
+}
+
+bool StruckBody::hit(const Hit& hit) noexcept {
+  if (!model_ || !(hit.speed_m_per_s > 0))
+    return false;
+  const std::size_t slot = free_slot();
+  begun_[slot] = ++turn_;
+  if (model_->plays_raw)
+    strike_raw(slot, hit);
+  else if (options_.coupled || hit.falls)
+    strike_coupled(slot, hit, striker_);
+  else
+    strike_pulse(slot, hit);
+  return true;
+}
+
+void StruckBody::strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept {
+  enter_contact();
+  blows_[slot] = {hit, striker, hit.falls, false, 0, 0};
+  ContactSolver::Contact contact;
+  contact.law = law(striker, hit.speed_m_per_s);
+  contact.striker_mass_kg = striker.mass_kg;
+  contact.speed_m_per_s = hit.speed_m_per_s;
+  contact.fall_m_per_s2 = hit.falls ? kGravity : 0;
+  contact.compliance_m_per_n = model_->left_out(hit.place);
+  model_->gains(hit.place, hit.direction, model_->scratch);
+  model_->solver.begin(slot, contact, model_->scratch,
+                       model_->rigid_gains(hit.place, hit.direction));
+}
+
+/// Contacts have ended: who falls is in the air now, unless it lies.
+void StruckBody::let_go() noexcept {
+  for (std::size_t i = 0; i < model_->settings.voices; ++i)
+    if (blows_[i].bounces && !blows_[i].in_air && !model_->solver.contact(i).active)
+      take_off(i);
+}
+
+void StruckBody::take_off(std::size_t slot) noexcept {
+  Blow& blow = blows_[slot];
+  const ContactSolver::Contact& contact = model_->solver.contact(slot);
+  // The body's supports hold it where it was: the way down ends at its resting surface.
+  const double up = -contact.speed_m_per_s;
+  const double height = std::max(model_->solver.height(slot), 0.0);
+  const double landing_speed = std::sqrt(up * up + 2 * kGravity * height);
+  const double time = (up + landing_speed) / kGravity;
+  // A ball that is back before a contact would be over does not leave at all.
+  const bool leaves = !contact.lies && std::isfinite(time) && landing_speed > 0 &&
+                      time > contact.law.duration(contact.striker_mass_kg, landing_speed);
+  blow.bounces = blow.in_air = leaves;
+  if (leaves) {
+    blow.landing_speed_m_per_s = landing_speed;
+    blow.landing = now_ + static_cast<std::uint64_t>(std::clamp(time * sample_rate_, 1.0, 1e12));
+  }
+  find_next_landing();
+}
+
+void StruckBody::find_next_landing() noexcept {
+  next_landing_ = kNever;
+  for (const Blow& blow : blows_)
+    if (blow.in_air)
+      next_landing_ = std::min(next_landing_, blow.landing);
+}
+
+void StruckBody::land() noexcept {
+  for (std::size_t i = 0; i < model_->settings.voices; ++i) {
+    const Blow blow = blows_[i];
+    if (!blow.in_air || blow.landing > now_)
+      continue;
+    Hit hit = blow.hit;
+    hit.speed_m_per_s = blow.landing_speed_m_per_s;
+    strike_coupled(i, hit, blow.striker);
+  }
+  find_next_landing();
+}
+
+void StruckBody::strike_pulse(std::size_t slot, const Hit& hit) noexcept {
+  leave_contact();
+  double mobility = 1 / striker_.mass_kg;
+  for (const double b : model_->rigid_gains(hit.place, hit.direction))
+    mobility += b * b;
+  const ContactLaw contact = law(striker_, hit.speed_m_per_s);
+  Pulse& pulse = pulses_[slot];
+  pulse = {(1 + striker_.restitution) * hit.speed_m_per_s / mobility,
+           contact.duration(1 / mobility, hit.speed_m_per_s), 0, true};
+  std::vector<double>& gain = model_->scratch;
+  model_->gains(hit.place, hit.direction, gain);
+  // A mode that the ear would not find beside the loudest one is left out. The spectrum is a half
+  // sine's.
+  double loudest = 0;
+  const auto level = [&](std::size_t k) {
+    const double turns = model_->rate[k].imag() / (2 * std::numbers::pi) * pulse.duration_s;
+    const double denominator = 1 - 4 * turns * turns;
+    const double part = std::abs(denominator) > 1e-6
+                            ? std::cos(std::numbers::pi * turns) / denominator
+                            : std::numbers::pi / 4;
+    double heard = 0;
+    for (const auto& weight : model_->weight)
+      heard = std::max(heard, std::abs(weight[k]));
+    return std::abs(gain[k] * part) * heard * model_->ear[k];
+  };
+  for (std::size_t k = 0; k < model_->heard; ++k)
+    loudest = std::max(loudest, level(k));
+  const double least = loudest * std::pow(10, -options_.cull_db / 20);
+  culled_ = 0;
+  for (std::size_t k = 0; k < model_->heard; ++k)
+    if (level(k) < least) {
+      gain[k] = 0;
+      ++culled_;
+    }
+  model_->bank.set_gain(1 + slot, std::span<const double>(gain).first(model_->heard));
+  for (std::size_t k = 0; k < gain.size(); ++k)
+    model_->push_gain[1 + slot][k] = static_cast<float>(gain[k]);
+}
+
+void StruckBody::strike_raw(std::size_t slot, const Hit& hit) noexcept {
+  const RawTable& table = model_->loaded->table.raw;
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < table.hits; ++i)
+    if (const double distance = norm(table.hit_m[i] - hit.place.position); distance < least) {
+      least = distance;
+      nearest = i;
+    }
+  recordings_[slot] = {nearest, hit.speed_m_per_s, 0, true};
+}
+
+void StruckBody::play_raw(std::size_t frames) noexcept {
+  const RawTable& table = model_->loaded->table.raw;
+  for (Recording& r : recordings_) {
+    if (!r.active)
+      continue;
+    for (std::size_t n = 0; n < frames; ++n) {
+      for (std::size_t l = 0; l < model_->settings.listeners; ++l)
+        chunk_.heard[l][n] +=
+            static_cast<float>(r.speed_m_per_s * model_->raw[l].pressure(table, r.hit, r.age_s));
+      r.age_s += 1 / sample_rate_;
+    }
+    r.active = r.age_s < model_->raw[0].end_s(table);
+  }
+}
+
+void StruckBody::make_pulses(std::size_t frames) noexcept {
+  if (!model_)
+    return;
+  for (std::size_t i = 0; i < model_->settings.voices; ++i) {
+    Pulse& pulse = pulses_[i];
+    if (!pulse.active)
+      continue;
+    // Each sample holds the mean force of its time, so that the impulse is exact.
+    const auto passed = [&](double t) {
+      return 0.5 * (1 - std::cos(std::numbers::pi * std::min(t / pulse.duration_s, 1.0)));
+    };
+    for (std::size_t n = 0; n < frames; ++n) {
+      const double next = pulse.age_s + 1 / sample_rate_;
+      chunk_.pulse[i][n] =
+          static_cast<float>(pulse.impulse * sample_rate_ * (passed(next) - passed(pulse.age_s)));
+      pulse.age_s = next;
+      chunk_.contact[n] += chunk_.pulse[i][n];
+    }
+  }
+}
+
+} // namespace tactus::modal
