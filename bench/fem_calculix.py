@@ -93,10 +93,10 @@ def main():
     order.add_argument("--quick", action="store_true", help="small meshes only")
     order.add_argument("-o", "--output", type=Path)
     order = order.parse_args()
-    cases = [("tet10 disk, h 8 mm", tetrahedra(0.008), 20), ("hex20 plate, h 8 mm", hexahedra(8), 20),
-             ("swept disk, h 10 mm", swept(10), 20), ("tet10 disk, h 4 mm", tetrahedra(0.004), 40)]
+    cases = [("tet10 disk h 8 mm", tetrahedra(0.008), 20), ("hex20 plate h 8 mm", hexahedra(8), 20),
+             ("swept disk h 10 mm", swept(10), 20), ("tet10 disk h 4 mm", tetrahedra(0.004), 40)]
     if not order.quick:
-        cases.append(("tet10 disk, h 3 mm", tetrahedra(0.003), 40))
+        cases.append(("tet10 disk h 3 mm", tetrahedra(0.003), 40))
     rows = []
     for label, make, modes in cases:
         with tempfile.TemporaryDirectory() as folder:
