@@ -1,6 +1,6 @@
 """The ball and the disk: a struck aluminium disk beside a measured one
 
-Iwata and Yano's experiment (AudioHaptics): a steel ball of 6 mm radius falls 100 mm onto an
+Yano and Iwata's experiment (AudioHaptics): a steel ball of 6 mm radius falls 100 mm onto an
 aluminium disk, 100 mm across and 12 mm thick, 25 mm from its centre; a microphone hears it from
 (30, 0, 26) mm. [modal_impact~] plays the tables that modal_fem works out, first for a free disk, then
 for one held at the centre of its back. No free disk of these dimensions has a mode below 5.89 kHz, so
