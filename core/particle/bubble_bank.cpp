@@ -1,0 +1,67 @@
+#include "core/particle/bubble_bank.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus::particle {
+
+double bubble_frequency_hz(double radius_m) noexcept { return 3 / radius_m; }
+
+double bubble_decay_per_s(double radius_m) noexcept {
+  return 0.13 / radius_m + 0.0072 / (radius_m * std::sqrt(radius_m));
+}
+
+void BubbleBank::prepare(double sample_rate) noexcept {
+  if (sample_rate == sample_rate_)
+    return;
+  sample_rate_ = sample_rate;
+  reset();
+}
+
+void BubbleBank::start(double radius_m, double amplitude, double rise) noexcept {
+  if (count_ == kMost || !(std::abs(amplitude) > 0))
+    return;
+  const double radius = std::clamp(radius_m, 0.15e-3, 0.15);
+  const double decay = bubble_decay_per_s(radius);
+  const double frequency = bubble_frequency_hz(radius);
+  if (frequency > 0.45 * sample_rate_)
+    return;
+  const double chirp = std::clamp(rise, 0.0, 1.0) * decay; // relative, 1/s
+  const double step_s = 1 / sample_rate_;
+  const double second = 2 * std::numbers::pi * frequency * chirp * step_s * step_s;
+  // phase(n) = w n + second n^2 / 2, so the first turn is w + second / 2.
+  const double first = 2 * std::numbers::pi * frequency * step_s + 0.5 * second;
+  const double lost = std::exp(-decay * step_s);
+  double life_s = 6.9 / decay; // 60 dB
+  if (chirp > 0)               // and no further than the band goes
+    life_s = std::min(life_s, (0.48 * sample_rate_ / frequency - 1) / chirp);
+  bubbles_[count_++] = {amplitude,
+                        0,
+                        lost * std::cos(first),
+                        lost * std::sin(first),
+                        std::cos(second),
+                        std::sin(second),
+                        static_cast<long>(life_s * sample_rate_)};
+}
+
+double BubbleBank::next() noexcept {
+  double sum = 0;
+  for (std::size_t i = 0; i < count_;) {
+    Bubble& b = bubbles_[i];
+    sum += b.imaginary;
+    const double real = b.real * b.turn_real - b.imaginary * b.turn_imaginary;
+    b.imaginary = b.real * b.turn_imaginary + b.imaginary * b.turn_real;
+    b.real = real;
+    const double turn = b.turn_real * b.quicken_real - b.turn_imaginary * b.quicken_imaginary;
+    b.turn_imaginary = b.turn_real * b.quicken_imaginary + b.turn_imaginary * b.quicken_real;
+    b.turn_real = turn;
+    if (--b.left <= 0)
+      b = bubbles_[--count_];
+    else
+      ++i;
+  }
+  return sum;
+}
+
+} // namespace tactus::particle

@@ -1,0 +1,85 @@
+#include "core/particle/cloud.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::particle {
+
+namespace {
+
+/// What is no number becomes the lowest.
+double held(double value, double lowest, double highest) noexcept {
+  return value > lowest ? std::min(value, highest) : lowest;
+}
+
+} // namespace
+
+void Cloud::prepare(double sample_rate) noexcept {
+  sample_rate_ = sample_rate;
+  grains_.prepare(sample_rate);
+  bubbles_.prepare(sample_rate);
+  set(settings_);
+}
+
+void Cloud::set(const CloudSettings& settings) noexcept {
+  settings_ = settings;
+  settings_.count = held(settings.count, 0, 1e6);
+  settings_.decay_s = held(settings.decay_s, 1e-4, 60);
+  settings_.frequency_hz = held(settings.frequency_hz, 10, 20000);
+  settings_.spread = held(settings.spread, 0, 3);
+  settings_.lower_by_size = held(settings.lower_by_size, 0, 2);
+  settings_.quality = held(settings.quality, 0.1, 200);
+  settings_.length_s = held(settings.length_s, 1e-5, 2);
+  settings_.rise = held(settings.rise, 0, 1);
+  settings_.level = held(settings.level, 0, 1e4);
+  store_.set(sample_rate_, settings.attack_s, settings_.decay_s * decay_factor_);
+  energies_.set(settings.exponent, settings.largest);
+  normal_ = 1 / std::sqrt(energies_.mean() * std::max(settings_.count, 1e-3));
+}
+
+void Cloud::vary(double frequency, double decay, double level) noexcept {
+  frequency_factor_ = held(frequency, 0.1, 10);
+  decay_factor_ = held(decay, 0.1, 10);
+  level_factor_ = held(level, 0, 100);
+  store_.set(sample_rate_, settings_.attack_s, settings_.decay_s * decay_factor_);
+}
+
+void Cloud::reset() noexcept {
+  store_.reset();
+  clock_.reset();
+  grains_.reset();
+  bubbles_.reset();
+}
+
+void Cloud::event() noexcept {
+  ++events_;
+  const double energy = energies_.draw(random_);
+  const double strength = settings_.level * level_factor_ * normal_ *
+                          std::sqrt(energy * std::min(store_.energy(), 1e6));
+  const double frequency = settings_.frequency_hz * frequency_factor_ *
+                           std::exp(settings_.spread * random_.normal()) *
+                           std::pow(energy, -settings_.lower_by_size);
+  if (settings_.kind == CloudSettings::Kind::kBubbles) {
+    // A tone a exp(-d t) sin has the energy a^2 / (4 d); as loud as a grain of that strength.
+    const double radius = 3 / std::clamp(frequency, 20.0, 20000.0);
+    const double amplitude = strength * std::sqrt(4 * bubble_decay_per_s(radius));
+    bubbles_.start(radius, amplitude, settings_.rise);
+    return;
+  }
+  grains_.start({frequency, settings_.quality * std::exp(0.2 * random_.normal()),
+                 settings_.length_s * std::exp(0.4 * random_.normal()), strength},
+                random_);
+}
+
+double Cloud::next(double power) noexcept {
+  const double energy = store_.advance(power);
+  const double expected = settings_.count * energy / (store_.decay_s() * sample_rate_);
+  clock_.advance(expected, random_, [this](double) { event(); });
+  return settings_.kind == CloudSettings::Kind::kBubbles ? bubbles_.next() : grains_.next();
+}
+
+bool Cloud::silent() const noexcept {
+  return store_.empty() && grains_.sounding() == 0 && bubbles_.sounding() == 0;
+}
+
+} // namespace tactus::particle

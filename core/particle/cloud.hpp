@@ -1,0 +1,69 @@
+#pragma once
+
+#include "core/dsp/random.hpp"
+#include "core/particle/bubble_bank.hpp"
+#include "core/particle/energy_store.hpp"
+#include "core/particle/grain_bank.hpp"
+#include "core/particle/poisson_clock.hpp"
+#include "core/particle/power_law.hpp"
+
+#include <cstdint>
+
+namespace tactus::particle {
+
+/// What an aggregate's grains are like. Defaults are a neutral crunch.
+struct CloudSettings {
+  enum class Kind { kGrains, kBubbles };
+  Kind kind = Kind::kGrains;
+  double count = 200;         ///< events for each unit of energy put in
+  double attack_s = 0.01;     ///< in which a blow's energy arrives
+  double decay_s = 0.05;      ///< in which the energy dies down
+  double exponent = 1.5;      ///< of the events' energies: density ~ e^-(exponent + 1)
+  double largest = 100;       ///< event energy over the smallest's
+  double frequency_hz = 1500; ///< median of the grains' frequencies
+  double spread = 0.8;        ///< standard deviation of their logarithm
+  double lower_by_size = 0;   ///< frequency ~ event energy^-this: big grains sound lower
+  double quality = 1;         ///< median; its logarithm varies by 0.2
+  double length_s = 0.004;    ///< median of a grain's decay; its logarithm varies by 0.4
+  double rise = 0.1;          ///< of bubbles: how far their pitch rises while they decay
+  double level = 1;           ///< strength of the sound
+};
+
+/// Many small events from one store of energy (PhISEM; Cook 1997), with true statistics: a Poisson
+/// process of rate count * E / decay, so that every unit of energy put in causes `count` events on
+/// average at any sample rate; event energies from a power law; amplitude ~ sqrt(event energy * E).
+/// A grain's strength is the square root of its energy, so the level is the same at any rate, too.
+class Cloud {
+public:
+  void prepare(double sample_rate) noexcept;
+  void set(const CloudSettings& settings) noexcept;
+  /// Scales frequency, decay and level from now on: no two steps are alike.
+  void vary(double frequency, double decay, double level) noexcept;
+  void reset() noexcept;
+  void seed(std::uint64_t value) noexcept { random_.seed(value); }
+
+  void blow(double energy) noexcept { store_.blow(energy); }
+  /// One sample: energy at that power (1/s) goes in, the sound comes out.
+  double next(double power) noexcept;
+  /// Nothing sounds and nothing will before more energy comes.
+  [[nodiscard]] bool silent() const noexcept;
+  [[nodiscard]] double energy() const noexcept { return store_.energy(); }
+  [[nodiscard]] std::uint64_t events() const noexcept { return events_; }
+
+private:
+  void event() noexcept;
+
+  CloudSettings settings_;
+  double sample_rate_ = 48000;
+  double frequency_factor_ = 1, decay_factor_ = 1, level_factor_ = 1;
+  double normal_ = 1; ///< sets events of mean energy to strength 1
+  std::uint64_t events_ = 0;
+  Random random_;
+  EnergyStore store_;
+  PoissonClock clock_;
+  PowerLaw energies_;
+  GrainBank grains_;
+  BubbleBank bubbles_;
+};
+
+} // namespace tactus::particle

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "core/dsp/random.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::particle {
+
+/// Energies of crumpling events: density ~ e^-(exponent + 1) on [1, largest].
+/// Fontana & Bresin 2003; Houle & Sethna 1996 find exponents of 0.3 to 0.6 for crumpled paper.
+class PowerLaw {
+public:
+  PowerLaw() { set(1.5, 100); }
+
+  /// exponent is held within 0.05..20, largest within 1.001..1e9.
+  void set(double exponent, double largest) noexcept {
+    exponent_ = std::clamp(exponent, 0.05, 20.0);
+    largest_ = std::clamp(largest, 1.001, 1e9);
+    covered_ = 1 - std::pow(largest_, -exponent_);
+  }
+
+  [[nodiscard]] double draw(Random& random) const noexcept {
+    return std::min(std::pow(1 - random.uniform() * covered_, -1 / exponent_), largest_);
+  }
+
+  /// Expectation of the energy.
+  [[nodiscard]] double mean() const noexcept {
+    if (std::abs(exponent_ - 1) < 1e-9)
+      return std::log(largest_) / covered_;
+    return exponent_ / covered_ * (1 - std::pow(largest_, 1 - exponent_)) / (exponent_ - 1);
+  }
+
+private:
+  double exponent_, largest_, covered_;
+};
+
+} // namespace tactus::particle
