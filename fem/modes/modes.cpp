@@ -53,9 +53,9 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   modes.solves = spectrum.solves;
   modes.cost = factor.cost();
   modes.shapes = std::move(spectrum.vectors);
-  for (const double lambda : spectrum.lambda)
-    modes.frequency_hz.push_back(std::sqrt(std::max(lambda, 0.0)) / (2 * std::numbers::pi));
-  make_canonical(mesh, matrices, modes);
+  modes.frequency_hz.resize(spectrum.lambda.size());
+  sort_by_quotient(matrices, modes);
+  make_canonical(mesh, modes);
   const std::size_t kept = std::min(settings.count, modes.frequency_hz.size());
   modes.frequency_hz.resize(kept);
   modes.multiplicity.resize(kept);
@@ -156,8 +156,8 @@ bool concentrate(std::span<const double> shapes, std::size_t n, std::size_t firs
 
 } // namespace
 
-void make_canonical(const Mesh& mesh, const Matrices& m, Modes& modes, double same) {
-  const std::size_t n = m.dofs(), count = modes.frequency_hz.size();
+void make_canonical(const Mesh& mesh, Modes& modes, double same) {
+  const std::size_t n = mesh.dofs(), count = modes.frequency_hz.size();
   const std::array<std::size_t, 3> places{farthest_node(mesh, {1, 1e-3, 1e-4}),
                                           farthest_node(mesh, {1e-3, 1, 1e-4}),
                                           farthest_node(mesh, {1e-3, 1e-4, 1})};
@@ -186,7 +186,6 @@ void make_canonical(const Mesh& mesh, const Matrices& m, Modes& modes, double sa
       ++done;
     }
   });
-  sort_by_quotient(m, modes);
   modes.multiplicity.assign(count, 1);
   groups(1e-3, [&](std::size_t first, std::size_t width) {
     std::fill_n(modes.multiplicity.begin() + static_cast<std::ptrdiff_t>(first), width,

@@ -39,6 +39,8 @@ void sort_by_quotient(const Matrices&, Modes&);
 /// Makes sorted modes repeat: signs, and directions inside groups of equal frequency (a relative
 /// gap below `same`). A group's first mode has the largest motion that the group can have at the
 /// body's surface point farthest along +x; the next, among those at rest there, along +y, then +z.
-void make_canonical(const Mesh&, const Matrices&, Modes&, double same = 3e-4);
+/// Frequencies and residuals remain those of the matrices' own eigenvectors: an uneven mesh parts a
+/// round body's pair by some 1e-4, and turned shapes would blur the two numbers.
+void make_canonical(const Mesh&, Modes&, double same = 3e-4);
 
 } // namespace tactus::fem

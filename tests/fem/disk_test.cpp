@@ -2,6 +2,9 @@
 // the axis, spectral quadrilaterals of order 4 to 8; digits stable to 1e-5).
 #include "solve.hpp"
 
+#include <numbers>
+#include <numeric>
+
 using namespace tactus::fem;
 
 namespace {
@@ -141,4 +144,33 @@ TEST_CASE("the same disk gives the same bits, also in its pairs") {
     return std::abs(u[2]);
   };
   CHECK(moves(1) < 1e-3 * moves(0)); // across the plate; in its plane the second slides there
+}
+
+TEST_CASE("an uneven disk's pair keeps both frequencies, however its shapes are turned") {
+  MeshChoice coarse;
+  coarse.h = .02;
+  Mesh mesh = make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, coarse);
+  for (Vector3& p :
+       mesh.nodes) // an ellipse with its axes at 45 degrees parts the modes of one diameter
+    p = {p.x + 5e-5 * p.y, p.y + 5e-5 * p.x, p.z};
+  constexpr std::size_t kFirst = 5, kCount = 7;
+  const auto a = answer(std::move(mesh), kAluminium, kCount);
+  const std::size_t n = a.matrices.dofs();
+  std::vector<double> stiff(kCount * n);
+  a.matrices.multiply_stiffness(a.modes.shapes, stiff, kCount);
+  const auto energy = [&](std::size_t i, std::size_t j) {
+    const auto shape = a.modes.shapes.begin() + static_cast<std::ptrdiff_t>((kFirst + i) * n);
+    return std::inner_product(shape, shape + static_cast<std::ptrdiff_t>(n),
+                              &stiff[(kFirst + j) * n], 0.0);
+  };
+  // The eigenvalues of the stiffness within the pair's plane.
+  const double middle = (energy(0, 0) + energy(1, 1)) / 2;
+  const double apart = std::hypot((energy(0, 0) - energy(1, 1)) / 2, energy(0, 1));
+  const auto hertz = [](double lambda) { return std::sqrt(lambda) / (2 * std::numbers::pi); };
+  CHECK(apart > 1e-5 * middle);
+  CHECK(a.modes.frequency_hz[kFirst] == doctest::Approx(hertz(middle - apart)).epsilon(1e-9));
+  CHECK(a.modes.frequency_hz[kFirst + 1] == doctest::Approx(hertz(middle + apart)).epsilon(1e-9));
+  CHECK(std::abs(energy(0, 0) - energy(1, 1)) < .5 * apart); // the shapes were turned
+  for (const double residual : a.modes.residual)
+    CHECK(residual < 1e-6);
 }
