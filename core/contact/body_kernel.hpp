@@ -1,0 +1,57 @@
+#pragma once
+
+#include "core/contact/exciter.hpp"
+
+#include <cstddef>
+
+/// The loops over modes that every step needs, one copy for each instruction set.
+namespace tactus::contact {
+
+/// A body's state and its coefficients for the steps at hand; arrays of whole vectors.
+struct ModesView {
+  double* velocity;
+  double* potential;
+  const double* mean;
+  const double* turn;
+  const double* outer; ///< force over sqrt(m) from outside
+  std::size_t padded;
+};
+
+/// One step length. 2^level of them make a sample.
+struct Steps {
+  double length_s;
+  std::size_t level;
+};
+
+/// Every instruction set gives the same bits: the same operations in the same order.
+class BodyKernel {
+public:
+  virtual ~BodyKernel() = default;
+  /// A sample of a body that nothing touches.
+  virtual void ring(const ModesView&, Steps) const noexcept = 0;
+  /// A sample with one exciter on the body, whose shape over sqrt(m) is `shape`.
+  virtual void touch(const ModesView&, const double* shape, Exciter&, Steps) const noexcept = 0;
+  /// mean[i] = the modes' mean velocity of a step without contact force.
+  virtual void free_mean(const ModesView&, double* mean, double h) const noexcept = 0;
+  /// One step on, with that mean velocity.
+  virtual void advance(const ModesView&, const double* mean) const noexcept = 0;
+  /// to += factor from
+  virtual void add(double* to, const double* from, double factor,
+                   std::size_t padded) const noexcept = 0;
+  /// to += factor from by, element by element
+  virtual void add_product(double* to, const double* from, const double* by, double factor,
+                           std::size_t padded) const noexcept = 0;
+  /// Sum of a b.
+  [[nodiscard]] virtual double dot(const double* a, const double* b,
+                                   std::size_t padded) const noexcept = 0;
+  /// Sum of a b c.
+  [[nodiscard]] virtual double dot(const double* a, const double* b, const double* c,
+                                   std::size_t padded) const noexcept = 0;
+};
+
+/// The widest that this processor runs.
+[[nodiscard]] const BodyKernel& body_kernel() noexcept;
+/// The one that every processor runs, for comparison.
+[[nodiscard]] const BodyKernel& baseline_body_kernel() noexcept;
+
+} // namespace tactus::contact

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "core/contact/friction.hpp"
+#include "core/contact/impact.hpp"
+#include "core/contact/modal_body.hpp"
+#include "core/dsp/random.hpp"
+
+#include <array>
+#include <cstddef>
+
+namespace tactus::contact {
+
+/// What a completed contact was like.
+struct Blow {
+  double duration_s = 0;
+  double impulse_ns = 0;
+  double highest_n = 0; ///< mean of the step, the largest
+};
+
+/// What touches a body at one place: nothing, a mass that strikes it or a surface that rubs it.
+struct Exciter {
+  enum class Kind { kNone, kImpact, kFriction };
+  Kind kind = Kind::kNone;
+
+  // Impact: a mass that flies, at `place_m` (into the body) with `velocity`.
+  Impact impact;
+  double mass_kg = 0.01;
+  double place_m = -1, velocity_m_per_s = 0;
+  double outer_force_n = 0; ///< on the mass, into the body, until changed
+  bool impulsive = false;   ///< too short for the finest steps: an impulse with the exact restitution
+  Blow open, last;
+  std::size_t blows = 0; ///< completed so far
+
+  // Friction: a surface that moves as it likes.
+  Friction friction;
+  double normal_force_n = 0, rubbing_m_per_s = 0;
+  Random noise;
+
+  // Both.
+  double depth_m = 0;        ///< penetration; friction: unused
+  double approach_m_per_s = 0; ///< relative velocity, its rate
+  double mean_velocity_m_per_s = 0; ///< of the last step
+  double force_n = 0;        ///< mean of the last sample; of a step while it runs
+  double impulse_ns = 0;     ///< of the sample so far
+  double dissipated_j = 0;   ///< by friction in the last sample
+  bool near = false;         ///< takes part in the steps
+  bool fresh = false;        ///< depth and approach follow from the steps before
+  std::size_t level = 0;     ///< of steps that it needs
+
+  // Of its place on the body.
+  std::array<double, kLevels> mobility{}; ///< m/(N s): mean velocity of a step for a force in it
+  double quick_mobility = 0;              ///< 1/kg: change of velocity for an impulse
+
+  [[nodiscard]] double energy() const noexcept {
+    if (kind == Kind::kImpact)
+      return 0.5 * mass_kg * velocity_m_per_s * velocity_m_per_s + impact.stored_j() +
+             impact.bank_j();
+    return kind == Kind::kFriction ? friction.stored_j() : 0.0;
+  }
+
+  /// Books what a step of an impact was.
+  [[gnu::always_inline]] void book(double before_m, double after_m, double force,
+                                   double h) noexcept {
+    if (before_m <= 0 && after_m <= 0)
+      return;
+    double time = h;
+    if (before_m < 0 || after_m < 0) // only from, or up to, the passage through the surface
+      time = h * (before_m > after_m ? before_m : after_m) / std::abs(after_m - before_m);
+    open.duration_s += time;
+    open.impulse_ns += h * force;
+    open.highest_n = force > open.highest_n ? force : open.highest_n;
+    if (after_m <= 0) {
+      last = open;
+      open = {};
+      ++blows;
+    }
+  }
+  /// Books a contact far shorter than a step.
+  [[gnu::always_inline]] void book_impulse(double impulse, double h) noexcept {
+    last = {0, impulse, impulse / h};
+    open = {};
+    ++blows;
+  }
+};
+
+} // namespace tactus::contact

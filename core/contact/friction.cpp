@@ -1,0 +1,42 @@
+#include "core/contact/friction.hpp"
+
+#include <cmath>
+
+namespace tactus::contact {
+namespace {
+
+double within(double value, double low, double high, double otherwise) noexcept {
+  return std::isfinite(value) ? std::clamp(value, low, high) : otherwise;
+}
+
+} // namespace
+
+FrictionLaw FrictionLaw::within_range() const noexcept {
+  const FrictionLaw usual;
+  FrictionLaw law;
+  law.dynamic_coefficient = within(dynamic_coefficient, 1e-6, 100, usual.dynamic_coefficient);
+  law.static_coefficient =
+      std::max(within(static_coefficient, 1e-6, 100, usual.static_coefficient),
+               law.dynamic_coefficient);
+  law.stribeck_m_per_s = within(stribeck_m_per_s, 1e-6, 1e3, usual.stribeck_m_per_s);
+  law.breakaway = within(breakaway, 1e-3, 0.99, usual.breakaway);
+  law.stiffness_n_per_m = within(stiffness_n_per_m, 1, 1e12, usual.stiffness_n_per_m);
+  law.damping_ns_per_m = within(damping_ns_per_m, 0, 1e9, usual.damping_ns_per_m);
+  law.viscosity_ns_per_m = within(viscosity_ns_per_m, 0, 1e9, usual.viscosity_ns_per_m);
+  law.roughness = within(roughness, 0, 1e3, usual.roughness);
+  return law;
+}
+
+void Friction::set(const FrictionLaw& law) noexcept {
+  const double before = law_.stiffness_n_per_m;
+  law_ = law.within_range();
+  // Stiffer bristles hold no more energy than the softer ones did.
+  if (law_.stiffness_n_per_m > before)
+    bend_ *= std::sqrt(before / law_.stiffness_n_per_m);
+  const double softness = 1 / law_.stiffness_n_per_m;
+  dynamic_over_stiffness_ = law_.dynamic_coefficient * softness;
+  excess_over_stiffness_ = (law_.static_coefficient - law_.dynamic_coefficient) * softness;
+  over_stribeck_ = 1 / law_.stribeck_m_per_s;
+}
+
+} // namespace tactus::contact

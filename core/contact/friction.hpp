@@ -1,0 +1,136 @@
+#pragma once
+
+#include "core/contact/elementary.hpp"
+#include "core/contact/impact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::contact {
+
+/// Elasto-plastic bristle friction (Dupont, Hayward, Armstrong & Altpeter 2002; for sound Avanzini,
+/// Serafin & Rocchesso 2005). The mean bend z of the bristles between two rubbing surfaces obeys
+///     z' = v (1 - alpha(z, v) z / z_ss(v)),   f = sigma0 z + sigma1 z' + sigma2 v
+///     z_ss = sgn(v) F_n (mu_d + (mu_s - mu_d) exp(-(v/v_s)^2)) / sigma0      bend when sliding
+/// alpha is 0 while the bristles only bend, |z| < z_ba = kappa mu_d F_n / sigma0, or spring back
+/// (z v < 0), 1 once |z| has reached |z_ss|, and half a sine between.
+struct FrictionLaw {
+  double static_coefficient = 0.8;     ///< mu_s >= mu_d
+  double dynamic_coefficient = 0.3;    ///< mu_d
+  double stribeck_m_per_s = 0.1;       ///< v_s: how fast it must slide to let go
+  double breakaway = 0.5;              ///< kappa, in (0, 1): share of mu_d F_n that is elastic
+  double stiffness_n_per_m = 1e5;      ///< sigma0
+  double damping_ns_per_m = 40;        ///< sigma1
+  double viscosity_ns_per_m = 0.5;     ///< sigma2
+  /// sigma3: roughness, N^(1/2) s^(1/2)/m^(1/2). A random share of the force, sigma3 |w|
+  /// sqrt(F_n |v|) against the motion, w normal; as a random viscosity it only ever dissipates.
+  double roughness = 0;
+
+  /// The same with every number finite and within what the scheme is tested for.
+  [[nodiscard]] FrictionLaw within_range() const noexcept;
+};
+
+/// One rubbing contact under FrictionLaw in steps: linearly implicit in two stages, no iteration.
+///
+/// With a = alpha |v|/|z_ss| taken from the stage before, z' = v - a z and f are linear in the mean
+/// velocity v of the step, z being the mean of the step. The step then dissipates
+///     f v - sigma0 z z' = sigma0 a z^2 + (sigma1 + sigma2) v^2 - sigma1 a z v,
+/// which is never negative if sigma1^2 a <= 4 sigma0 (sigma1 + sigma2). The model breaks that when
+/// it slides fast; so sigma1 is held at the largest value that keeps it,
+///     sigma1 <= (2 sigma0/a) (1 + sqrt(1 + a sigma2/sigma0)).
+class Friction {
+public:
+  Friction() noexcept { set({}); }
+  void set(const FrictionLaw& law) noexcept;
+  [[nodiscard]] const FrictionLaw& law() const noexcept { return law_; }
+  void release() noexcept { bend_ = 0; }
+
+  /// Begins a step of h seconds; `velocity` of the rubbing surface over the body, m/s, is the one
+  /// it starts with, `noise` a normal random number.
+  [[gnu::always_inline]] void enter_step(double normal_force_n, double velocity, double noise,
+                                         double h) noexcept {
+    h_ = h;
+    if (!(normal_force_n > 0)) {
+      pressed_ = false;
+      bend_ = 0;
+      return;
+    }
+    pressed_ = true;
+    slide_ = normal_force_n * dynamic_over_stiffness_;
+    stick_ = normal_force_n * excess_over_stiffness_;
+    viscosity_ = law_.viscosity_ns_per_m;
+    if (law_.roughness > 0)
+      viscosity_ += law_.roughness * std::abs(noise) *
+                    std::sqrt(normal_force_n / (std::abs(velocity) + kSlowest));
+    look(velocity, bend_ + 0.5 * h * velocity);
+  }
+  /// The force of the step as the stage at hand has it.
+  [[nodiscard, gnu::always_inline]] LinearForce stage() const noexcept {
+    if (!pressed_)
+      return {};
+    return {law_.stiffness_n_per_m * bend_ - lean_ * rate_ * bend_, lean_ + viscosity_};
+  }
+  /// The next stage, from the mean velocity that the stage before led to.
+  [[gnu::always_inline]] void refine(double mean_velocity) noexcept {
+    if (pressed_)
+      look(mean_velocity, bend_ + 0.5 * h_ * growth(mean_velocity));
+  }
+  /// Ends the step.
+  [[gnu::always_inline]] void pass_step(double mean_velocity) noexcept {
+    if (!pressed_)
+      return;
+    bend_ += h_ * growth(mean_velocity);
+  }
+
+  [[nodiscard]] double bend_m() const noexcept { return bend_; }
+  /// Stored in the bent bristles, J.
+  [[nodiscard]] double stored_j() const noexcept {
+    return 0.5 * law_.stiffness_n_per_m * bend_ * bend_;
+  }
+
+private:
+  static constexpr double kSlowest = 1e-4; ///< m/s; bounds the viscosity of a rough contact at rest
+
+  /// Takes the nonlinear terms at a velocity and a bend.
+  [[gnu::always_inline]] void look(double v, double z) noexcept {
+    const double ratio = v * over_stribeck_;
+    const double sliding = slide_ + stick_ * decayed(-ratio * ratio); // |z_ss|
+    const double size = std::abs(z), elastic = law_.breakaway * slide_;
+    double alpha = 0;
+    if (v * z > 0 && size > elastic) {
+      alpha = 1;
+      if (size < sliding)
+        alpha = 0.5 + 0.5 * half_sine((size - 0.5 * (sliding + elastic)) / (sliding - elastic));
+    }
+    rate_ = alpha * std::abs(v) / sliding;
+    const double s0 = law_.stiffness_n_per_m;
+    double s1 = law_.damping_ns_per_m;
+    if (s1 * s1 * rate_ > 4 * s0 * (s1 + viscosity_))
+      s1 = 2 * s0 / rate_ * (1 + std::sqrt(1 + rate_ * viscosity_ / s0));
+    over_ = 1 / (1 + 0.5 * h_ * rate_);
+    lean_ = (0.5 * h_ * s0 + s1) * over_;
+  }
+  /// z' of the step.
+  [[nodiscard, gnu::always_inline]] double growth(double mean_velocity) const noexcept {
+    return (mean_velocity - rate_ * bend_) * over_;
+  }
+  /// sin(pi x) for |x| <= 1/2, error below 1e-11.
+  [[nodiscard, gnu::always_inline]] static double half_sine(double x) noexcept {
+    const double t = std::numbers::pi * x, t2 = t * t, t4 = t2 * t2;
+    const double low = (1 - t2 * (1.0 / 6)) + t4 * (1.0 / 120 - t2 * (1.0 / 5040));
+    const double high = (1.0 / 362880 - t2 * (1.0 / 39916800)) +
+                        t4 * (1.0 / 6227020800.0 - t2 * (1.0 / 1307674368000.0));
+    return t * (low + t4 * t4 * high);
+  }
+
+  double bend_ = 0; ///< z, m
+  double h_ = 0, slide_ = 0, stick_ = 0, viscosity_ = 0;
+  double rate_ = 0; ///< a, 1/s
+  double over_ = 1; ///< 1/(1 + a h/2)
+  double lean_ = 0; ///< (sigma0 h/2 + sigma1)/(1 + a h/2)
+  bool pressed_ = false;
+  double dynamic_over_stiffness_ = 0, excess_over_stiffness_ = 0, over_stribeck_ = 0;
+  FrictionLaw law_;
+};
+
+} // namespace tactus::contact

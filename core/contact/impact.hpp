@@ -1,0 +1,128 @@
+#pragma once
+
+#include "core/contact/elementary.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::contact {
+
+/// What a contact does to the relative velocity during a step, whatever its nature: the mean force
+/// is offset + slope v, v the mean velocity of the step into the body. slope >= 0.
+struct LinearForce {
+  double offset_n = 0;
+  double slope_ns_per_m = 0;
+};
+
+/// Force between two bodies that touch: F = k x^a (1 + mu x') for a penetration x > 0, never
+/// negative. [k] = N/m^a, [mu] = s/m. Hunt & Crossley 1975, eq. 15; a = 3/2 is Hertz' contact of
+/// round bodies, a = 1 a spring. Not valid for adhesion.
+struct ImpactLaw {
+  double stiffness = 1e7;           ///< k
+  double exponent = 1.5;            ///< a, 1..6
+  double dissipation_s_per_m = 0.3; ///< mu
+
+  /// The same with every number finite and within what the scheme is tested for.
+  [[nodiscard]] ImpactLaw within_range() const noexcept;
+  [[nodiscard]] double force(double penetration_m, double velocity_m_per_s) const noexcept;
+  /// Work that an elastic penetration stores, J: k x^(a+1)/(a+1).
+  [[nodiscard]] double work(double penetration_m) const noexcept;
+  /// Penetration that stores a work, m: the deepest of an impact of that energy without loss.
+  [[nodiscard]] double deepest(double work_j) const noexcept;
+};
+
+/// Restitution e = speed after / speed before of a free body that meets a rigid wall (or of two
+/// bodies without vibration) under ImpactLaw, from y = mu v alone, y >= 0: y - ln(1 + y) is the same
+/// before (y) and after (-e y) the contact, for any k, a and mass (Marhefka & Orin 1999 integrate it;
+/// with Lambert's W, e = (1 + W0(-exp(-1 - y + ln(1 + y))))/y). Relative error below 1e-9.
+[[nodiscard]] double restitution(double mu_times_speed) noexcept;
+
+/// One contact under ImpactLaw in steps: the energy-quadratised, linearly implicit scheme.
+///
+/// The stored work is written as psi^2/2 and psi stepped with the chain rule,
+///     psi' = gamma(x) x',   gamma = sqrt(k (a+1)/2) x^((a-1)/2),   F = gamma psi + k mu x^a x',
+/// gamma and x^a taken at the predicted half step x + h x'/2. With the mean velocity v of the step
+/// that makes F linear in v, and the energy balance of a step exact: the work F v h taken from the
+/// bodies is the growth of psi^2/2 plus the loss k mu x^a v^2 h. No parameter and no step can create
+/// energy. (Quadratisation: Lopes, Helie & Falaize 2015; Ducceschi & Bilbao 2019.)
+///
+/// psi drifts from the exact psi*(x) = sqrt(2 k x^(a+1)/(a+1)) by the error of the step. After each
+/// step it is put back, and what that frees or takes is kept in an account that never falls below
+/// zero (`bank_j`): the sum stays what it was, and a rebound does not depend on the drift.
+class Impact {
+public:
+  Impact() noexcept { set({}); }
+  void set(const ImpactLaw& law) noexcept;
+  [[nodiscard]] const ImpactLaw& law() const noexcept { return law_; }
+  /// No contact, nothing stored.
+  void release() noexcept {
+    psi_ = bank_j_ = 0;
+    touching_ = false;
+  }
+
+  /// True where a step of h seconds from penetration x and its rate meets the surface.
+  [[nodiscard, gnu::always_inline]] static double half_way(double x, double rate,
+                                                           double h) noexcept {
+    return x + 0.5 * h * rate;
+  }
+  /// The force of a step; half_way_m > 0. A sum below zero counts as no force: leave_step().
+  [[nodiscard, gnu::always_inline]] LinearForce enter_step(double half_way_m, double h) noexcept {
+    if (!touching_) {
+      touching_ = true;
+      bank_j_ = 0;
+    }
+    const double depth = half_way_m < kLeast ? kLeast : half_way_m;
+    const double power = power_(depth); // x^((a-1)/2)
+    gamma_ = gamma_scale_ * power;
+    const double slope = 0.5 * h * gamma_ * gamma_ + loss_scale_ * depth * power * power;
+    return {gamma_ * psi_, slope};
+  }
+  /// After enter_step(): the step's mean velocity into the body, 0 if it made no force.
+  [[gnu::always_inline]] void pass_step(double mean_velocity, double h) noexcept {
+    psi_ += gamma_ * h * mean_velocity;
+  }
+  /// After every step, with or without contact: where it has led to.
+  [[gnu::always_inline]] void leave_step(double x) noexcept {
+    if (x <= 0) {
+      bank_j_ += 0.5 * psi_ * psi_;
+      psi_ = 0;
+      touching_ = false;
+      return;
+    }
+    const double depth = x < kLeast ? kLeast : x;
+    const double wanted = psi_scale_ * depth * power_(depth);
+    const double surplus = 0.5 * (wanted * wanted - psi_ * psi_);
+    if (surplus <= bank_j_) {
+      bank_j_ -= surplus;
+      psi_ = wanted;
+    } else {
+      psi_ = std::sqrt(psi_ * psi_ + 2 * bank_j_);
+      bank_j_ = 0;
+    }
+  }
+
+  [[nodiscard]] bool touching() const noexcept { return touching_; }
+  /// Stored elastically, and in the account, J.
+  [[nodiscard]] double stored_j() const noexcept { return 0.5 * psi_ * psi_; }
+  [[nodiscard]] double bank_j() const noexcept { return bank_j_; }
+  /// Square of the angular frequency, 1/s^2, that the contact and a mass make at the deepest point
+  /// that this energy leads to: a k x^(a-1)/m. It tells how fine the steps must be.
+  [[nodiscard, gnu::always_inline]] double stiffest(double energy_j, double mass_kg) const noexcept {
+    if (!(energy_j > 1e-200))
+      return law_.exponent > 1 ? 0 : rate_scale_ / mass_kg;
+    return rate_scale_ * rate_power_(energy_j) / mass_kg;
+  }
+
+private:
+  static constexpr double kLeast = 1e-100; ///< m; keeps the powers among normal numbers
+
+  double psi_ = 0, bank_j_ = 0, gamma_ = 0;
+  bool touching_ = false;
+  Power power_{0.25};
+  double gamma_scale_ = 0, psi_scale_ = 0, loss_scale_ = 0;
+  Power rate_power_{0.2};
+  double rate_scale_ = 0;
+  ImpactLaw law_;
+};
+
+} // namespace tactus::contact

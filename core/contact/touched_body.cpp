@@ -1,0 +1,421 @@
+#include "core/contact/touched_body.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tactus::contact {
+namespace {
+
+constexpr double kFastest = 1e4;     // m/s
+constexpr double kFarthest = 1e3;    // m
+constexpr double kMostForce = 1e7;   // N, from outside
+constexpr double kStepsFor = 0.15;   // most angle, rad, that a contact may turn in a step
+constexpr double kImpulseFrom = 0.5; // the same in the finest steps: an impulse instead
+constexpr double kReach = 2;         // samples ahead in which a mass may arrive
+constexpr std::uint64_t kTidyEvery = 64, kLookEvery = 16, kJudgeEvery = 4;
+constexpr std::size_t kPatience = 8;            // samples before coarser steps
+constexpr std::size_t kMostWork = std::size_t{1} << 17; // products in a sample with many contacts
+
+double within(double value, double size) noexcept {
+  return std::isfinite(value) ? std::clamp(value, -size, size) : 0.0;
+}
+
+} // namespace
+
+TouchedBody::TouchedBody(std::size_t most_modes, std::size_t exciters, std::size_t ears)
+    : body_(most_modes), kernel_(&body_kernel()), exciters_(exciters),
+      shape_(exciters, std::vector<double>(most_modes, 1)),
+      ear_shape_(ears, std::vector<double>(most_modes, 1)), place_(exciters, ModeArray(most_modes)),
+      ear_(ears, ModeArray(most_modes)), outer_(most_modes), mean_(most_modes),
+      coupling_(exciters * exciters) {
+  order_.reserve(exciters);
+  close_.reserve(exciters);
+  acting_.reserve(exciters);
+  terms_.resize(exciters);
+  const std::size_t most = std::max(exciters, most_modes);
+  const std::size_t least = std::min(exciters, most_modes);
+  matrix_.resize(least * least);
+  right_.resize(most);
+  other_.resize(most);
+  for (std::size_t i = 0; i < exciters; ++i)
+    exciters_[i].noise.seed(i + 1);
+}
+
+void TouchedBody::prepare(double sample_rate) noexcept {
+  measure_places();
+  body_.prepare(sample_rate);
+  keep_places();
+}
+
+void TouchedBody::set_modes(std::span<const Mode> modes) noexcept {
+  measure_places();
+  body_.set_modes(modes);
+  keep_places();
+}
+
+void TouchedBody::set_place(std::size_t slot, std::span<const double> shape) noexcept {
+  if (slot >= exciters_.size())
+    return;
+  measure_places();
+  for (std::size_t i = 0; i < shape_[slot].size(); ++i)
+    shape_[slot][i] = i < shape.size() ? within(shape[i], 1e6) : 0;
+  keep_places();
+}
+
+void TouchedBody::set_ear(std::size_t ear, std::span<const double> shape) noexcept {
+  if (ear >= ear_.size())
+    return;
+  for (std::size_t i = 0; i < ear_shape_[ear].size(); ++i) {
+    ear_shape_[ear][i] = i < shape.size() ? within(shape[i], 1e6) : 0;
+    ear_[ear][i] = ear_shape_[ear][i] * body_.per_root_mass(i);
+  }
+}
+
+/// Before the body changes: where every mass is above its surface.
+void TouchedBody::measure_places() noexcept {
+  for (std::size_t i = 0; i < exciters_.size(); ++i)
+    if (exciters_[i].kind == Exciter::Kind::kImpact)
+      exciters_[i].depth_m = exciters_[i].place_m - surface(i);
+}
+
+/// After the body has changed: the masses are where they were above it.
+void TouchedBody::keep_places() noexcept {
+  for (std::size_t i = 0; i < exciters_.size(); ++i)
+    work_out_place(i);
+  for (std::size_t e = 0; e < ear_.size(); ++e)
+    for (std::size_t i = 0; i < body_.most_modes(); ++i)
+      ear_[e][i] = ear_shape_[e][i] * body_.per_root_mass(i);
+  unsorted_ = true;
+  coupled_ = false;
+}
+
+void TouchedBody::work_out_place(std::size_t slot) noexcept {
+  Exciter& e = exciters_[slot];
+  ModeArray& place = place_[slot];
+  const bool strikes = e.kind == Exciter::Kind::kImpact;
+  e.quick_mobility = strikes ? 1 / e.mass_kg : 0;
+  for (std::size_t i = 0; i < body_.most_modes(); ++i) {
+    place[i] = shape_[slot][i] * body_.per_root_mass(i);
+    e.quick_mobility += place[i] * place[i];
+  }
+  for (std::size_t l = 0; l < kLevels; ++l) {
+    const double half = 0.5 / (body_.sample_rate() * static_cast<double>(1U << l));
+    double sum = strikes ? 1 / e.mass_kg : 0;
+    for (std::size_t i = 0; i < body_.modes(); ++i)
+      sum += place[i] * place[i] * body_.level(l).mean[i];
+    e.mobility[l] = half * sum;
+  }
+  if (strikes)
+    e.place_m = e.depth_m + surface(slot);
+  e.fresh = false;
+}
+
+void TouchedBody::set_impact(std::size_t slot, const ImpactLaw& law, double mass_kg) noexcept {
+  if (slot >= exciters_.size())
+    return;
+  Exciter& e = exciters_[slot];
+  const double mass = std::isfinite(mass_kg) ? std::clamp(mass_kg, 1e-6, 1e6) : 0.01;
+  if (e.kind != Exciter::Kind::kImpact) {
+    clear(slot);
+    e.kind = Exciter::Kind::kImpact;
+    e.depth_m = -1;
+    e.velocity_m_per_s = 0;
+  } else {
+    e.depth_m = e.place_m - surface(slot);
+    if (mass > e.mass_kg) // no energy from nowhere
+      e.velocity_m_per_s *= std::sqrt(e.mass_kg / mass);
+  }
+  e.mass_kg = mass;
+  e.impact.set(law);
+  work_out_place(slot);
+  unsorted_ = true;
+  coupled_ = false;
+}
+
+void TouchedBody::set_friction(std::size_t slot, const FrictionLaw& law) noexcept {
+  if (slot >= exciters_.size())
+    return;
+  Exciter& e = exciters_[slot];
+  if (e.kind != Exciter::Kind::kFriction) {
+    clear(slot);
+    e.kind = Exciter::Kind::kFriction;
+    work_out_place(slot);
+  }
+  e.friction.set(law);
+  unsorted_ = true;
+  coupled_ = false;
+}
+
+void TouchedBody::clear(std::size_t slot) noexcept {
+  if (slot >= exciters_.size())
+    return;
+  Exciter& e = exciters_[slot];
+  e.kind = Exciter::Kind::kNone;
+  e.impact.release();
+  e.friction.release();
+  e.outer_force_n = e.normal_force_n = e.rubbing_m_per_s = e.force_n = 0;
+  e.near = e.fresh = false;
+  e.open = {};
+  unsorted_ = true;
+}
+
+void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) noexcept {
+  if (slot >= exciters_.size() || exciters_[slot].kind != Exciter::Kind::kImpact)
+    return;
+  Exciter& e = exciters_[slot];
+  e.impact.release();
+  e.open = {};
+  e.place_m = surface(slot) - within(gap_m, kFarthest);
+  e.velocity_m_per_s = within(velocity, kFastest);
+  e.fresh = e.near = false;
+  unsorted_ = true;
+}
+
+void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {
+  exciters_[slot].outer_force_n = within(force_n, kMostForce);
+  unsorted_ = unsorted_ || tied_;
+}
+
+void TouchedBody::rub(std::size_t slot, double normal_force_n, double velocity) noexcept {
+  Exciter& e = exciters_[slot];
+  const double next = within(velocity, kFastest);
+  e.approach_m_per_s += next - e.rubbing_m_per_s;
+  e.rubbing_m_per_s = next;
+  e.normal_force_n = within(normal_force_n, kMostForce);
+  unsorted_ = unsorted_ || tied_;
+}
+
+void TouchedBody::seed(std::size_t slot, std::uint64_t seed) noexcept {
+  if (slot < exciters_.size())
+    exciters_[slot].noise.seed(seed);
+}
+
+void TouchedBody::push_body(std::size_t slot, double force_n) noexcept {
+  const double force = within(force_n, kMostForce);
+  if (slot >= exciters_.size() || force == 0)
+    return;
+  kernel_->add(outer_.data(), place_[slot].data(), force, body_.padded());
+  has_outer_ = sounds_ = true;
+}
+
+void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
+  const double impulse = within(impulse_ns, kMostForce);
+  if (slot >= exciters_.size() || impulse == 0)
+    return;
+  kernel_->add(body_.velocity.data(), place_[slot].data(), impulse, body_.padded());
+  sounds_ = true;
+  for (Exciter& e : exciters_)
+    e.fresh = false;
+}
+
+void TouchedBody::set_least_steps(unsigned steps) noexcept {
+  least_level_ = 0;
+  while (least_level_ + 1 < kLevels && (1U << least_level_) < steps)
+    ++least_level_;
+}
+
+double TouchedBody::surface(std::size_t slot) const noexcept {
+  return sounds_ ? kernel_->dot(place_[slot].data(), body_.potential.data(),
+                                body_.level(level_).displacement.data(), body_.padded())
+                 : 0.0;
+}
+
+double TouchedBody::surface_velocity(std::size_t slot) const noexcept {
+  return sounds_ ? kernel_->dot(place_[slot].data(), body_.velocity.data(), body_.padded()) : 0.0;
+}
+
+double TouchedBody::hear(std::size_t ear) const noexcept {
+  return sounds_ ? kernel_->dot(ear_[ear].data(), body_.velocity.data(), body_.padded()) : 0.0;
+}
+
+double TouchedBody::energy() const noexcept {
+  double sum = body_.energy();
+  for (const Exciter& e : exciters_)
+    sum += e.energy();
+  return sum;
+}
+
+void TouchedBody::reset() noexcept {
+  body_.silence();
+  outer_.clear();
+  has_outer_ = sounds_ = false;
+  for (Exciter& e : exciters_) {
+    e.impact.release();
+    e.friction.release();
+    e.open = e.last = {};
+    e.blows = 0;
+    e.place_m = e.depth_m = -1;
+    e.velocity_m_per_s = e.force_n = 0;
+    e.near = e.fresh = false;
+    e.level = 0;
+  }
+  level_ = quiet_ = near_ = 0;
+  clock_ = 0;
+  unsorted_ = true;
+  coupled_ = false;
+}
+
+ModesView TouchedBody::view() noexcept {
+  const ModalBody::Level& level = body_.level(level_);
+  return {body_.velocity.data(), body_.potential.data(), level.mean.data(),
+          level.turn.data(),     outer_.data(),          body_.padded()};
+}
+
+bool TouchedBody::goes_before(std::size_t a, std::size_t b) const noexcept {
+  const auto numbers = [](const Exciter& e) {
+    const ImpactLaw& i = e.impact.law();
+    const FrictionLaw& f = e.friction.law();
+    return std::array{static_cast<double>(e.kind), e.mass_kg, e.place_m, e.velocity_m_per_s,
+                      e.outer_force_n, e.normal_force_n, e.rubbing_m_per_s, e.depth_m,
+                      e.approach_m_per_s, e.impact.stored_j(), e.impact.bank_j(),
+                      e.friction.bend_m(), i.stiffness, i.exponent, i.dissipation_s_per_m,
+                      f.static_coefficient, f.dynamic_coefficient, f.stribeck_m_per_s, f.breakaway,
+                      f.stiffness_n_per_m, f.damping_ns_per_m, f.viscosity_ns_per_m, f.roughness};
+  };
+  const auto first = numbers(exciters_[a]), second = numbers(exciters_[b]);
+  if (first != second)
+    return first < second;
+  return shape_[a] < shape_[b];
+}
+
+void TouchedBody::sort() noexcept {
+  order_.clear();
+  for (std::size_t i = 0; i < exciters_.size(); ++i)
+    if (exciters_[i].kind != Exciter::Kind::kNone)
+      order_.push_back(i);
+  std::sort(order_.begin(), order_.end(),
+            [this](std::size_t a, std::size_t b) { return goes_before(a, b); });
+  tied_ = false;
+  for (std::size_t i = 1; i < order_.size(); ++i)
+    tied_ = tied_ || !goes_before(order_[i - 1], order_[i]);
+  unsorted_ = coupled_ = false;
+}
+
+std::size_t TouchedBody::needed_level(Exciter& e) const noexcept {
+  const double mass = 1 / e.quick_mobility, sample = 1 / body_.sample_rate();
+  const double energy =
+      0.5 * mass * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
+  const double angle = std::sqrt(e.impact.stiffest(energy, mass)) * sample;
+  constexpr double kFinest = 1U << (kLevels - 1);
+  e.impulsive = angle / kFinest > kImpulseFrom;
+  std::size_t level = 0;
+  for (double steps = 1; level + 1 < kLevels && angle > kStepsFor * steps; steps *= 2)
+    ++level;
+  return level;
+}
+
+/// A mass that is far from the body.
+void TouchedBody::fly(Exciter& e) const noexcept {
+  const double sample = 1 / body_.sample_rate(), before = e.velocity_m_per_s;
+  e.velocity_m_per_s = std::clamp(before + sample * e.outer_force_n / e.mass_kg, -kFastest, kFastest);
+  e.place_m += 0.5 * sample * (before + e.velocity_m_per_s);
+  if (!(std::abs(e.place_m) < kFarthest)) {
+    e.place_m = std::clamp(e.place_m, -kFarthest, kFarthest);
+    e.velocity_m_per_s = 0;
+  }
+}
+
+/// Which exciters may touch within this sample, and how fine its steps must be.
+void TouchedBody::look_around() noexcept {
+  const double sample = 1 / body_.sample_rate();
+  const bool look = clock_ % kLookEvery == 0, judge = clock_ % kJudgeEvery == 0;
+  std::size_t wanted = least_level_, before = near_;
+  bool same = true;
+  near_ = 0;
+  for (const std::size_t i : order_) {
+    Exciter& e = exciters_[i];
+    const bool was_near = e.near;
+    if (e.kind == Exciter::Kind::kFriction) {
+      e.near = e.normal_force_n > 0;
+      if (!e.fresh)
+        e.approach_m_per_s = e.rubbing_m_per_s - surface_velocity(i);
+      if (!e.near)
+        e.friction.release();
+    } else {
+      if (!e.fresh || look) {
+        e.depth_m = e.place_m - surface(i);
+        e.approach_m_per_s = e.velocity_m_per_s - surface_velocity(i);
+      }
+      const double soon = e.approach_m_per_s + sample * e.outer_force_n / e.mass_kg;
+      e.near = e.impact.touching() || e.depth_m + kReach * sample * std::max(soon, 0.0) > 0;
+      if (e.near && (judge || !was_near))
+        e.level = needed_level(e);
+      if (!e.near)
+        fly(e);
+    }
+    e.fresh = e.near;
+    e.force_n = e.impulse_ns = e.dissipated_j = 0;
+    if (e.near) {
+      same = same && near_ < before && close_[near_] == i;
+      if (near_ < close_.size())
+        close_[near_] = i;
+      else
+        close_.push_back(i);
+      ++near_;
+      if (e.kind == Exciter::Kind::kImpact)
+        wanted = std::max(wanted, e.level);
+    }
+  }
+  close_.resize(near_);
+  coupled_ = coupled_ && same && near_ == before;
+  if (near_ > 1) {
+    const std::size_t small = std::min(near_, body_.modes()), big = std::max(near_, body_.modes());
+    const std::size_t work = small * small * (big + small) / 2 + 4 * small * big;
+    while (wanted > 0 && (work << wanted) > kMostWork)
+      --wanted;
+  }
+  quiet_ = wanted < level_ ? quiet_ + 1 : 0;
+  if (wanted > level_ || (quiet_ > kPatience && (near_ == 0 || wanted + 1 < level_)) ||
+      (near_ > 1 && wanted < level_))
+    change_level(wanted);
+}
+
+/// Displacements are read differently in other steps: the masses keep their distance.
+void TouchedBody::change_level(std::size_t level) noexcept {
+  if (level == level_)
+    return;
+  level_ = level;
+  quiet_ = 0;
+  coupled_ = false;
+  for (const std::size_t i : close_)
+    if (exciters_[i].kind == Exciter::Kind::kImpact)
+      exciters_[i].place_m = exciters_[i].depth_m + surface(i);
+}
+
+void TouchedBody::step() noexcept {
+  if (unsorted_)
+    sort();
+  look_around();
+  ++clock_;
+  if (near_ == 1) {
+    Exciter& e = exciters_[close_[0]];
+    sounds_ = true;
+    kernel_->touch(view(), place_[close_[0]].data(), e, {step_length(), level_});
+    e.force_n = e.impulse_ns * body_.sample_rate();
+  } else if (near_ > 1) {
+    sounds_ = true;
+    touch_many();
+  } else if (sounds_) {
+    kernel_->ring(view(), {step_length(), level_});
+  }
+  if (has_outer_) {
+    outer_.clear();
+    has_outer_ = false;
+  }
+  for (const std::size_t i : close_) {
+    Exciter& e = exciters_[i];
+    if (e.kind == Exciter::Kind::kImpact && !(std::abs(e.velocity_m_per_s) < kFastest)) {
+      e.velocity_m_per_s = within(e.velocity_m_per_s, kFastest);
+      e.fresh = false;
+    }
+  }
+  if (clock_ % kTidyEvery == 0 && sounds_) {
+    if (!body_.tidy())
+      reset();
+    else if (near_ == 0)
+      sounds_ = body_.energy() > 0;
+  }
+}
+
+} // namespace tactus::contact

@@ -1,0 +1,134 @@
+#pragma once
+
+#include "core/contact/body_kernel.hpp"
+#include "core/contact/exciter.hpp"
+#include "core/contact/modal_body.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tactus::contact {
+
+/// A vibrating body that any number of masses strike and surfaces rub at once, at places of its own
+/// each; heard at others.
+///
+/// All contacts of a step are solved together. Impact and FrictionLaw, as stepped here, make each
+/// contact's force a linear function of its own mean relative velocity, F = offset + slope v, and
+/// these velocities follow linearly from all forces, v = v_free - Y F, Y symmetric and positive. So
+/// the forces of a step are the solution of one positive definite linear system: no contact goes
+/// before another, and the energy balance of each holds exactly. Impacts that would pull are taken
+/// out together and the rest solved again. Friction's second stage solves once more with the
+/// coefficients that the first led to.
+/// The system has one unknown a contact, or one a mode if there are fewer modes than contacts.
+/// Sums run over the contacts in an order that follows from what the contacts are, not from their
+/// numbers: contacts that change places give the same bits.
+///
+/// Steps are a sample or a power of two finer, to 1/64, as the stiffest contact that is near needs.
+/// A contact too short even for these gives an impulse with the restitution of its law; impulses of
+/// one moment are found together as well, and never add energy.
+class TouchedBody {
+public:
+  /// Allocates for so many modes, exciters (slots 0...) and places to listen at.
+  explicit TouchedBody(std::size_t most_modes, std::size_t exciters = 1, std::size_t ears = 1);
+
+  /// May be called again at any time: the body goes on sounding.
+  void prepare(double sample_rate) noexcept;
+
+  /// Same energy in each mode, whatever the new numbers are; what touches stays in touch.
+  void set_modes(std::span<const Mode> modes) noexcept;
+  /// Shape of the modes at an exciter's place, and where it is heard: displacement there for a
+  /// modal displacement of 1. Missing numbers are 0. Initially all 1.
+  void set_place(std::size_t exciter, std::span<const double> shape) noexcept;
+  void set_ear(std::size_t ear, std::span<const double> shape) noexcept;
+
+  /// The slot holds a mass that flies freely, nothing, or a surface that rubs. Changing the law of
+  /// a contact under way adds no energy.
+  void set_impact(std::size_t exciter, const ImpactLaw& law, double mass_kg) noexcept;
+  void set_friction(std::size_t exciter, const FrictionLaw& law) noexcept;
+  void clear(std::size_t exciter) noexcept;
+
+  /// Puts an impact's mass so far above the surface, with a velocity into the body.
+  void throw_mass(std::size_t exciter, double gap_m, double velocity_m_per_s) noexcept;
+  /// Outer force on an impact's mass, into the body, until changed.
+  void push_mass(std::size_t exciter, double force_n) noexcept;
+  /// How a friction's surface presses and moves, until changed.
+  void rub(std::size_t exciter, double normal_force_n, double velocity_m_per_s) noexcept;
+  /// Of friction's noise.
+  void seed(std::size_t exciter, std::uint64_t seed) noexcept;
+  /// A force on the body itself at the slot's place, during the next sample only.
+  void push_body(std::size_t exciter, double force_n) noexcept;
+  /// An impulse on the body at the slot's place, at once, N s.
+  void knock_body(std::size_t exciter, double impulse_ns) noexcept;
+  /// Steps of a sample, at least: 1, 2, 4 ... 64.
+  void set_least_steps(unsigned steps) noexcept;
+
+  /// One sample on.
+  void step() noexcept;
+  /// Surface velocity at an ear, m/s.
+  [[nodiscard]] double hear(std::size_t ear = 0) const noexcept;
+  /// The exciter's mean force on the body in the last sample, N.
+  [[nodiscard]] double force(std::size_t exciter) const noexcept {
+    return exciters_[exciter].force_n;
+  }
+  [[nodiscard]] const Exciter& exciter(std::size_t slot) const noexcept { return exciters_[slot]; }
+  [[nodiscard]] std::size_t exciters() const noexcept { return exciters_.size(); }
+  [[nodiscard]] const ModalBody& body() const noexcept { return body_; }
+  /// Steps that the last sample took.
+  [[nodiscard]] unsigned steps() const noexcept { return 1U << level_; }
+  /// Of modes, masses and contacts, J. Without outer forces it never grows.
+  [[nodiscard]] double energy() const noexcept;
+  /// True while modes ring or something is near.
+  [[nodiscard]] bool active() const noexcept { return sounds_ || near_ > 0; }
+  /// All at rest, masses 1 m away.
+  void reset() noexcept;
+
+private:
+  void measure_places() noexcept;
+  void keep_places() noexcept;
+  void work_out_place(std::size_t exciter) noexcept;
+  void sort() noexcept;
+  [[nodiscard]] bool goes_before(std::size_t a, std::size_t b) const noexcept;
+  [[nodiscard]] double surface(std::size_t exciter) const noexcept;
+  [[nodiscard]] double surface_velocity(std::size_t exciter) const noexcept;
+  void look_around() noexcept;
+  [[nodiscard]] std::size_t needed_level(Exciter& e) const noexcept;
+  void fly(Exciter& e) const noexcept;
+  void change_level(std::size_t level) noexcept;
+  void touch_many() noexcept;
+  void knock_many() noexcept;
+  void solve(double h) noexcept;
+  void solve_by_contact() noexcept;
+  void couple() noexcept;
+  void leave(std::size_t term, double h) noexcept;
+  void solve_by_mode(double h) noexcept;
+  [[nodiscard]] ModesView view() noexcept;
+  [[nodiscard]] double step_length() const noexcept {
+    return 1 / (body_.sample_rate() * static_cast<double>(1U << level_));
+  }
+
+  ModalBody body_;
+  const BodyKernel* kernel_;
+  std::vector<Exciter> exciters_;
+  std::vector<std::vector<double>> shape_, ear_shape_;
+  std::vector<ModeArray> place_, ear_; ///< shapes over sqrt(m)
+  ModeArray outer_, mean_;
+  bool has_outer_ = false, sounds_ = false, unsorted_ = true, tied_ = false;
+  bool coupled_ = false; ///< coupling_ is that of close_
+  std::size_t level_ = 0, least_level_ = 0, quiet_ = 0, near_ = 0;
+  std::uint64_t clock_ = 0;
+  std::vector<std::size_t> order_, close_; ///< slots: all in use; those near
+  /// Of one step with several contacts, by position in close_.
+  struct Term {
+    double own_free = 0, own = 0, free = 0, half_way = 0;
+    LinearForce law;
+    double force = 0, mean = 0;
+    bool acts = false;
+  };
+  std::vector<Term> terms_;
+  std::vector<std::size_t> acting_;
+  std::vector<double> coupling_, matrix_, right_, other_;
+};
+
+} // namespace tactus::contact

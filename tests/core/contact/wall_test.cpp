@@ -1,0 +1,138 @@
+#include "core/contact/touched_body.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+// A mass against a rigid wall: closed forms and an integration of the equation of motion.
+
+using namespace tactus::contact;
+
+namespace {
+
+struct Wall {
+  double mass_kg, speed_m_per_s;
+  ImpactLaw law;
+};
+
+struct Rebound {
+  double restitution = 0, duration_s = 0, deepest_m = 0, highest_n = 0;
+  double growth = 0; ///< largest relative growth of energy in a sample
+};
+
+/// What the object does with it.
+Rebound strike(const Wall& wall, double rate = 44100) {
+  TouchedBody body(0, 1);
+  body.prepare(rate);
+  body.set_impact(0, wall.law, wall.mass_kg);
+  body.throw_mass(0, 0, wall.speed_m_per_s);
+  const double whole = body.energy();
+  double before = whole;
+  Rebound r;
+  for (int n = 0; n < 400000 && body.exciter(0).blows == 0; ++n) {
+    body.step();
+    r.growth = std::max(r.growth, (body.energy() - before) / whole);
+    before = body.energy();
+    r.deepest_m = std::max(r.deepest_m, body.exciter(0).depth_m);
+  }
+  REQUIRE(body.exciter(0).blows == 1);
+  r.restitution = -body.exciter(0).velocity_m_per_s / wall.speed_m_per_s;
+  r.duration_s = body.exciter(0).last.duration_s;
+  r.highest_n = body.exciter(0).last.highest_n;
+  return r;
+}
+
+/// e from y - ln(1 + y) = -e y - ln(1 - e y) by halving, in long double.
+double restitution_by_halving(double mu_v) {
+  const long double y = static_cast<long double>(mu_v), kept = y - std::log1p(y);
+  long double low = 0, high = std::min(1.0L, 1 / y);
+  for (int i = 0; i < 200; ++i) {
+    const long double e = 0.5L * (low + high);
+    (-e * y - std::log1p(-e * y) < kept ? low : high) = e;
+  }
+  return static_cast<double>(low);
+}
+
+/// Contact time by Runge and Kutta's fourth order, 20000 steps for the elastic duration.
+double duration_by_integration(const Wall& wall) {
+  const double a = wall.law.exponent, k = wall.law.stiffness, m = wall.mass_kg;
+  const double deepest = wall.law.deepest(0.5 * m * wall.speed_m_per_s * wall.speed_m_per_s);
+  const double h = deepest / wall.speed_m_per_s / 5000;
+  const auto bend = [&](double x, double v) {
+    return x > 0 ? -k / m * std::pow(x, a) * (1 + wall.law.dissipation_s_per_m * v) : 0.0;
+  };
+  double x = 0, v = wall.speed_m_per_s, t = 0;
+  for (;;) {
+    const double a1 = bend(x, v), v1 = v;
+    const double v2 = v + 0.5 * h * a1, a2 = bend(x + 0.5 * h * v1, v2);
+    const double v3 = v + 0.5 * h * a2, a3 = bend(x + 0.5 * h * v2, v3);
+    const double v4 = v + h * a3, a4 = bend(x + h * v3, v4);
+    const double next = x + h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);
+    v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    if (next <= 0)
+      return t - x / v;
+    t += h;
+    x = next;
+  }
+}
+
+} // namespace
+
+TEST_CASE("eight impacts on a wall have the restitution, time, depth and force of theory") {
+  // Integrated with Dormand and Prince's eighth order to 1e-13; the closed form agrees in e.
+  struct Row {
+    Wall wall;
+    double duration_ms, restitution, deepest_mm, highest_n;
+  };
+  const Row rows[] = {
+      {{.01, 2, {1e5, 1.5, .6}}, 4.875849, .5468541, 2.412242, 15.200},
+      {{.01, 2, {1e7, 1.5, .6}}, .772770, .5468541, .382315, 95.909},
+      {{.01, .5, {1e9, 1.5, .6}}, .150340, .8328698, .023275, 115.71},
+      {{.01, 2, {1e9, 1.5, .6}}, .122476, .5468541, .060593, 605.14},
+      {{.05, 1, {1e8, 2.3, .3}}, 5.035277, .8328698, 1.674524, 42.293},
+      {{.05, 1, {1e6, 1.3, 0}}, 2.143422, 1, .711262, 80.842},
+      {{.2, .5, {1e7, 1.5, .1}}, 3.088018, .9677386, .516034, 117.34},
+      {{1, .3, {1e6, 1.8, 1}}, 33.647408, .8328698, 3.222018, 33.639},
+  };
+  for (const Row& row : rows) {
+    const Rebound r = strike(row.wall);
+    CAPTURE(row.wall.law.stiffness);
+    CAPTURE(row.duration_ms);
+    CHECK(r.restitution == doctest::Approx(row.restitution).epsilon(1e-3));
+    CHECK(r.duration_s == doctest::Approx(1e-3 * row.duration_ms).epsilon(5e-3));
+    // Seen at steps only, and the force as their mean: below the peak by its curvature,
+    // (omega h)^2/8 <= 0.3 % in steps of 0.15 rad; a sample sees 1.1 % of depth less at worst.
+    CHECK(r.deepest_m == doctest::Approx(1e-3 * row.deepest_mm).epsilon(0.02));
+    CHECK(r.highest_n == doctest::Approx(row.highest_n).epsilon(0.01));
+    CHECK(r.growth <= 1e-12);
+  }
+}
+
+TEST_CASE("384 impacts on a wall rebound within 0.1 % and take their time within 0.5 %") {
+  double worst_rebound = 0, worst_time = 0, worst_growth = 0;
+  int resolved = 0;
+  for (const double exponent : {1.0, 1.3, 1.5, 2.0, 2.5, 3.5})
+    for (const double stiffness : {1e3, 1e5, 1e7, 1e9})
+      for (const double loss : {0.0, 0.1, 0.6, 2.0})
+        for (const double speed : {0.1, 0.5, 2.0, 5.0}) {
+          const Wall wall{0.01, speed, {stiffness, exponent, loss}};
+          const Rebound r = strike(wall);
+          const double e = loss > 0 ? restitution_by_halving(loss * speed) : 1;
+          const double rebound = std::abs(r.restitution / e - 1);
+          worst_growth = std::max(worst_growth, r.growth);
+          worst_rebound = std::max(worst_rebound, rebound);
+          const double duration = duration_by_integration(wall);
+          if (duration * 44100 < 2)
+            continue;
+          ++resolved;
+          worst_time = std::max(worst_time, std::abs(r.duration_s / duration - 1));
+        }
+  MESSAGE("rebound ", 100 * worst_rebound, " %, time ", 100 * worst_time, " %, energy ",
+          worst_growth);
+  CHECK(resolved > 360);
+  CHECK(worst_rebound < 1e-3);
+  CHECK(worst_time < 5e-3);
+  CHECK(worst_growth < 1e-12);
+}
