@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstring>
 
-/// The kernel, written once for any instruction set; a template on the set, so that the linker never
-/// takes a newer processor's code for an older one's. Sums run over eight lanes and then over these,
-/// always in that order.
+/// The kernel, written once for any instruction set; a template on the set, so that the linker
+/// never takes a newer processor's code for an older one's. Sums run over eight lanes and then over
+/// these, always in that order.
 namespace tactus::contact {
 
 template <class Set> class BodyLanes final : public BodyKernel {
@@ -32,9 +32,8 @@ template <class Set> class BodyLanes final : public BodyKernel {
   /// Mean velocity of a step under a force over sqrt(m); `outer` includes h/2.
   [[gnu::always_inline]] static V mean_of(const ModesView& m, std::size_t i,
                                           const V& half_outer) noexcept {
-    return load(m.mean + i) *
-           ((load(m.velocity + i) - load(m.turn + i) * load(m.potential + i)) +
-            half_outer * load(m.outer + i));
+    return load(m.mean + i) * ((load(m.velocity + i) - load(m.turn + i) * load(m.potential + i)) +
+                               half_outer * load(m.outer + i));
   }
   [[gnu::always_inline]] static void turn(const ModesView& m, std::size_t i,
                                           const V& mean) noexcept {
@@ -64,25 +63,24 @@ template <class Set> class BodyLanes final : public BodyKernel {
     double x = e.depth_m, rate = e.approach_m_per_s, impulse = 0;
     double place = e.place_m, velocity = e.velocity_m_per_s;
     for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
-      double half_way = Impact::half_way(x, rate, h);
-      if (half_way > 0 && e.impulsive && !e.impact.touching() && rate > 0) {
+      bool meets = Impact::meets(x, rate, h);
+      if (meets && e.impulsive && !e.impact.touching() && rate > 0) {
         const double knocked =
-            (1 + restitution(e.impact.law().dissipation_s_per_m * rate)) * rate /
-            e.quick_mobility;
+            (1 + restitution(e.impact.law().dissipation_s_per_m * rate)) * rate / e.quick_mobility;
         const V all(knocked);
         for (std::size_t i = 0; i < m.padded; i += kModeLanes)
           store(m.velocity + i, load(m.velocity + i) + all * load(shape + i));
         velocity -= knocked / e.mass_kg;
         rate -= knocked * e.quick_mobility;
-        half_way = Impact::half_way(x, rate, h);
+        meets = Impact::meets(x, rate, h);
         impulse += knocked;
         e.book_impulse(knocked, h);
       }
       const double own_free = velocity + own * e.outer_force_n;
       const double free = own_free - meet(m, shape, half);
       double force = 0, mean = free;
-      if (half_way > 0) {
-        const LinearForce law = e.impact.enter_step(half_way, h);
+      if (meets) {
+        const LinearForce law = e.impact.enter_step(x, rate, h);
         const double over = 1 / (1 + mobility * law.slope_ns_per_m);
         force = (law.offset_n + law.slope_ns_per_m * free) * over;
         if (force > 0) {

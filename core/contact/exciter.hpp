@@ -27,7 +27,7 @@ struct Exciter {
   double mass_kg = 0.01;
   double place_m = -1, velocity_m_per_s = 0;
   double outer_force_n = 0; ///< on the mass, into the body, until changed
-  bool impulsive = false;   ///< too short for the finest steps: an impulse with the exact restitution
+  bool impulsive = false; ///< too short for the finest steps: an impulse with the exact restitution
   Blow open, last;
   std::size_t blows = 0; ///< completed so far
 
@@ -37,15 +37,15 @@ struct Exciter {
   Random noise;
 
   // Both.
-  double depth_m = 0;        ///< penetration; friction: unused
-  double approach_m_per_s = 0; ///< relative velocity, its rate
+  double depth_m = 0;               ///< penetration; friction: unused
+  double approach_m_per_s = 0;      ///< relative velocity, its rate
   double mean_velocity_m_per_s = 0; ///< of the last step
-  double force_n = 0;        ///< mean of the last sample; of a step while it runs
-  double impulse_ns = 0;     ///< of the sample so far
-  double dissipated_j = 0;   ///< by friction in the last sample
-  bool near = false;         ///< takes part in the steps
-  bool fresh = false;        ///< depth and approach follow from the steps before
-  std::size_t level = 0;     ///< of steps that it needs
+  double force_n = 0;               ///< mean of the last sample; of a step while it runs
+  double impulse_ns = 0;            ///< of the sample so far
+  double dissipated_j = 0;          ///< by friction in the last sample
+  bool near = false;                ///< takes part in the steps
+  bool fresh = false;               ///< depth and approach follow from the steps before
+  std::size_t level = 0;            ///< of steps that it needs
 
   // Of its place on the body.
   std::array<double, kLevels> mobility{}; ///< m/(N s): mean velocity of a step for a force in it

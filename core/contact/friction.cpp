@@ -15,9 +15,8 @@ FrictionLaw FrictionLaw::within_range() const noexcept {
   const FrictionLaw usual;
   FrictionLaw law;
   law.dynamic_coefficient = within(dynamic_coefficient, 1e-6, 100, usual.dynamic_coefficient);
-  law.static_coefficient =
-      std::max(within(static_coefficient, 1e-6, 100, usual.static_coefficient),
-               law.dynamic_coefficient);
+  law.static_coefficient = std::max(within(static_coefficient, 1e-6, 100, usual.static_coefficient),
+                                    law.dynamic_coefficient);
   law.stribeck_m_per_s = within(stribeck_m_per_s, 1e-6, 1e3, usual.stribeck_m_per_s);
   law.breakaway = within(breakaway, 1e-3, 0.99, usual.breakaway);
   law.stiffness_n_per_m = within(stiffness_n_per_m, 1, 1e12, usual.stiffness_n_per_m);

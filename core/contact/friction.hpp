@@ -15,13 +15,13 @@ namespace tactus::contact {
 /// alpha is 0 while the bristles only bend, |z| < z_ba = kappa mu_d F_n / sigma0, or spring back
 /// (z v < 0), 1 once |z| has reached |z_ss|, and half a sine between.
 struct FrictionLaw {
-  double static_coefficient = 0.8;     ///< mu_s >= mu_d
-  double dynamic_coefficient = 0.3;    ///< mu_d
-  double stribeck_m_per_s = 0.1;       ///< v_s: how fast it must slide to let go
-  double breakaway = 0.5;              ///< kappa, in (0, 1): share of mu_d F_n that is elastic
-  double stiffness_n_per_m = 1e5;      ///< sigma0
-  double damping_ns_per_m = 40;        ///< sigma1
-  double viscosity_ns_per_m = 0.5;     ///< sigma2
+  double static_coefficient = 0.8;  ///< mu_s >= mu_d
+  double dynamic_coefficient = 0.3; ///< mu_d
+  double stribeck_m_per_s = 0.1;    ///< v_s: how fast it must slide to let go
+  double breakaway = 0.5;           ///< kappa, in (0, 1): share of mu_d F_n that is elastic
+  double stiffness_n_per_m = 1e5;   ///< sigma0
+  double damping_ns_per_m = 40;     ///< sigma1
+  double viscosity_ns_per_m = 0.5;  ///< sigma2
   /// sigma3: roughness, N^(1/2) s^(1/2)/m^(1/2). A random share of the force, sigma3 |w|
   /// sqrt(F_n |v|) against the motion, w normal; as a random viscosity it only ever dissipates.
   double roughness = 0;
@@ -50,7 +50,7 @@ public:
   [[gnu::always_inline]] void enter_step(double normal_force_n, double velocity, double noise,
                                          double h) noexcept {
     h_ = h;
-    if (!(normal_force_n > 0)) {
+    if (!(normal_force_n > kLightest)) {
       pressed_ = false;
       bend_ = 0;
       return;
@@ -89,6 +89,7 @@ public:
   }
 
 private:
+  static constexpr double kLightest = 1e-12; ///< N; below it nothing rubs
   static constexpr double kSlowest = 1e-4; ///< m/s; bounds the viscosity of a rough contact at rest
 
   /// Takes the nonlinear terms at a velocity and a bend.

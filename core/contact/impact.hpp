@@ -32,23 +32,29 @@ struct ImpactLaw {
 };
 
 /// Restitution e = speed after / speed before of a free body that meets a rigid wall (or of two
-/// bodies without vibration) under ImpactLaw, from y = mu v alone, y >= 0: y - ln(1 + y) is the same
-/// before (y) and after (-e y) the contact, for any k, a and mass (Marhefka & Orin 1999 integrate it;
-/// with Lambert's W, e = (1 + W0(-exp(-1 - y + ln(1 + y))))/y). Relative error below 1e-9.
+/// bodies without vibration) under ImpactLaw, from y = mu v alone, y >= 0: y - ln(1 + y) is the
+/// same before (y) and after (-e y) the contact, for any k, a and mass (Marhefka & Orin 1999
+/// integrate it; with Lambert's W, e = (1 + W0(-exp(-1 - y + ln(1 + y))))/y). Relative error below
+/// 1e-9.
 [[nodiscard]] double restitution(double mu_times_speed) noexcept;
 
 /// One contact under ImpactLaw in steps: the energy-quadratised, linearly implicit scheme.
 ///
 /// The stored work is written as psi^2/2 and psi stepped with the chain rule,
 ///     psi' = gamma(x) x',   gamma = sqrt(k (a+1)/2) x^((a-1)/2),   F = gamma psi + k mu x^a x',
-/// gamma and x^a taken at the predicted half step x + h x'/2. With the mean velocity v of the step
-/// that makes F linear in v, and the energy balance of a step exact: the work F v h taken from the
-/// bodies is the growth of psi^2/2 plus the loss k mu x^a v^2 h. No parameter and no step can create
-/// energy. (Quadratisation: Lopes, Helie & Falaize 2015; Ducceschi & Bilbao 2019.)
+/// gamma and x^a taken at the predicted middle of the step, x + h x'/2. With the mean velocity v of
+/// the step that makes F linear in v, and the energy balance of a step exact: the work F v h taken
+/// from the bodies is the growth of psi^2/2 plus the loss k mu x^a v^2 h. No parameter and no step
+/// can create energy. (Quadratisation: Lopes, Helie & Falaize 2015; Ducceschi & Bilbao 2019.)
 ///
 /// psi drifts from the exact psi*(x) = sqrt(2 k x^(a+1)/(a+1)) by the error of the step. After each
 /// step it is put back, and what that frees or takes is kept in an account that never falls below
 /// zero (`bank_j`): the sum stays what it was, and a rebound does not depend on the drift.
+///
+/// In the step within which a contact begins, gamma is the chord of psi* over the step's expected
+/// way, so that psi ends at psi*(x) wherever between two steps the surface was met; in the step
+/// within which it ends, the chord from psi to 0, so that all that is stored is given back. The
+/// loss is taken over the same ways: mu times the work.
 class Impact {
 public:
   Impact() noexcept { set({}); }
@@ -60,22 +66,38 @@ public:
     touching_ = false;
   }
 
-  /// True where a step of h seconds from penetration x and its rate meets the surface.
-  [[nodiscard, gnu::always_inline]] static double half_way(double x, double rate,
-                                                           double h) noexcept {
-    return x + 0.5 * h * rate;
+  /// True if a step of h seconds from penetration x with this rate is one of contact.
+  [[nodiscard, gnu::always_inline]] static bool meets(double x, double rate, double h) noexcept {
+    return x > 0 || x + h * rate > kTouch;
   }
-  /// The force of a step; half_way_m > 0. A sum below zero counts as no force: leave_step().
-  [[nodiscard, gnu::always_inline]] LinearForce enter_step(double half_way_m, double h) noexcept {
+  /// The force of such a step. A sum below zero counts as no force: leave out pass_step() then.
+  [[nodiscard, gnu::always_inline]] LinearForce enter_step(double x, double rate,
+                                                           double h) noexcept {
     if (!touching_) {
       touching_ = true;
       bank_j_ = 0;
     }
-    const double depth = half_way_m < kLeast ? kLeast : half_way_m;
-    const double power = power_(depth); // x^((a-1)/2)
-    gamma_ = gamma_scale_ * power;
-    const double slope = 0.5 * h * gamma_ * gamma_ + loss_scale_ * depth * power * power;
-    return {gamma_ * psi_, slope};
+    const double way = h * rate, end = x + way;
+    if (x > 0 && end > 0) {
+      const double depth = within_reach(x + 0.5 * way);
+      const double power = power_(depth); // x^((a-1)/2)
+      gamma_ = gamma_scale_ * power;
+      const double slope = 0.5 * h * gamma_ * gamma_ + loss_scale_ * depth * power * power;
+      return {gamma_ * psi_, slope};
+    }
+    double stored = 0;
+    if (x <= 0) { // arrives within the step
+      const double depth = within_reach(end), all = psi_scale_ * depth * power_(depth);
+      gamma_ = all / way;
+      stored = 0.5 * all * all;
+    } else { // leaves within the step
+      stored = 0.5 * psi_ * psi_ + bank_j_;
+      bank_j_ = 0;
+      psi_ = std::sqrt(2 * stored);
+      gamma_ = psi_ / -way;
+    }
+    return {gamma_ * psi_,
+            0.5 * h * gamma_ * gamma_ + law_.dissipation_s_per_m * stored / std::abs(way)};
   }
   /// After enter_step(): the step's mean velocity into the body, 0 if it made no force.
   [[gnu::always_inline]] void pass_step(double mean_velocity, double h) noexcept {
@@ -89,7 +111,7 @@ public:
       touching_ = false;
       return;
     }
-    const double depth = x < kLeast ? kLeast : x;
+    const double depth = within_reach(x);
     const double wanted = psi_scale_ * depth * power_(depth);
     const double surplus = 0.5 * (wanted * wanted - psi_ * psi_);
     if (surplus <= bank_j_) {
@@ -107,14 +129,19 @@ public:
   [[nodiscard]] double bank_j() const noexcept { return bank_j_; }
   /// Square of the angular frequency, 1/s^2, that the contact and a mass make at the deepest point
   /// that this energy leads to: a k x^(a-1)/m. It tells how fine the steps must be.
-  [[nodiscard, gnu::always_inline]] double stiffest(double energy_j, double mass_kg) const noexcept {
+  [[nodiscard, gnu::always_inline]] double stiffest(double energy_j,
+                                                    double mass_kg) const noexcept {
     if (!(energy_j > 1e-200))
       return law_.exponent > 1 ? 0 : rate_scale_ / mass_kg;
     return rate_scale_ * rate_power_(energy_j) / mass_kg;
   }
 
 private:
-  static constexpr double kLeast = 1e-100; ///< m; keeps the powers among normal numbers
+  static constexpr double kTouch = 1e-60; ///< m
+  /// Keeps the powers among normal numbers; the energy balance holds for any depth read.
+  [[nodiscard, gnu::always_inline]] static double within_reach(double x) noexcept {
+    return x < 1e-100 ? 1e-100 : (x > 1e3 ? 1e3 : x);
+  }
 
   double psi_ = 0, bank_j_ = 0, gamma_ = 0;
   bool touching_ = false;

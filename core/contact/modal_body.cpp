@@ -7,8 +7,9 @@
 namespace tactus::contact {
 namespace {
 
-constexpr double kHighest = 0.49;    // of the sample rate
-constexpr double kStill = 1e-20;     // sqrt(J); a mode below it comes to rest
+constexpr double kHighest = 0.49;                    // of the sample rate
+constexpr double kStill = 1e-20;                     // sqrt(J); a mode below it comes to rest
+constexpr double kAbsurd = 1e60;                     // sqrt(J)
 constexpr double kSixtyDecibels = 6.907755278982137; // ln 1000
 
 double within(double value, double low, double high, double otherwise) noexcept {
@@ -35,7 +36,7 @@ void ModalBody::set_modes(std::span<const Mode> modes) noexcept {
   for (std::size_t i = 0; i < count_; ++i)
     wanted_[i] = {within(modes[i].frequency_hz, 1e-3, 1e7, usual.frequency_hz),
                   within(modes[i].t60_s, 1e-4, 1e4, usual.t60_s),
-                  within(modes[i].mass_kg, 1e-9, 1e9, usual.mass_kg)};
+                  within(modes[i].mass_kg, 1e-6, 1e9, usual.mass_kg)};
   work_out();
 }
 
@@ -77,12 +78,12 @@ double ModalBody::energy() const noexcept {
 }
 
 bool ModalBody::tidy() noexcept {
-  bool finite = true;
+  bool finite = true; // and of this world
   for (std::size_t i = 0; i < count_; ++i) {
     const double size = std::abs(velocity[i]) + std::abs(potential[i]);
     if (size < kStill)
       velocity[i] = potential[i] = 0;
-    finite = finite && std::isfinite(size);
+    finite = finite && size < kAbsurd;
   }
   return finite;
 }

@@ -22,9 +22,9 @@ inline constexpr std::size_t kLevels = 7;
 /// The modes of a body, ready for steps of T, T/2, ... T/64.
 ///
 /// A mode's state is a = sqrt(m) q' and p = sqrt(m) w q, so that its energy is (a^2 + p^2)/2. The
-/// midpoint rule, which keeps energies exact, would put its poles where they do not belong (warping);
-/// so frequency and damping of each step length are chosen such that its poles are exactly
-/// R exp(+-j omega h), R = exp(-d h):
+/// midpoint rule, which keeps energies exact, would put its poles where they do not belong
+/// (warping); so frequency and damping of each step length are chosen such that its poles are
+/// exactly R exp(+-j omega h), R = exp(-d h):
 ///     g = 2R cos(omega h)/(1+R^2),  W = (1-g)/(1+g) = (w h/2)^2,  s h = (1+W)(1-R^2)/(1+R^2)
 ///     mean a = b (a - sqrt(W) p + F h/2 / sqrt(m)),  b = 1/(1 + s h + W)
 ///     p += 2 sqrt(W) mean a,   a <- 2 mean a - a

@@ -7,14 +7,16 @@
 namespace tactus::contact {
 namespace {
 
-constexpr double kFastest = 1e4;     // m/s
-constexpr double kFarthest = 1e3;    // m
-constexpr double kMostForce = 1e7;   // N, from outside
+constexpr double kFastest = 1e4;   // m/s
+constexpr double kFarthest = 1e3;  // m
+constexpr double kMostForce = 1e7; // N, from outside
+constexpr double kMostShape = 1e3;
+constexpr double kMostState = 1e60;  // sqrt(J), N; beyond it all starts anew
 constexpr double kStepsFor = 0.15;   // most angle, rad, that a contact may turn in a step
 constexpr double kImpulseFrom = 0.5; // the same in the finest steps: an impulse instead
 constexpr double kReach = 2;         // samples ahead in which a mass may arrive
 constexpr std::uint64_t kTidyEvery = 64, kLookEvery = 16, kJudgeEvery = 4;
-constexpr std::size_t kPatience = 8;            // samples before coarser steps
+constexpr std::size_t kPatience = 8;                    // samples before coarser steps
 constexpr std::size_t kMostWork = std::size_t{1} << 17; // products in a sample with many contacts
 
 double within(double value, double size) noexcept {
@@ -59,7 +61,7 @@ void TouchedBody::set_place(std::size_t slot, std::span<const double> shape) noe
     return;
   measure_places();
   for (std::size_t i = 0; i < shape_[slot].size(); ++i)
-    shape_[slot][i] = i < shape.size() ? within(shape[i], 1e6) : 0;
+    shape_[slot][i] = i < shape.size() ? within(shape[i], kMostShape) : 0;
   keep_places();
 }
 
@@ -67,7 +69,7 @@ void TouchedBody::set_ear(std::size_t ear, std::span<const double> shape) noexce
   if (ear >= ear_.size())
     return;
   for (std::size_t i = 0; i < ear_shape_[ear].size(); ++i) {
-    ear_shape_[ear][i] = i < shape.size() ? within(shape[i], 1e6) : 0;
+    ear_shape_[ear][i] = i < shape.size() ? within(shape[i], kMostShape) : 0;
     ear_[ear][i] = ear_shape_[ear][i] * body_.per_root_mass(i);
   }
 }
@@ -266,12 +268,29 @@ bool TouchedBody::goes_before(std::size_t a, std::size_t b) const noexcept {
   const auto numbers = [](const Exciter& e) {
     const ImpactLaw& i = e.impact.law();
     const FrictionLaw& f = e.friction.law();
-    return std::array{static_cast<double>(e.kind), e.mass_kg, e.place_m, e.velocity_m_per_s,
-                      e.outer_force_n, e.normal_force_n, e.rubbing_m_per_s, e.depth_m,
-                      e.approach_m_per_s, e.impact.stored_j(), e.impact.bank_j(),
-                      e.friction.bend_m(), i.stiffness, i.exponent, i.dissipation_s_per_m,
-                      f.static_coefficient, f.dynamic_coefficient, f.stribeck_m_per_s, f.breakaway,
-                      f.stiffness_n_per_m, f.damping_ns_per_m, f.viscosity_ns_per_m, f.roughness};
+    return std::array{static_cast<double>(e.kind),
+                      e.mass_kg,
+                      e.place_m,
+                      e.velocity_m_per_s,
+                      e.outer_force_n,
+                      e.normal_force_n,
+                      e.rubbing_m_per_s,
+                      e.depth_m,
+                      e.approach_m_per_s,
+                      e.impact.stored_j(),
+                      e.impact.bank_j(),
+                      e.friction.bend_m(),
+                      i.stiffness,
+                      i.exponent,
+                      i.dissipation_s_per_m,
+                      f.static_coefficient,
+                      f.dynamic_coefficient,
+                      f.stribeck_m_per_s,
+                      f.breakaway,
+                      f.stiffness_n_per_m,
+                      f.damping_ns_per_m,
+                      f.viscosity_ns_per_m,
+                      f.roughness};
   };
   const auto first = numbers(exciters_[a]), second = numbers(exciters_[b]);
   if (first != second)
@@ -294,8 +313,7 @@ void TouchedBody::sort() noexcept {
 
 std::size_t TouchedBody::needed_level(Exciter& e) const noexcept {
   const double mass = 1 / e.quick_mobility, sample = 1 / body_.sample_rate();
-  const double energy =
-      0.5 * mass * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
+  const double energy = 0.5 * mass * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
   const double angle = std::sqrt(e.impact.stiffest(energy, mass)) * sample;
   constexpr double kFinest = 1U << (kLevels - 1);
   e.impulsive = angle / kFinest > kImpulseFrom;
@@ -308,7 +326,8 @@ std::size_t TouchedBody::needed_level(Exciter& e) const noexcept {
 /// A mass that is far from the body.
 void TouchedBody::fly(Exciter& e) const noexcept {
   const double sample = 1 / body_.sample_rate(), before = e.velocity_m_per_s;
-  e.velocity_m_per_s = std::clamp(before + sample * e.outer_force_n / e.mass_kg, -kFastest, kFastest);
+  e.velocity_m_per_s =
+      std::clamp(before + sample * e.outer_force_n / e.mass_kg, -kFastest, kFastest);
   e.place_m += 0.5 * sample * (before + e.velocity_m_per_s);
   if (!(std::abs(e.place_m) < kFarthest)) {
     e.place_m = std::clamp(e.place_m, -kFarthest, kFarthest);
@@ -403,13 +422,18 @@ void TouchedBody::step() noexcept {
     outer_.clear();
     has_outer_ = false;
   }
+  bool sane = true;
   for (const std::size_t i : close_) {
     Exciter& e = exciters_[i];
+    sane =
+        sane && std::abs(e.force_n) < kMostState && std::abs(e.mean_velocity_m_per_s) < kMostState;
     if (e.kind == Exciter::Kind::kImpact && !(std::abs(e.velocity_m_per_s) < kFastest)) {
       e.velocity_m_per_s = within(e.velocity_m_per_s, kFastest);
       e.fresh = false;
     }
   }
+  if (!sane)
+    return reset();
   if (clock_ % kTidyEvery == 0 && sounds_) {
     if (!body_.tidy())
       reset();

@@ -121,7 +121,7 @@ private:
   std::vector<std::size_t> order_, close_; ///< slots: all in use; those near
   /// Of one step with several contacts, by position in close_.
   struct Term {
-    double own_free = 0, own = 0, free = 0, half_way = 0;
+    double own_free = 0, own = 0, free = 0;
     LinearForce law;
     double force = 0, mean = 0;
     bool acts = false;

@@ -71,9 +71,8 @@ void TouchedBody::touch_many() noexcept {
       t.free = t.own_free - kernel_->dot(place_[close_[c]].data(), mean_.data(), modes.padded);
       t.law = {};
       if (strikes) {
-        const double half_way = Impact::half_way(e.depth_m, e.approach_m_per_s, h);
-        if (half_way > 0)
-          t.law = e.impact.enter_step(half_way, h);
+        if (Impact::meets(e.depth_m, e.approach_m_per_s, h))
+          t.law = e.impact.enter_step(e.depth_m, e.approach_m_per_s, h);
       } else {
         any_friction = true;
         e.friction.enter_step(e.normal_force_n, e.approach_m_per_s,
@@ -172,7 +171,8 @@ void TouchedBody::solve_by_contact() noexcept {
         continue;
       if (j == i)
         y += t.own;
-      matrix_[i * count + j] = (i == j ? 1.0 : 0.0) + root * std::sqrt(other.law.slope_ns_per_m) * y;
+      matrix_[i * count + j] =
+          (i == j ? 1.0 : 0.0) + root * std::sqrt(other.law.slope_ns_per_m) * y;
     }
     right_[i] = root * (t.free - answer);
     other_[i] = t.law.offset_n / root + root * t.free;
@@ -240,7 +240,7 @@ void TouchedBody::knock_many() noexcept {
       const Exciter& e = exciters_[close_[c]];
       Term& t = terms_[c];
       t.acts = e.kind == Exciter::Kind::kImpact && e.impulsive && !e.impact.touching() &&
-               e.approach_m_per_s > 0 && Impact::half_way(e.depth_m, e.approach_m_per_s, h) > 0;
+               e.approach_m_per_s > 0 && Impact::meets(e.depth_m, e.approach_m_per_s, h);
       if (!t.acts)
         continue;
       const double kept = restitution(e.impact.law().dissipation_s_per_m * e.approach_m_per_s);

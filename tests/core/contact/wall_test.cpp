@@ -23,11 +23,11 @@ struct Rebound {
 };
 
 /// What the object does with it.
-Rebound strike(const Wall& wall, double rate = 44100) {
+Rebound strike(const Wall& wall, double gap_samples = 0, double rate = 44100) {
   TouchedBody body(0, 1);
   body.prepare(rate);
   body.set_impact(0, wall.law, wall.mass_kg);
-  body.throw_mass(0, 0, wall.speed_m_per_s);
+  body.throw_mass(0, gap_samples / rate * wall.speed_m_per_s, wall.speed_m_per_s);
   const double whole = body.energy();
   double before = whole;
   Rebound r;
@@ -112,13 +112,15 @@ TEST_CASE("eight impacts on a wall have the restitution, time, depth and force o
 
 TEST_CASE("384 impacts on a wall rebound within 0.1 % and take their time within 0.5 %") {
   double worst_rebound = 0, worst_time = 0, worst_growth = 0;
-  int resolved = 0;
+  int resolved = 0, tried = 0;
   for (const double exponent : {1.0, 1.3, 1.5, 2.0, 2.5, 3.5})
     for (const double stiffness : {1e3, 1e5, 1e7, 1e9})
       for (const double loss : {0.0, 0.1, 0.6, 2.0})
         for (const double speed : {0.1, 0.5, 2.0, 5.0}) {
           const Wall wall{0.01, speed, {stiffness, exponent, loss}};
-          const Rebound r = strike(wall);
+          // Met anywhere between two samples.
+          const double gap = std::fmod(0.381966 * static_cast<double>(tried++), 1);
+          const Rebound r = strike(wall, gap);
           const double e = loss > 0 ? restitution_by_halving(loss * speed) : 1;
           const double rebound = std::abs(r.restitution / e - 1);
           worst_growth = std::max(worst_growth, r.growth);

@@ -1,0 +1,187 @@
+#include "core/contact/touched_body.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+// A belt drags a damped oscillator, against an integration of the equations of motion.
+
+using namespace tactus::contact;
+
+namespace {
+
+constexpr double kRate = 44100;
+constexpr double kNepers = 6.907755278982137;
+constexpr double kPi = std::numbers::pi;
+
+struct Belt {
+  double normal_n;
+  FrictionLaw law;
+  double mass_kg, frequency_hz, decay_per_s, speed_m_per_s;
+};
+
+TouchedBody body_of(const Belt& belt) {
+  TouchedBody body(1, 1);
+  body.prepare(kRate);
+  body.set_modes(std::array{Mode{belt.frequency_hz, kNepers / belt.decay_per_s, belt.mass_kg}});
+  body.set_friction(0, belt.law);
+  body.rub(0, belt.normal_n, belt.speed_m_per_s);
+  return body;
+}
+
+/// The law itself, written as in Dupont et al.
+struct Exact {
+  const Belt& belt;
+  double q = 0, u = 0, z = 0;
+
+  [[nodiscard]] double alpha(double v, double bend) const {
+    const FrictionLaw& f = belt.law;
+    if (v * bend <= 0)
+      return 0;
+    const double size = std::abs(bend), slide = steady(v);
+    const double elastic =
+        f.breakaway * f.dynamic_coefficient * belt.normal_n / f.stiffness_n_per_m;
+    if (size <= elastic)
+      return 0;
+    if (size >= slide)
+      return 1;
+    return 0.5 * (1 + std::sin(kPi * (size - 0.5 * (slide + elastic)) / (slide - elastic)));
+  }
+  [[nodiscard]] double steady(double v) const {
+    const FrictionLaw& f = belt.law;
+    const double r = v / f.stribeck_m_per_s;
+    return belt.normal_n *
+           (f.dynamic_coefficient +
+            (f.static_coefficient - f.dynamic_coefficient) * std::exp(-r * r)) /
+           f.stiffness_n_per_m;
+  }
+  void slope(double place, double speed, double bend, double* k) const {
+    const double v = belt.speed_m_per_s - speed, omega = 2 * kPi * belt.frequency_hz;
+    const double growth = v - alpha(v, bend) * std::abs(v) * bend / steady(v);
+    const double force = belt.law.stiffness_n_per_m * bend + belt.law.damping_ns_per_m * growth +
+                         belt.law.viscosity_ns_per_m * v;
+    k[0] = speed;
+    k[1] = force / belt.mass_kg - 2 * belt.decay_per_s * speed -
+           (omega * omega + belt.decay_per_s * belt.decay_per_s) * place;
+    k[2] = growth;
+  }
+  void step(double h) {
+    double a[3], b[3], c[3], d[3];
+    slope(q, u, z, a);
+    slope(q + h / 2 * a[0], u + h / 2 * a[1], z + h / 2 * a[2], b);
+    slope(q + h / 2 * b[0], u + h / 2 * b[1], z + h / 2 * b[2], c);
+    slope(q + h * c[0], u + h * c[1], z + h * c[2], d);
+    q += h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0]);
+    u += h / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1]);
+    z += h / 6 * (a[2] + 2 * b[2] + 2 * c[2] + d[2]);
+  }
+};
+
+struct Heard {
+  double frequency_hz = 0, rms = 0;
+};
+
+/// Of the second half: rms about the mean, and the rate of passages upwards through it.
+Heard measure(const std::vector<double>& signal) {
+  const std::size_t from = signal.size() / 2, count = signal.size() - from;
+  double mean = 0, square = 0;
+  for (std::size_t n = from; n < signal.size(); ++n)
+    mean += signal[n] / static_cast<double>(count);
+  for (std::size_t n = from; n < signal.size(); ++n)
+    square += (signal[n] - mean) * (signal[n] - mean) / static_cast<double>(count);
+  Heard heard{0, std::sqrt(square)};
+  double first = -1, last = -1;
+  int passages = 0;
+  bool armed = false;
+  for (std::size_t n = from + 1; n < signal.size(); ++n) {
+    const double now = signal[n] - mean, before = signal[n - 1] - mean;
+    armed = armed || now < -0.3 * heard.rms;
+    if (!armed || before >= 0 || now < 0)
+      continue;
+    armed = false;
+    last = static_cast<double>(n - 1) - before / (now - before);
+    if (first < 0)
+      first = last;
+    ++passages;
+  }
+  if (passages > 1)
+    heard.frequency_hz = kRate * (passages - 1) / (last - first);
+  return heard;
+}
+
+} // namespace
+
+TEST_CASE("rubbed oscillators speak with the pitch and strength of the law") {
+  struct Row {
+    Belt belt;
+    double frequency_hz, rms;
+  };
+  // Reference: Runge and Kutta's fourth order, 400 to 2000 steps a sample.
+  const Row rows[] = {
+      {{5, {.8, .3, .05, .1, 1e4, 5, .2}, .02, 250, 8, .05}, 248.254, .04494},
+      {{20, {.8, .3, .1, .5, 1e5, 40, .5}, .05, 120, 6, .1}, 81.325, .12283},
+      {{20, {.8, .3, .1, .5, 1e5, 40, .5}, .05, 600, 20, .1}, 600.798, .09652},
+      {{100, {.7, .35, .1, .7, 1e6, 200, 1}, .2, 180, 10, .1}, 170.313, .08456},
+      {{100, {.7, .35, .1, .7, 1e7, 1000, 1}, .2, 180, 10, .1}, 139.008, .11889},
+      {{400, {.7, .35, .05, .7, 1e7, 2000, 5}, 1, 90, 10, .03}, 28.049, .06983},
+      {{400, {.7, .35, .05, .7, 1e8, 2000, 5}, 1, 90, 10, .03}, 27.254, .07581},
+  };
+  for (const Row& row : rows) {
+    TouchedBody body = body_of(row.belt);
+    std::vector<double> signal;
+    double least = 0;
+    for (int n = 0; n < 44100; ++n) {
+      body.step();
+      signal.push_back(body.hear());
+      least = std::min(least, body.exciter(0).dissipated_j);
+    }
+    const Heard heard = measure(signal);
+    MESSAGE(heard.frequency_hz, " Hz (", 100 * (heard.frequency_hz / row.frequency_hz - 1),
+            " %), rms ", heard.rms, " (", 100 * (heard.rms / row.rms - 1), " %)");
+    CHECK(heard.frequency_hz == doctest::Approx(row.frequency_hz).epsilon(1e-3));
+    CHECK(heard.rms == doctest::Approx(row.rms).epsilon(5e-3));
+    CHECK(least >= -1e-12 * row.belt.normal_n * row.belt.speed_m_per_s / kRate);
+  }
+}
+
+TEST_CASE("the table of rubbed oscillators holds beside our own integration") {
+  const Belt belt{5, {.8, .3, .05, .1, 1e4, 5, .2}, .02, 250, 8, .05};
+  Exact exact{belt};
+  std::vector<double> signal;
+  for (int n = 0; n < 44100; ++n) {
+    for (int i = 0; i < 40; ++i)
+      exact.step(1 / (kRate * 40));
+    signal.push_back(exact.u);
+  }
+  const Heard heard = measure(signal);
+  CHECK(heard.frequency_hz == doctest::Approx(248.254).epsilon(1e-4));
+  CHECK(heard.rms == doctest::Approx(.04494).epsilon(1e-3));
+}
+
+TEST_CASE("1296 rubbed bodies stay bounded and friction only dissipates") {
+  double least = 0;
+  for (const double stiffness : {1e3, 1e5, 1e7, 1e9})
+    for (const double damping : {0.0, 1.0, 100.0, 1e4})
+      for (const double normal : {1.0, 50.0, 1000.0})
+        for (const double speed : {.01, .3, 3.0})
+          for (const double mass : {1e-3, 1e-1, 10.0})
+            for (const double frequency : {50.0, 800.0, 8000.0}) {
+              const Belt belt{normal, {.8, .3, .1, .5, stiffness, damping, .3}, mass, frequency, 10,
+                              speed};
+              TouchedBody body = body_of(belt);
+              // The strongest steady force, at the mode's own impedance, and the belt's speed.
+              const double bound = 100 * (speed + 0.8 * normal / (mass * 2 * kPi * frequency));
+              double highest = 0;
+              for (int n = 0; n < 2205; ++n) {
+                body.step();
+                highest = std::max(highest, std::abs(body.hear()));
+                least = std::min(least, body.exciter(0).dissipated_j * kRate / (normal * speed));
+              }
+              CHECK(highest < bound);
+            }
+  MESSAGE("least dissipation over F_n v: ", least);
+  CHECK(least > -1e-9);
+}

@@ -1,0 +1,379 @@
+#include "core/contact/touched_body.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <vector>
+
+// Many exciters on one body at once.
+
+using namespace tactus::contact;
+
+namespace {
+
+double random(std::mt19937& source, double low, double high) {
+  return std::uniform_real_distribution<>(low, high)(source);
+}
+double log_random(std::mt19937& source, double low, double high) {
+  return std::exp(random(source, std::log(low), std::log(high)));
+}
+
+struct Striker {
+  ImpactLaw law;
+  double mass_kg, gap_m, speed_m_per_s;
+  std::vector<double> shape;
+};
+struct Crowd {
+  std::vector<Mode> modes;
+  std::vector<Striker> strikers;
+};
+
+Crowd random_crowd(std::mt19937& source, std::size_t modes, std::size_t strikers,
+                   double stiffest = 1e10) {
+  Crowd crowd;
+  for (std::size_t i = 0; i < modes; ++i)
+    crowd.modes.push_back(
+        {log_random(source, 40, 15000), log_random(source, 0.01, 2), log_random(source, 0.05, 5)});
+  for (std::size_t i = 0; i < strikers; ++i) {
+    Striker s{{log_random(source, 1e4, stiffest), random(source, 1, 3), random(source, 0, 1)},
+              log_random(source, 1e-3, 1),
+              random(source, 0, 1e-4),
+              random(source, 0.1, 3),
+              {}};
+    for (std::size_t k = 0; k < modes; ++k)
+      s.shape.push_back(random(source, -1, 1));
+    crowd.strikers.push_back(s);
+  }
+  return crowd;
+}
+
+/// The crowd on a body, striker i in the slot that `slots` names.
+TouchedBody gather(const Crowd& crowd, const std::vector<std::size_t>& slots, double rate = 48000) {
+  TouchedBody body(crowd.modes.size(), crowd.strikers.size());
+  body.prepare(rate);
+  body.set_modes(crowd.modes);
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const Striker& s = crowd.strikers[i];
+    body.set_place(slots[i], s.shape);
+    body.set_impact(slots[i], s.law, s.mass_kg);
+    body.throw_mass(slots[i], s.gap_m, s.speed_m_per_s);
+  }
+  return body;
+}
+
+std::vector<std::size_t> in_order(std::size_t count) {
+  std::vector<std::size_t> slots(count);
+  std::iota(slots.begin(), slots.end(), 0);
+  return slots;
+}
+
+/// Runge and Kutta's fourth order for masses on modes.
+class Exact {
+public:
+  explicit Exact(const Crowd& crowd) : crowd_(crowd) {
+    const std::size_t modes = crowd.modes.size(), masses = crowd.strikers.size();
+    y_.assign(2 * (modes + masses), 0);
+    for (std::size_t i = 0; i < masses; ++i) {
+      y_[2 * (modes + i)] = -crowd.strikers[i].gap_m;
+      y_[2 * (modes + i) + 1] = crowd.strikers[i].speed_m_per_s;
+    }
+  }
+  void step(double h) {
+    const auto a = slope(y_), b = slope(moved(a, h / 2)), c = slope(moved(b, h / 2)),
+               d = slope(moved(c, h));
+    for (std::size_t i = 0; i < y_.size(); ++i)
+      y_[i] += h / 6 * (a[i] + 2 * b[i] + 2 * c[i] + d[i]);
+  }
+  [[nodiscard]] double heard() const {
+    double sum = 0;
+    for (std::size_t k = 0; k < crowd_.modes.size(); ++k)
+      sum += y_[2 * k + 1];
+    return sum;
+  }
+
+private:
+  using State = std::vector<double>;
+  [[nodiscard]] State moved(const State& k, double h) const {
+    State y = y_;
+    for (std::size_t i = 0; i < y.size(); ++i)
+      y[i] += h * k[i];
+    return y;
+  }
+  [[nodiscard]] State slope(const State& y) const {
+    const std::size_t modes = crowd_.modes.size();
+    State k(y.size());
+    std::vector<double> drive(modes, 0);
+    for (std::size_t i = 0; i < crowd_.strikers.size(); ++i) {
+      const Striker& s = crowd_.strikers[i];
+      double x = y[2 * (modes + i)], v = y[2 * (modes + i) + 1];
+      for (std::size_t m = 0; m < modes; ++m) {
+        x -= s.shape[m] * y[2 * m];
+        v -= s.shape[m] * y[2 * m + 1];
+      }
+      const double force = s.law.force(x, v);
+      for (std::size_t m = 0; m < modes; ++m)
+        drive[m] += s.shape[m] * force;
+      k[2 * (modes + i)] = y[2 * (modes + i) + 1];
+      k[2 * (modes + i) + 1] = -force / s.mass_kg;
+    }
+    for (std::size_t m = 0; m < modes; ++m) {
+      const double omega = 2 * std::numbers::pi * crowd_.modes[m].frequency_hz;
+      const double d = 6.907755278982137 / crowd_.modes[m].t60_s;
+      k[2 * m] = y[2 * m + 1];
+      k[2 * m + 1] = drive[m] / crowd_.modes[m].mass_kg - 2 * d * y[2 * m + 1] -
+                     (omega * omega + d * d) * y[2 * m];
+    }
+    return k;
+  }
+  const Crowd& crowd_;
+  State y_;
+};
+
+} // namespace
+
+TEST_CASE("three masses on one body at once sound as the equations of motion say") {
+  Crowd crowd;
+  crowd.modes = {{180, .6, .5}, {620, .4, .8}, {1900, .2, 1.2}, {4100, .1, 2}};
+  crowd.strikers = {{{1e6, 1.5, .3}, .05, 0, 1, {1, .7, -.4, .9}},
+                    {{1e8, 2.3, .1}, .01, 2e-4, 2, {.3, -1, .8, .2}},
+                    {{1e5, 1, 0}, .2, 1e-4, .5, {-.6, .5, 1, -.3}}};
+  constexpr double kRate = 48000;
+  TouchedBody body = gather(crowd, in_order(3), kRate);
+  Exact exact(crowd);
+  double error = 0, signal = 0;
+  for (int n = 0; n < 960; ++n) {
+    body.step();
+    for (int i = 0; i < 50; ++i)
+      exact.step(1 / (kRate * 50));
+    error += std::pow(body.hear() - exact.heard(), 2);
+    signal += std::pow(exact.heard(), 2);
+  }
+  const double decibels = 10 * std::log10(error / signal);
+  MESSAGE("beside the exact sound: ", decibels, " dB");
+  CHECK(decibels < -50);
+}
+
+TEST_CASE("contacts that change slots sound the same, bit for bit") {
+  std::mt19937 source(11);
+  for (const std::size_t count : {2UL, 5UL, 12UL, 64UL}) {
+    const Crowd crowd = random_crowd(source, 8, count);
+    std::vector<std::size_t> slots = in_order(count);
+    TouchedBody one = gather(crowd, slots);
+    std::shuffle(slots.begin(), slots.end(), source);
+    TouchedBody other = gather(crowd, slots);
+    bool same = true;
+    double loudest = 0;
+    for (int n = 0; n < 1500; ++n) {
+      one.step();
+      other.step();
+      same = same && one.hear() == other.hear();
+      loudest = std::max(loudest, std::abs(one.hear()));
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      same = same && one.exciter(i).velocity_m_per_s == other.exciter(slots[i]).velocity_m_per_s;
+    CAPTURE(count);
+    CHECK(same);
+    CHECK(loudest > 1e-3);
+  }
+}
+
+TEST_CASE("64 contacts, struck and rubbed, never gain energy") {
+  std::mt19937 source(5);
+  for (const std::size_t modes : {2UL, 8UL, 64UL})
+    for (const double stiffest : {1e8, 1e15}) {
+      const Crowd crowd = random_crowd(source, modes, 64, stiffest);
+      TouchedBody body = gather(crowd, in_order(64));
+      for (std::size_t i = 48; i < 64; ++i) {
+        body.set_friction(
+            i, {.8, .3, .1, .5, log_random(source, 1e3, 1e8), log_random(source, 1, 1e3), .5, 1});
+        body.rub(i, log_random(source, 0.1, 100), 0); // at rest: it brings no energy
+      }
+      const double whole = body.energy();
+      double before = whole, worst = 0;
+      std::size_t blows = 0;
+      for (int n = 0; n < 600; ++n) {
+        body.step();
+        worst = std::max(worst, (body.energy() - before) / whole);
+        before = body.energy();
+      }
+      for (std::size_t i = 0; i < 48; ++i)
+        blows += body.exciter(i).blows;
+      CAPTURE(modes);
+      CAPTURE(stiffest);
+      CHECK(worst < 1e-12);
+      CHECK(blows >= 20);
+      CHECK(before < whole);
+    }
+}
+
+TEST_CASE("a system with one unknown a mode and one with an unknown a contact agree") {
+  // Modes that nothing reaches change nothing but which of the two is smaller.
+  std::mt19937 source(2);
+  Crowd few = random_crowd(source, 3, 6, 1e8);
+  Crowd many = few;
+  for (int i = 0; i < 5; ++i)
+    many.modes.push_back({1000, 1, 1});
+  for (Striker& s : many.strikers)
+    s.shape.resize(8, 0);
+  TouchedBody by_mode = gather(few, in_order(6)), by_contact = gather(many, in_order(6));
+  double worst = 0, loudest = 0;
+  for (int n = 0; n < 400; ++n) {
+    by_mode.step();
+    by_contact.step();
+    worst = std::max(worst, std::abs(by_mode.hear() - by_contact.hear()));
+    loudest = std::max(loudest, std::abs(by_mode.hear()));
+  }
+  CHECK(worst < 1e-9 * loudest);
+}
+
+TEST_CASE("two equal masses at one place act as one of twice the mass and stiffness") {
+  const std::vector<Mode> modes{{300, .5, .3}, {1700, .2, .6}};
+  const ImpactLaw half{5e6, 1.5, .2}, whole{1e7, 1.5, .2};
+  TouchedBody two(2, 2), one(2, 1);
+  for (TouchedBody* body : {&two, &one}) {
+    body->prepare(48000);
+    body->set_modes(modes);
+  }
+  for (std::size_t i : {0UL, 1UL}) {
+    two.set_impact(i, half, .02);
+    two.throw_mass(i, 0, 1);
+  }
+  one.set_impact(0, whole, .04);
+  one.throw_mass(0, 0, 1);
+  double worst = 0, loudest = 0;
+  for (int n = 0; n < 1000; ++n) {
+    two.step();
+    one.step();
+    worst = std::max(worst, std::abs(two.hear() - one.hear()));
+    loudest = std::max(loudest, std::abs(one.hear()));
+  }
+  // The effective masses that choose the steps differ, and the steps with them.
+  CHECK(worst < 1e-3 * loudest);
+}
+
+TEST_CASE("contacts far below a step are impulses with the exact restitution, also many at once") {
+  TouchedBody body(2, 3);
+  body.prepare(44100);
+  body.set_modes(std::array{Mode{500, 1, .4}, Mode{2000, .5, .7}});
+  for (std::size_t i = 0; i < 3; ++i)
+    body.set_impact(i, {1e16, 1.5, .4}, .01);
+  body.throw_mass(0, 0, 2);
+  const double effective = 1 / (1 / .01 + 1 / .4 + 1 / .7);
+  const double impulse = (1 + restitution(.8)) * effective * 2;
+  body.step();
+  CHECK(body.force(0) / 44100 == doctest::Approx(impulse).epsilon(1e-9));
+  CHECK(body.exciter(0).velocity_m_per_s == doctest::Approx(2 - impulse / .01).epsilon(1e-9));
+  body.reset();
+  for (std::size_t i = 0; i < 3; ++i)
+    body.throw_mass(i, 0, 1 + static_cast<double>(i));
+  double before = body.energy();
+  for (int n = 0; n < 100; ++n) {
+    body.step();
+    CHECK(body.energy() <= before * (1 + 1e-13));
+    before = body.energy();
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    CHECK(body.exciter(i).velocity_m_per_s < 0.5);
+}
+
+TEST_CASE("new modes, laws and rates while everything sounds add no energy") {
+  std::mt19937 source(9);
+  Crowd crowd = random_crowd(source, 6, 10);
+  TouchedBody body = gather(crowd, in_order(10));
+  double before = body.energy(), worst = 0;
+  const double whole = before;
+  const auto note = [&] {
+    worst = std::max(worst, (body.energy() - before) / whole);
+    before = body.energy();
+  };
+  for (int n = 0; n < 3000; ++n) {
+    body.step();
+    note();
+    if (n % 7)
+      continue;
+    const Crowd next = random_crowd(source, 6, 10);
+    switch (source() % 5) {
+    case 0:
+      body.set_modes(next.modes);
+      break;
+    case 1:
+      body.set_impact(source() % 10, next.strikers[0].law, next.strikers[0].mass_kg);
+      break;
+    case 2:
+      body.set_place(source() % 10, next.strikers[0].shape);
+      break;
+    case 3:
+      body.prepare(std::array{22050.0, 48000.0, 192000.0}[source() % 3]);
+      break;
+    default:
+      body.set_least_steps(1U << source() % 7);
+    }
+    note();
+  }
+  CHECK(worst < 1e-12);
+}
+
+TEST_CASE("no input leads to anything but numbers, and it recovers") {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::mt19937 source(21);
+  const std::array wild{kNan, kInfinity, -kInfinity, 1e300, -1e300, 1e-310, 0.0, -1.0, 1e30, 5.0};
+  const auto any = [&] { return wild[source() % wild.size()]; };
+  TouchedBody body(4, 3);
+  body.prepare(48000);
+  bool finite = true;
+  for (int n = 0; n < 20000; ++n) {
+    switch (source() % 10) {
+    case 0:
+      body.set_modes(std::array{Mode{any(), any(), any()}, Mode{any(), any(), any()}});
+      break;
+    case 1:
+      body.set_impact(source() % 3, {any(), any(), any()}, any());
+      break;
+    case 2:
+      body.set_friction(source() % 3, {any(), any(), any(), any(), any(), any(), any(), any()});
+      break;
+    case 3:
+      body.throw_mass(source() % 3, any(), any());
+      break;
+    case 4:
+      body.push_mass(source() % 3, any());
+      break;
+    case 5:
+      body.rub(source() % 3, any(), any());
+      break;
+    case 6:
+      body.push_body(source() % 3, any());
+      break;
+    case 7:
+      body.knock_body(source() % 3, any());
+      break;
+    case 8:
+      body.set_place(source() % 3, std::array{any(), any(), any()});
+      break;
+    default:
+      body.prepare(any());
+    }
+    body.step();
+    finite = finite && std::isfinite(body.hear()) && std::isfinite(body.force(source() % 3));
+  }
+  CHECK(finite);
+  body.reset();
+  for (std::size_t i = 0; i < 3; ++i)
+    body.clear(i);
+  body.prepare(48000);
+  body.set_modes(std::array{Mode{440, .1, .1}});
+  body.set_place(0, std::array{1.0});
+  body.set_impact(0, {1e6, 1.5, .1}, .01);
+  body.throw_mass(0, 0, 1);
+  for (int n = 0; n < 200; ++n)
+    body.step();
+  CHECK(body.exciter(0).blows > 0);
+}
