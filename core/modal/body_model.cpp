@@ -47,6 +47,22 @@ LoadedTable::LoadedTable(ModalTable read) : table(std::move(read)) {
     return;
   surface.build(table.vertex_m, table.triangle);
   radiating.build(table, surface);
+  order_shapes();
+}
+
+void LoadedTable::order_shapes() {
+  const std::size_t modes = table.modes(), vertices = table.vertices();
+  if (table.shape.empty())
+    return;
+  shape.resize(table.shape.size());
+  constexpr std::size_t kTile = 32; // both sides of a tile stay in the cache
+  for (std::size_t k0 = 0; k0 < modes; k0 += kTile)
+    for (std::size_t v0 = 0; v0 < vertices; v0 += kTile)
+      for (std::size_t k = k0; k < std::min(k0 + kTile, modes); ++k)
+        for (std::size_t v = v0; v < std::min(v0 + kTile, vertices); ++v)
+          std::copy_n(table.shape.data() + (k * vertices + v) * 3, 3,
+                      shape.data() + (v * modes + k) * 3);
+  table.shape = {};
 }
 
 BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings& with)
@@ -67,8 +83,10 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   const std::span<const std::complex<double>> all(rate);
   bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, kMostListeners);
   solver = ContactSolver(all, settings.sample_rate, settings.voices + 1,
-                         table.free && table.mass_kg > 0, kMostListeners);
+                         table.free && table.mass_kg > 0, settings.listeners);
   find_weights();
+  for (std::size_t k = 0; k < heard; ++k)
+    loudness.push_back(std::max(std::abs(weight[0][k]), std::abs(weight[1][k])) * ear[k]);
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     bank.jump_to_weight(l, weight[l]);
     solver.set_weight(l, weight[l]);
@@ -137,6 +155,7 @@ void BodyModel::find_rates() {
     mode.push_back(k);
   }
   scratch.assign(mode.size(), 0);
+  scratch_state.assign(mode.size(), 0);
   push_gain.assign(1 + settings.voices, std::vector<float>(mode.size(), 0.0F));
   for (std::size_t i = 0; i < heard; ++i)
     ear.push_back(a_weighting(rate[i].imag() / (2 * std::numbers::pi)));
@@ -193,16 +212,20 @@ void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
                       std::span<double> gain) const noexcept {
   const ModalTable& table = loaded->table;
   const std::size_t count = std::min(gain.size(), mode.size());
-  if (table.shape.empty()) {
+  if (loaded->shape.empty()) {
     std::fill_n(gain.begin(), count, shape_scale);
     return;
   }
-  const auto& corners = table.triangle[place.triangle];
-  for (std::size_t k = 0; k < count; ++k) {
-    Vec3 shape{};
-    for (std::size_t i = 0; i < 3; ++i)
-      shape += place.weight[i] * table.shape_at(mode[k], static_cast<std::size_t>(corners[i]));
-    gain[k] = -shape_scale * dot(shape, direction);
+  std::fill_n(gain.begin(), count, 0.0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto vertex = static_cast<std::size_t>(table.triangle[place.triangle][i]);
+    const float* const at = loaded->shape.data() + vertex * table.modes() * 3;
+    const Vec3 push = -shape_scale * place.weight[i] * direction;
+    for (std::size_t k = 0; k < count; ++k) {
+      const float* const shape = at + 3 * mode[k];
+      gain[k] += push.x * static_cast<double>(shape[0]) + push.y * static_cast<double>(shape[1]) +
+                 push.z * static_cast<double>(shape[2]);
+    }
   }
 }
 

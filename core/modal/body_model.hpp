@@ -44,8 +44,14 @@ struct LoadedTable {
   ModalTable table;
   Surface surface;
   RadiatingSurface radiating;
+  /// The table's shapes [V][K][3], vertex by vertex, so that a blow reads three places and not all
+  /// modes' surfaces; `table.shape` is empty. Empty: unit gain.
+  std::vector<float> shape;
 
   explicit LoadedTable(ModalTable read);
+
+private:
+  void order_shapes();
 };
 
 /// One body made of one material, heard from its listeners: everything that the audio path needs.
@@ -77,8 +83,10 @@ struct BodyModel {
 
   /// Gains b of the modes at the force inlet's point (first) and where pulses strike.
   std::vector<std::vector<float>> push_gain;
-  std::vector<double> scratch; ///< as long as `mode`
-  std::vector<double> ear;     ///< A-weighting of the heard modes
+  std::vector<double> scratch;                     ///< as long as `mode`
+  std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
+  std::vector<double> ear;                         ///< A-weighting of the heard modes
+  std::vector<double> loudness; ///< of the heard modes: at the louder listener and to the ear
   std::array<std::vector<std::complex<double>>, kMostListeners> old_weight; ///< while a fade lasts
 
   static constexpr double kContactLimit = 60000; ///< Hz

@@ -9,6 +9,8 @@ namespace {
 constexpr int kMostRounds = 60;
 constexpr int kSecants = 12;     // rounds after which every other one halves the bracket
 constexpr double kExact = 1e-12; // of the compression
+constexpr int kBallRounds = 8;
+constexpr double kExactRoot = 1e-5; // of the compression's root
 
 } // namespace
 
@@ -53,6 +55,31 @@ double SeriesContact::mean_force(double start, double stored_at_start, double en
   return std::max(force * (1 + law.loss_s_per_m * way / time_s), 0.0);
 }
 
+double SeriesContact::solve_ball(double start, double free, double answer,
+                                 double guess) const noexcept {
+  // With the roots x of the compression sought and y of the one before,
+  //   F = 2/5 k (x^5 - y^5)/(x^2 - y^2) = 2/5 k (x^4 + x^3 y + x^2 y^2 + x y^3 + y^4)/(x + y),
+  // so (x^2 - free)(x + y) + c (x^4 + ... + y^4) = 0, c = 2/5 k answer: Halley's method, of third
+  // order, without roots.
+  const double y = std::sqrt(start), y2 = start, y3 = y2 * y, y4 = y2 * y2;
+  const double c = 0.4 * law.stiffness * answer;
+  const double near = free - answer * guess;
+  double x = near > 0 ? std::sqrt(near) : y;
+  for (int round = 0; round < kBallRounds; ++round) {
+    const double x2 = x * x, sum = x + y;
+    const double value = (x2 - free) * sum + c * (x2 * (x2 + x * y) + (y2 * x2 + x * y3 + y4));
+    const double slope = 2 * x * sum + (x2 - free) + c * ((4 * x + 3 * y) * x2 + (2 * x * y2 + y3));
+    const double bend = 2 * sum + 4 * x + c * (12 * x2 + 6 * x * y + 2 * y2);
+    const double step = value * slope / (slope * slope - 0.5 * value * bend);
+    x -= step;
+    if (!(x > 0) || !(slope > 0))
+      return -1;
+    if (std::abs(step) < kExactRoot * x) // what is left is of the order of its cube
+      return 0.4 * law.stiffness * ((x * x + y2) * (x * x + x * y) + y4) / (x + y);
+  }
+  return -1;
+}
+
 double SeriesContact::solve(double start, double free, double answer, double time_s,
                             double guess) const noexcept {
   if (start <= 0 && free <= 0)
@@ -63,6 +90,9 @@ double SeriesContact::solve(double start, double free, double answer, double tim
     if (free - answer * force > 0)
       return force;
   }
+  if (elastic_only && law.exponent == 1.5 && law.loss_s_per_m == 0)
+    if (const double force = solve_ball(start, free, answer, guess); force >= 0)
+      return force;
   // Balls and springs need it only where the contact opens (mean_force).
   const bool closed_form = elastic_only && (law.exponent == 1.5 || law.exponent == 1);
   double before = closed_form ? -1 : stored(start);

@@ -23,6 +23,11 @@ struct SeriesContact {
   /// the root of d + answer F(d) = free. `guess`: a force that may be near.
   [[nodiscard]] double solve(double start, double free, double answer, double time_s,
                              double guess) const noexcept;
+
+private:
+  /// The same for a ball that stays in contact without loss; -1 where it does not stay.
+  [[nodiscard]] double solve_ball(double start, double free, double answer,
+                                  double guess) const noexcept;
 };
 
 } // namespace tactus::modal

@@ -3,27 +3,32 @@
 namespace tactus::modal {
 
 // Each in a source file of its own, compiled for its instructions; null where they are unknown.
-const ContactKernel* avx2_contact_kernel() noexcept;
-const ContactKernel* avx512_contact_kernel() noexcept;
+template <class T> const ContactKernel<T>* avx2_contact_kernel() noexcept;
+template <class T> const ContactKernel<T>* avx512_contact_kernel() noexcept;
 
-const ContactKernel* contact_kernel(VectorSet set) noexcept {
+template <class T> const ContactKernel<T>* contact_kernel(VectorSet set) noexcept {
   if (!bank_kernel(set))
     return nullptr;
   switch (set) {
   case VectorSet::kAvx512:
-    return avx512_contact_kernel();
+    return avx512_contact_kernel<T>();
   case VectorSet::kAvx2:
-    return avx2_contact_kernel();
+    return avx2_contact_kernel<T>();
   case VectorSet::kBaseline:
     break;
   }
-  static const ContactLanes<simd::Baseline> kernel;
+  static const ContactLanes<simd::Baseline, T> kernel;
   return &kernel;
 }
 
-const ContactKernel& contact_kernel() noexcept {
-  static const ContactKernel& widest = *contact_kernel(best_vector_set());
+template <class T> const ContactKernel<T>& contact_kernel() noexcept {
+  static const ContactKernel<T>& widest = *contact_kernel<T>(best_vector_set());
   return widest;
 }
+
+template const ContactKernel<float>* contact_kernel<float>(VectorSet) noexcept;
+template const ContactKernel<double>* contact_kernel<double>(VectorSet) noexcept;
+template const ContactKernel<float>& contact_kernel<float>() noexcept;
+template const ContactKernel<double>& contact_kernel<double>() noexcept;
 
 } // namespace tactus::modal

@@ -1,25 +1,25 @@
 #pragma once
 
 #include "core/modal/contact_force.hpp"
-#include "core/modal/contact_kernel.hpp"
+#include "core/modal/contact_modes.hpp"
 
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace tactus::modal {
 
-/// A vibrating body and everything that touches it, in double precision and steps much shorter
-/// than a contact.
+/// A vibrating body and everything that touches it, in steps much shorter than a contact.
 ///
 /// Within a step h every contact force is constant, and modes (z = q' + alpha q + j omega_d q),
 /// a free body's six rigid motions and the strikers answer it exactly: z goes to
 /// e^(s h) z + b F (e^(s h) - 1)/s. The force is the contact's work divided by the way,
 ///   F = (W(d1) - W(d0)) / (d1 - d0)   (a discrete gradient: Gonzalez 1996),
-/// so that what the contact stores is to the last bit of rounding what the bodies lose: no energy
-/// arises for any step, stiffness or mode, and each step solves one equation for d1 a contact.
+/// so that what the contact stores is to rounding what the bodies lose: no energy arises for any
+/// step, stiffness or mode, and each step solves one equation for d1 a contact.
 /// Forces of several contacts are found together, whatever their order.
 class ContactSolver {
 public:
@@ -71,13 +71,14 @@ public:
   /// An impulse on the modes at once, N s, e.g. a sample of an outer force.
   void kick(std::span<const float> gain, double impulse) noexcept;
   /// Sum over modes of Im(w z).
-  [[nodiscard]] double hear(std::span<const std::complex<double>> weight) const noexcept;
-  /// The same with weights given before, quicker.
-  void set_weight(std::size_t listener, std::span<const std::complex<double>> weight) noexcept;
-  [[nodiscard]] double hear(std::size_t listener) const noexcept {
-    const Split& w = weights_[listener];
-    return kernel_->hear(w.view(), state_.view(), padded_);
+  [[nodiscard]] double hear(std::span<const std::complex<double>> weight) noexcept {
+    return swings_->hear(weight);
   }
+  /// The same with weights given before, quicker.
+  void set_weight(std::size_t listener, std::span<const std::complex<double>> weight) noexcept {
+    swings_->set_weight(listener, weight);
+  }
+  [[nodiscard]] double hear(std::size_t listener) noexcept { return swings_->hear(listener); }
   /// A contact goes on with the body's new rates and shapes: same compression and striker.
   /// Both solvers' modal states must be in place; gains as in begin().
   void take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
@@ -87,12 +88,13 @@ public:
   void take_over_rigid(const ContactSolver& before, double heavier, double longer) noexcept;
 
   [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept {
-    return {state_.real[mode], state_.imaginary[mode]};
+    return swings_->state(mode);
   }
-  void set_state(std::size_t mode, std::complex<double> z) noexcept {
-    state_.real[mode] = z.real();
-    state_.imaginary[mode] = z.imag();
-  }
+  void set_state(std::size_t mode, std::complex<double> z) noexcept { swings_->set_state(mode, z); }
+  /// The first states, or all.
+  void read_states(std::span<std::complex<double>> z) noexcept { swings_->read_states(z); }
+  /// The others come to rest.
+  void write_states(std::span<const std::complex<double>> z) noexcept { swings_->write_states(z); }
   void rest_rigid() noexcept {
     rigid_place_.fill(0);
     rigid_speed_.fill(0);
@@ -103,22 +105,16 @@ public:
 
 private:
   using Rigid = std::array<double, kRigid>;
-  /// Complex numbers of all modes.
-  struct Split {
-    LaneArray real, imaginary;
-    explicit Split(std::size_t count = 0) : real(count), imaginary(count) {}
-    [[nodiscard]] SplitView view() noexcept { return {real.data(), imaginary.data()}; }
-    [[nodiscard]] ConstSplitView view() const noexcept { return {real.data(), imaginary.data()}; }
-  };
   struct Slot {
-    LaneArray gain, place_gain; ///< b and b/omega_d of the modes
-    Split push;                 ///< b (exp(s h) - 1)/s
     Rigid rigid{};
     double mobility = 0;       ///< 1/kg that the contact feels at once
     double steps = 1;          ///< in a sample, that the blow wants
     double patience_s = 0;     ///< a contact that lasts longer lies still
     double last_force = 0;     ///< of the step before
+    double force_before = 0;   ///< of the step before that
     bool out_of_reach = false; ///< nothing can touch within the next sample
+    ContactModes::Reach reach; ///< of the modes at the place
+    unsigned reach_age = 0;    ///< samples that it has been known for; 0: it is not
   };
   static SeriesContact series(const Contact& contact) noexcept {
     return {contact.law, contact.compliance_m_per_n};
@@ -129,34 +125,36 @@ private:
       sum += slot.rigid[r] * q[r];
     return sum;
   }
-  void fill(Slot& slot, const Contact& contact, std::span<const double> gain,
+  void fill(std::size_t slot, const Contact& contact, std::span<const double> gain,
             const Rigid& rigid_gain) noexcept;
   [[nodiscard]] double wanted_steps() const noexcept;
-  void choose_steps(double wanted) noexcept;
+  bool choose_steps(double wanted) noexcept;
   void set_steps(unsigned steps) noexcept;
-  void work_out_pushes(std::size_t slot) noexcept;
   void work_out_answers() noexcept;
-  void move_freely(double h) noexcept;
+  void step_one_contact(std::size_t slot, std::size_t ahead, bool ends_sample) noexcept;
+  void step_contacts(bool ends_sample) noexcept;
+  void move_rigidly(double h) noexcept;
+  void move_striker(std::size_t slot, double h) noexcept;
+  [[nodiscard]] double find_force(std::size_t slot, double free, double h) noexcept;
   void find_forces(double h) noexcept;
-  void apply_forces(double h) noexcept;
+  void apply_force(std::size_t slot, double force, double h) noexcept;
   [[nodiscard]] double surface_place(std::size_t slot) const noexcept;
+  void list_touching() noexcept;
+  void forget_reach() noexcept;
   void look_for_ends() noexcept;
+  [[nodiscard]] bool gets_away(std::size_t slot) noexcept;
 
   double sample_rate_;
   bool has_rigid_;
   double most_led_rate_ = 0; ///< 1/s^2, of a hand's contact
-  const ContactKernel* kernel_;
-  std::size_t modes_, padded_;
+  std::size_t modes_;
   std::vector<double> alpha_, omega_;
-  Split finest_; ///< exp(s T / kMostSteps)
-  Split turn_;   ///< of the step at work
-  Split push_;   ///< (exp(s h) - 1)/s
-  Split state_;  ///< z
-  std::vector<Split> weights_;
+  std::unique_ptr<ContactModes> swings_;
   Rigid rigid_place_{}, rigid_speed_{};
   std::vector<Contact> contacts_;
   std::vector<Slot> slots_;
   std::vector<double> answer_; ///< [i][j] m/N: place of contact i after a step with force at j
+  std::vector<double> swing_answer_; ///< [i] the modes' part of i's own, one step later
   std::vector<double> free_, force_, next_force_;
   std::vector<std::size_t> touching_; ///< the active contacts, in the order of their slots
   std::size_t active_count_ = 0;

@@ -9,6 +9,11 @@ namespace {
 constexpr float kNothing = 1e-25F; // a state below it is zero: keeps denormal numbers away
 constexpr std::array<float, kMostSamples> kSilence{};
 
+/// Without the look for infinities that std::complex takes.
+std::complex<double> product(std::complex<double> a, std::complex<double> b) noexcept {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
 } // namespace
 
 ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rate,
@@ -372,6 +377,38 @@ void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
   if (is_active_[block] || (z.real() == 0 && z.imag() == 0))
     return;
   is_active_[block] = 1;
+  list_active();
+}
+
+void ModeBank::read_states(std::span<std::complex<double>> z) noexcept {
+  settle();
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    const std::size_t first = b * kLanes,
+                      last = std::min(first + kLanes, std::min(modes_, z.size()));
+    const ComplexLane& from = state_[b];
+    const ComplexLane* turn = poles_[b].even ? &poles_[b].power[PoleBlock::kFromMiddle] : nullptr;
+    for (std::size_t k = first; k < last; ++k) {
+      const auto value = entry(from, k - first);
+      z[k] = turn ? product(value, entry(*turn, k - first)) : value;
+    }
+  }
+}
+
+void ModeBank::write_states(std::span<const std::complex<double>> z) noexcept {
+  silence();
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    const std::size_t first = b * kLanes,
+                      last = std::min(first + kLanes, std::min(modes_, z.size()));
+    const ComplexLane* turn = poles_[b].even ? &poles_[b].power[PoleBlock::kToMiddle] : nullptr;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t lane = k - first;
+      const auto value = turn ? product(z[k], entry(*turn, lane)) : z[k];
+      state_[b].real.v[lane] = static_cast<float>(value.real());
+      state_[b].imaginary.v[lane] = static_cast<float>(value.imag());
+      if (value.real() != 0 || value.imag() != 0)
+        is_active_[b] = 1;
+    }
+  }
   list_active();
 }
 

@@ -44,6 +44,9 @@ public:
   void settle() noexcept;
   [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept;
   void set_state(std::size_t mode, std::complex<double> z) noexcept;
+  /// All states at once, brought to the present.
+  void read_states(std::span<std::complex<double>> z) noexcept;
+  void write_states(std::span<const std::complex<double>> z) noexcept;
   void silence() noexcept;
   /// Nothing rings: process() costs next to nothing and gives zeros while there is no force.
   [[nodiscard]] bool asleep() const noexcept { return active_count_ == 0; }

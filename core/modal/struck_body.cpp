@@ -176,9 +176,9 @@ void StruckBody::enter_contact() noexcept {
   if (coupled_now_)
     return;
   coupled_now_ = true;
-  model_->bank.settle();
-  for (std::size_t k = 0; k < model_->mode.size(); ++k)
-    model_->solver.set_state(k, k < model_->heard ? model_->bank.state(k) : 0.0);
+  const auto states = std::span(model_->scratch_state).first(model_->heard);
+  model_->bank.read_states(states);
+  model_->solver.write_states(states);
   model_->bank.silence();
 }
 
@@ -191,21 +191,21 @@ void StruckBody::leave_contact() noexcept {
     m.solver.end(i);
   for (Blow& blow : blows_)
     blow.bounces = blow.in_air;
+  const auto states = std::span(m.scratch_state).first(m.heard);
+  m.solver.read_states(states);
   double loudest = 0;
-  for (std::size_t k = 0; k < m.heard; ++k) {
-    double heard = 0;
-    for (const auto& weight : m.weight)
-      heard = std::max(heard, std::abs(weight[k]));
-    m.scratch[k] = heard * std::abs(m.solver.state(k)) * m.ear[k];
+  for (std::size_t k = 0; k < m.heard; ++k) { // squares of what is heard
+    m.scratch[k] = m.loudness[k] * m.loudness[k] * std::norm(states[k]);
     loudest = std::max(loudest, m.scratch[k]);
   }
-  const double least = loudest * std::pow(10, -options_.cull_db / 20);
+  const double least = loudest * std::pow(10, -options_.cull_db / 10);
   culled_ = 0;
-  for (std::size_t k = 0; k < m.heard; ++k) {
-    const bool audible = m.scratch[k] >= least;
-    culled_ += audible ? 0 : 1;
-    m.bank.set_state(k, audible ? m.solver.state(k) : 0.0);
-  }
+  for (std::size_t k = 0; k < m.heard; ++k)
+    if (m.scratch[k] < least) {
+      ++culled_;
+      states[k] = 0;
+    }
+  m.bank.write_states(states);
 }
 
 std::vector<double> StruckBody::levels(std::size_t most) {

@@ -106,7 +106,7 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
     const ModalTable& table = table_->table;
     host->info({"loaded", std::string_view(table.body_name.empty() ? "body" : table.body_name),
                 static_cast<double>(table.modes())});
-    if (table.shape.empty())
+    if (table_->shape.empty())
       host->log("the table has frequencies alone: every mode rings with the same gain");
   }
   if (stale)

@@ -1,0 +1,250 @@
+// The modes that a contact meets: passes of one and two steps, in double and in single precision,
+// against the recursion written out; and the force of a ball against its equation.
+#include "core/modal/contact_force.hpp"
+#include "core/modal/contact_modes.hpp"
+#include "core/modal/contact_solver.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <random>
+#include <vector>
+
+using namespace tactus::modal;
+using Complex = std::complex<double>;
+
+namespace {
+
+constexpr double kRate = 48000, kPi = std::numbers::pi;
+constexpr std::size_t kSmall = 40, kLarge = ContactModes::kMostInDouble + 88;
+
+struct Body {
+  explicit Body(std::size_t count) {
+    std::mt19937 random(static_cast<unsigned>(count));
+    std::uniform_real_distribution<> plain(-1, 1);
+    for (std::size_t k = 0; k < count; ++k) {
+      rate.emplace_back(-1 - 50 * std::abs(plain(random)),
+                        2 * kPi *
+                            (20 + 24000.0 * static_cast<double>(k) / static_cast<double>(count)));
+      gain.push_back(plain(random));
+      other.push_back(plain(random));
+      weight.emplace_back(plain(random), plain(random));
+    }
+  }
+  std::vector<Complex> rate, weight;
+  std::vector<double> gain, other;
+};
+
+/// z <- p z + b F (p - 1)/s, mode by mode.
+struct Plain {
+  explicit Plain(const Body& of, double seconds) : body(of), step(seconds), z(of.rate.size()) {}
+  double free_place() const {
+    double sum = 0;
+    for (std::size_t k = 0; k < z.size(); ++k)
+      sum += body.gain[k] / body.rate[k].imag() * (std::exp(body.rate[k] * step) * z[k]).imag();
+    return sum;
+  }
+  void move(double force, double beside = 0) {
+    for (std::size_t k = 0; k < z.size(); ++k) {
+      const Complex p = std::exp(body.rate[k] * step);
+      z[k] = p * z[k] + (body.gain[k] * force + body.other[k] * beside) * (p - 1.0) / body.rate[k];
+    }
+  }
+  double heard() const {
+    double sum = 0;
+    for (std::size_t k = 0; k < z.size(); ++k)
+      sum += (body.weight[k] * z[k]).imag();
+    return sum;
+  }
+  const Body& body;
+  double step;
+  std::vector<Complex> z;
+};
+
+} // namespace
+
+TEST_CASE("passes of one and two steps move the modes as the recursion written out does") {
+  for (const std::size_t count : {1UL, 17UL, kSmall, kLarge}) {
+    for (const std::size_t ahead : {1UL, 2UL}) {
+      CAPTURE(count);
+      CAPTURE(ahead);
+      const double exact = count > ContactModes::kMostInDouble ? 5e-5 : 1e-11;
+      constexpr unsigned kSteps = 4;
+      const Body body(count);
+      Plain plain(body, 1 / (kRate * kSteps));
+      const auto modes = ContactModes::make(body.rate, kRate, 16, 2, 1);
+      modes->set_steps(kSteps);
+      modes->set_weight(0, body.weight);
+      double squares = 0;
+      for (const double b : body.gain)
+        squares += b * b;
+      CHECK(modes->set_gain(0, body.gain) == doctest::Approx(squares));
+      static_cast<void>(modes->set_gain(1, body.other));
+      double largest = 0, place_error = 0, loudest = 0, heard_error = 0;
+      for (std::size_t n = 0; n < 4000; n += ahead) {
+        const double* const found = modes->look_ahead(0, ahead, n % kSteps + ahead == kSteps);
+        double force[2] = {}, known[2] = {found[0], ahead > 1 ? found[1] : 0};
+        for (std::size_t j = 0; j < ahead; ++j) {
+          force[j] = n % 97 < 40 ? 100 * std::sin(0.3 * static_cast<double>(n + j)) : 0;
+          if (j == 1)
+            known[1] += modes->answer(0, 0, 1) * force[0];
+          const double should = plain.free_place();
+          largest = std::max(largest, std::abs(should));
+          place_error = std::max(place_error, std::abs(known[j] - should));
+          plain.move(force[j]);
+        }
+        modes->give(force);
+        if (n % kSteps + ahead == kSteps) {
+          loudest = std::max(loudest, std::abs(plain.heard()));
+          heard_error = std::max(heard_error, std::abs(modes->hear(0) - plain.heard()));
+        }
+        if (n == 1000) { // an impulse from elsewhere, between two passes
+          std::vector<float> kick(count, 0.25F);
+          modes->kick(kick, 1e-3);
+          for (Complex& z : plain.z)
+            z += 0.25 * 1e-3;
+        }
+      }
+      CHECK(place_error < exact * largest);
+      CHECK(heard_error < exact * loudest);
+      for (std::size_t k = 0; k < count; k += 7)
+        CHECK(std::abs(modes->state(k) - plain.z[k]) < exact * (std::abs(plain.z[k]) + 1e-2));
+    }
+  }
+}
+
+TEST_CASE("a force beside the first contact is in the place, the sound and the states") {
+  for (const std::size_t count : {kSmall, kLarge}) {
+    const double exact = count > ContactModes::kMostInDouble ? 5e-5 : 1e-11;
+    const Body body(count);
+    Plain plain(body, 1 / kRate);
+    const auto modes = ContactModes::make(body.rate, kRate, 1, 2, 1);
+    modes->set_weight(0, body.weight);
+    static_cast<void>(modes->set_gain(0, body.gain));
+    static_cast<void>(modes->set_gain(1, body.other));
+    for (int n = 0; n < 500; ++n) {
+      const double first = std::sin(0.2 * n), second = std::cos(0.11 * n);
+      const double should = plain.free_place();
+      const double found = *modes->look_ahead(0, 1, true);
+      CHECK(std::abs(found - should) < exact * (std::abs(should) + 1e-4));
+      modes->give(&first);
+      modes->give_besides(1, second);
+      plain.move(first, second);
+      CHECK(std::abs(modes->hear(0) - plain.heard()) < exact * (std::abs(plain.heard()) + 1e-1));
+    }
+  }
+}
+
+TEST_CASE("no amplitude at a place is larger than its reach says, nor much smaller") {
+  const Body body(kSmall);
+  const auto modes = ContactModes::make(body.rate, kRate, 1, 1, 0);
+  static_cast<void>(modes->set_gain(0, body.gain));
+  double place = 0, speed = 0;
+  for (std::size_t k = 0; k < kSmall; ++k) {
+    const Complex z = std::polar(1.0 + 0.1 * static_cast<double>(k), static_cast<double>(k));
+    modes->set_state(k, z);
+    place += std::abs(body.gain[k] / body.rate[k].imag()) * std::abs(z);
+    speed += std::abs(body.gain[k]) * std::abs(z);
+  }
+  const auto reach = modes->reach(0);
+  CHECK(reach.place >= place);
+  CHECK(reach.speed >= speed);
+  CHECK(reach.place < 1.09 * place);
+  CHECK(reach.speed < 1.09 * speed);
+}
+
+TEST_CASE("every instruction set makes the same pass, but for rounding") {
+  const auto play = [](auto one, VectorSet set) {
+    using T = decltype(one);
+    constexpr std::size_t kCount = 64;
+    LaneArray<T> lanes[9];
+    for (std::size_t a = 0; a < 9; ++a) {
+      lanes[a] = LaneArray<T>(kCount);
+      for (std::size_t k = 0; k < kCount; ++k)
+        lanes[a][k] =
+            static_cast<T>((a == 2 ? -1e-3 : 0.1) * std::sin(static_cast<double>(9 * k + a)));
+    }
+    const ConstSplitView<T> ears[] = {{lanes[7].data(), lanes[8].data()},
+                                      {lanes[8].data(), lanes[7].data()},
+                                      {lanes[6].data(), lanes[7].data()}};
+    ContactPass<T> pass;
+    pass.count = kCount;
+    pass.z = {lanes[0].data(), lanes[1].data()};
+    pass.turn = {lanes[2].data(), lanes[3].data()};
+    pass.push = {lanes[4].data(), lanes[5].data()};
+    pass.gain = lanes[6].data();
+    pass.ear = ears;
+    std::vector<double> found;
+    for (std::size_t n = 0; n < 60; ++n) {
+      pass.ears = n % 4;
+      pass.steps = 1 + n % 2;
+      pass.force[0] = 0.3;
+      pass.force[1] = -0.1;
+      contact_kernel<T>(set)->advance(pass);
+      pass.pushes = pass.steps == 2 && n % 3 ? 2 : 1;
+      if (pass.pushes == 2) // the next pass must be one of two steps
+        ++n;
+      found.insert(found.end(), {pass.place[0], pass.steps == 2 ? pass.place[1] : 0});
+      for (std::size_t e = 0; e < pass.ears; ++e)
+        found.push_back(pass.heard[e]);
+    }
+    return found;
+  };
+  for (const VectorSet set : {VectorSet::kAvx2, VectorSet::kAvx512}) {
+    if (!contact_kernel<double>(set))
+      continue;
+    const auto exact = play(1.0, VectorSet::kBaseline), same = play(1.0, set);
+    const auto single = play(1.0F, set);
+    REQUIRE(exact.size() == same.size());
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      CHECK(same[i] == doctest::Approx(exact[i]).epsilon(1e-11).scale(1));
+      CHECK(single[i] == doctest::Approx(exact[i]).epsilon(1e-4).scale(1));
+    }
+  }
+}
+
+TEST_CASE(
+    "a blow on a body of a thousand modes makes no energy, and is the same as with few steps") {
+  const Body body(1000);
+  std::vector<double> rebound;
+  for (const double rate : {44100.0, 96000.0}) {
+    ContactSolver solver(body.rate, rate, 1, true);
+    ContactSolver::Contact contact;
+    contact.law.stiffness = 6e9;
+    contact.striker_mass_kg = 0.007;
+    contact.speed_m_per_s = 1.4;
+    const double before = 0.5 * 0.007 * 1.4 * 1.4;
+    solver.begin(0, contact, body.gain, {2, 0, 0, 0.3, 0, 0});
+    for (int n = 0; n < 20000 && solver.touching(); ++n) {
+      static_cast<void>(solver.step());
+      CHECK(solver.energy() < before * (1 + 1e-5));
+    }
+    CHECK(!solver.touching());
+    rebound.push_back(-solver.contact(0).speed_m_per_s);
+  }
+  CHECK(rebound[0] == doctest::Approx(rebound[1]).epsilon(0.02));
+}
+
+TEST_CASE("the ball's quick solution is the root of its equation") {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<> decades(-3, 3);
+  for (int n = 0; n < 20000; ++n) {
+    const SeriesContact ball{{1e9, 1.5, 0}, 0};
+    const double start = 1e-5 * std::pow(10, decades(random));
+    const double free = 1e-5 * std::pow(10, decades(random)) * (n % 5 ? 1 : -1);
+    const double answer = 1e-8 * std::pow(10, 2 * decades(random));
+    const double guess = n % 3 ? ball.elastic(start) : 0;
+    const double force = ball.solve(start, free, answer, 1e-6, guess);
+    const double end = free - answer * force;
+    const double should = ball.mean_force(start, ball.stored(start), end, 1e-6);
+    CAPTURE(start);
+    CAPTURE(free);
+    CAPTURE(answer);
+    // Of the two, the force at the way's end is the one that its rounding moves less.
+    const double stiff = answer * ball.law.slope(std::max(start, std::abs(end)));
+    CHECK(std::abs(force - should) <=
+          1e-9 * (1 + stiff) * (std::abs(force) + std::abs(free) / answer));
+  }
+}
