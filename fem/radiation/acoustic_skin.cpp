@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace tactus::fem {
@@ -72,9 +73,8 @@ AcousticSkin outer_skin(const Mesh& mesh) {
   for (const auto& t : all.triangle)
     enclosed[static_cast<std::size_t>(root(t[0]))] +=
         dot(all.vertex[static_cast<std::size_t>(t[0])], double_area(all, t)) / 6;
-  std::erase_if(all.triangle, [&](const auto& t) {
-    return enclosed[static_cast<std::size_t>(root(t[0]))] <= 0;
-  });
+  std::erase_if(all.triangle,
+                [&](const auto& t) { return enclosed[static_cast<std::size_t>(root(t[0]))] <= 0; });
   return all;
 }
 
@@ -99,15 +99,56 @@ struct Quadric {
   }
 };
 
-/// 1 for an equilateral triangle, 0 for a line.
-double quality(const Vector3& a, const Vector3& b, const Vector3& c) {
-  const double sides = dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c);
-  return sides > 0 ? 2 * std::sqrt(3.0) * length(cross(b - a, c - a)) / sides : 0;
+/// The ends of all edges at which the skin turns outwards by more than 40 degrees. There the
+/// velocity of the air is infinite: the pressure goes as r^(2/3) at a right angle.
+std::vector<std::array<int, 2>> sharp_edges(const AcousticSkin& s) {
+  std::map<std::pair<int, int>, std::size_t> owner;
+  for (std::size_t t = 0; t < s.triangle.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      owner[{s.triangle[t][k], s.triangle[t][(k + 1) % 3]}] = t;
+  const double limit = std::cos(40 * std::numbers::pi / 180);
+  std::vector<std::array<int, 2>> sharp;
+  for (const auto& [edge, t] : owner) {
+    const auto back = owner.find({edge.second, edge.first});
+    if (edge.first > edge.second || back == owner.end())
+      continue;
+    const Vector3 n = double_area(s, s.triangle[t]), m = double_area(s, s.triangle[back->second]);
+    Vector3 middle;
+    for (const int v : s.triangle[back->second])
+      middle += (1. / 3) * s.vertex[static_cast<std::size_t>(v)];
+    const bool outwards = dot(middle - s.vertex[static_cast<std::size_t>(edge.first)], n) < 0;
+    if (outwards && dot(n, m) < limit * length(n) * length(m))
+      sharp.push_back({edge.first, edge.second});
+  }
+  return sharp;
+}
+
+/// A fourth coordinate that lengthens what leads away from sharp edges, so that triangles of equal
+/// size in four dimensions are flat beside them: at a distance d below `reach` an edge of length h
+/// across becomes about h sqrt(d/reach) long.
+std::vector<double> edge_depth(const AcousticSkin& s, double reach) {
+  std::vector<double> depth(s.vertex.size(), 2 * reach);
+  const auto edges = sharp_edges(s);
+  for (std::size_t v = 0; v < depth.size(); ++v) {
+    double nearest = reach;
+    for (const auto& edge : edges) {
+      const Vector3& a = s.vertex[static_cast<std::size_t>(edge[0])];
+      const Vector3 along = s.vertex[static_cast<std::size_t>(edge[1])] - a, way = s.vertex[v] - a;
+      const double at = std::clamp(dot(way, along) / dot(along, along), 0.0, 1.0);
+      nearest = std::min(nearest, length(way - at * along));
+    }
+    depth[v] = 2 * std::sqrt(reach * nearest);
+  }
+  return depth;
 }
 
 class Collapse {
 public:
-  explicit Collapse(AcousticSkin skin) : skin_(std::move(skin)) {
+  Collapse(AcousticSkin skin, std::size_t triangles) : skin_(std::move(skin)), wanted_(triangles) {
+    double area = 0;
+    for (const auto& t : skin_.triangle)
+      area += length(double_area(skin_, t)) / 2;
+    depth_ = edge_depth(skin_, kGradedEdges * even_edge(area));
     around_.resize(skin_.vertex.size());
     quadric_.resize(skin_.vertex.size());
     for (std::size_t t = 0; t < skin_.triangle.size(); ++t) {
@@ -116,23 +157,22 @@ public:
       for (const int v : skin_.triangle[t]) {
         around_[at(v)].push_back(static_cast<int>(t));
         if (size > 0)
-          quadric_[at(v)].add((1 / size) * n,
-                              -dot((1 / size) * n, vertex(skin_.triangle[t][0])));
+          quadric_[at(v)].add((1 / size) * n, -dot((1 / size) * n, vertex(skin_.triangle[t][0])));
       }
     }
     alive_.assign(skin_.triangle.size(), true);
     count_ = skin_.triangle.size();
   }
 
-  AcousticSkin to(std::size_t triangles) {
+  AcousticSkin coarse() {
     // Rounds with a growing limit of cost: cheap, deterministic, and it keeps the sizes even.
-    double area = 0;
+    double area = 0; // in four dimensions
     for (const auto& t : skin_.triangle)
-      area += length(double_area(skin_, t)) / 2;
+      area += shape_of(t).first;
     // Edges of equilateral triangles, and a margin that grows where nothing else can give way.
-    longest_ = 1.4 * std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(triangles));
-    double limit = 1e-4 * area / static_cast<double>(triangles);
-    for (int round = 0; round < 80 && count_ > triangles; ++round, limit *= 1.35, longest_ *= 1.01) {
+    longest_ = 1.4 * even_edge(area);
+    double limit = 1e-4 * area / static_cast<double>(wanted_);
+    for (int round = 0; round < 80 && count_ > wanted_; ++round, limit *= 1.35, longest_ *= 1.01) {
       std::vector<std::tuple<double, int, int>> edges;
       for (std::size_t t = 0; t < alive_.size(); ++t)
         if (alive_[t])
@@ -144,7 +184,7 @@ public:
           }
       std::sort(edges.begin(), edges.end());
       for (const auto& [c, from, onto] : edges)
-        if (count_ > triangles && std::abs(cost(from, onto) - c) <= 1e-9 * c)
+        if (count_ > wanted_ && std::abs(cost(from, onto) - c) <= 1e-9 * c)
           collapse(from, onto);
     }
     AcousticSkin out{skin_.vertex, {}};
@@ -157,9 +197,25 @@ public:
 private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   const Vector3& vertex(int v) const { return skin_.vertex[at(v)]; }
+  /// Side of the equilateral triangles of which `wanted_` cover an area.
+  double even_edge(double area) const {
+    return std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(wanted_));
+  }
+  /// Squared distance in four dimensions.
+  double apart(int a, int b) const {
+    const Vector3 way = vertex(b) - vertex(a);
+    const double down = depth_[at(b)] - depth_[at(a)];
+    return dot(way, way) + down * down;
+  }
+  /// Area in four dimensions (Heron), and 1 for an equilateral triangle there, 0 for a line.
+  std::pair<double, double> shape_of(const std::array<int, 3>& t) const {
+    const double a = apart(t[0], t[1]), b = apart(t[1], t[2]), c = apart(t[2], t[0]);
+    const double sum = a + b + c;
+    const double area = std::sqrt(std::max(sum * sum - 2 * (a * a + b * b + c * c), 0.0)) / 4;
+    return {area, sum > 0 ? 4 * std::sqrt(3.0) * area / sum : 0};
+  }
   double cost(int from, int onto) const {
-    const Vector3 way = vertex(onto) - vertex(from);
-    return quadric_[at(from)](vertex(onto)) + .05 * dot(way, way);
+    return quadric_[at(from)](vertex(onto)) + .05 * apart(from, onto);
   }
   std::vector<int> neighbours(int v) const {
     std::vector<int> out;
@@ -184,15 +240,14 @@ private:
       if (std::find(corners.begin(), corners.end(), onto) != corners.end())
         continue;
       const Vector3 before = double_area(skin_, corners);
-      const double shape = quality(vertex(corners[0]), vertex(corners[1]), vertex(corners[2]));
+      const double shape = shape_of(corners).second;
       std::replace(corners.begin(), corners.end(), from, onto);
       const Vector3 after = double_area(skin_, corners);
       for (const int v : corners)
-        if (v != onto && length(vertex(v) - vertex(onto)) > longest_)
+        if (v != onto && apart(v, onto) > longest_ * longest_)
           return false;
       if (dot(before, after) <= .7 * length(before) * length(after) ||
-          quality(vertex(corners[0]), vertex(corners[1]), vertex(corners[2])) <
-              std::min(.35, .8 * shape))
+          shape_of(corners).second < std::min(.35, .8 * shape))
         return false;
     }
     for (const int t : std::vector<int>(around_[at(from)])) {
@@ -213,7 +268,11 @@ private:
     return true;
   }
 
+  static constexpr double kGradedEdges = 1;
+
   AcousticSkin skin_;
+  std::size_t wanted_;
+  std::vector<double> depth_; ///< m, the fourth coordinate
   std::vector<std::vector<int>> around_;
   std::vector<Quadric> quadric_;
   std::vector<bool> alive_;
@@ -227,9 +286,10 @@ AcousticSkin with_triangles(const AcousticSkin& skin, std::size_t triangles) {
   AcousticSkin out = compact(skin);
   while (4 * out.triangle.size() <= triangles)
     out = refined(out);
-  if (2 * out.triangle.size() <= triangles)
-    out = refined(out); // to be coarsened again
-  return out.triangle.size() > triangles ? Collapse(std::move(out)).to(triangles) : out;
+  if (const std::size_t now = out.triangle.size(); now != triangles)
+    if (2 * now <= triangles || (now <= 4 * triangles && !sharp_edges(out).empty()))
+      out = refined(out); // to be coarsened again, beside sharp edges less
+  return out.triangle.size() > triangles ? Collapse(std::move(out), triangles).coarse() : out;
 }
 
 std::array<double, 3> nearest_on_triangle(const std::array<Vector3, 3>& c, const Vector3& p) {

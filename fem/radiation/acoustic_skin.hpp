@@ -17,7 +17,10 @@ struct AcousticSkin {
 
 /// About `triangles` triangles. Coarser: half-edge collapses onto kept vertices, cheapest first by
 /// quadric error (Garland & Heckbert 1997) plus a share of the edge's length, refusing folds,
-/// slivers and changes of topology. Finer: every triangle in four, as long as the number permits.
+/// slivers and changes of topology. Edges at which the skin turns outwards by more than 40 degrees
+/// get rows of flat triangles: the pressure's slope is infinite there, and even triangles carry
+/// that error into wherever the rest cancels. Finer: every triangle in four, as long as the number
+/// permits.
 [[nodiscard]] AcousticSkin with_triangles(const AcousticSkin&, std::size_t triangles);
 
 /// Carries a flow through one skin to the hat functions of another: f_i = ∫ v_n phi_i dS, point by
@@ -26,7 +29,8 @@ struct AcousticSkin {
 class FlowTransfer {
 public:
   FlowTransfer(const AcousticSkin& fine, const AcousticSkin& coarse);
-  /// `velocity` at each vertex of the fine skin, m/s; the result has one flow a coarse vertex, m^3/s.
+  /// `velocity` at each vertex of the fine skin, m/s; the result has one flow a coarse vertex,
+  /// m^3/s.
   [[nodiscard]] std::vector<double> operator()(std::span<const Vector3> velocity) const;
 
 private:

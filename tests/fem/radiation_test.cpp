@@ -15,11 +15,22 @@ constexpr double kAir = 1.184, kSpeed = 346.1, kRadius = .05;
 /// An icosahedron, every triangle split in four `times` times, on the sphere.
 AcousticSkin ball(int times) {
   const double t = (1 + std::sqrt(5.0)) / 2;
-  AcousticSkin s{{{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0}, {0, -1, t}, {0, 1, t},
-                  {0, -1, -t}, {0, 1, -t}, {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}},
-                 {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                  {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}}};
+  AcousticSkin s{{{-1, t, 0},
+                  {1, t, 0},
+                  {-1, -t, 0},
+                  {1, -t, 0},
+                  {0, -1, t},
+                  {0, 1, t},
+                  {0, -1, -t},
+                  {0, 1, -t},
+                  {t, 0, -1},
+                  {t, 0, 1},
+                  {-t, 0, -1},
+                  {-t, 0, 1}},
+                 {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                  {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                  {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                  {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}};
   const auto round = [&] {
     for (Vector3& v : s.vertex)
       v = (kRadius / length(v)) * v;
@@ -61,8 +72,12 @@ TEST_CASE("spheres that pulsate and flex radiate as their closed form, at resona
   const AcousticSkin skin = ball(3);
   const ExteriorField field(skin);
   const double inner_resonance = kSpeed / (2 * kRadius); // k a = pi: sin(ka) = 0
-  for (const auto& [f, l] : {std::pair(300.0, 0), {1000.0, 0}, {6000.0, 2}, {inner_resonance, 0},
-                             {2 * inner_resonance, 0}, {12000.0, 3}}) {
+  for (const auto& [f, l] : {std::pair(300.0, 0),
+                             {1000.0, 0},
+                             {6000.0, 2},
+                             {inner_resonance, 0},
+                             {2 * inner_resonance, 0},
+                             {12000.0, 3}}) {
     const double k = 2 * std::numbers::pi * f / kSpeed;
     const auto mu = field.solve(k, flow_of(skin, skin, l), 1, kAir, kSpeed);
     double worst = 0;
@@ -83,8 +98,8 @@ TEST_CASE("spheres that pulsate and flex radiate as their closed form, at resona
     CHECK(std::abs(sum / field.pressure(k, mu, x) - 1.0) < 1e-3);
     const double ka = k * kRadius;
     if (l == 0) {
-      const double power = 2 * std::numbers::pi * kRadius * kRadius * kAir * kSpeed * ka * ka /
-                           (1 + ka * ka);
+      const double power =
+          2 * std::numbers::pi * kRadius * kRadius * kAir * kSpeed * ka * ka / (1 + ka * ka);
       CHECK(radiated_power(c, k, kRadius, kAir, kSpeed) == doctest::Approx(power).epsilon(.03));
     }
   }
@@ -111,8 +126,7 @@ TEST_CASE("a sharp-edged disk carries the field of sources inside it out unchang
     const auto velocity = [&](const Vector3& x, int axis) { // -grad p/(j omega rho)
       Vector3 step;
       step[axis] = 1e-6;
-      return (pressure(x + step) - pressure(x - step)) / 2e-6 /
-             Complex(0, -k * kSpeed * kAir);
+      return (pressure(x + step) - pressure(x - step)) / 2e-6 / Complex(0, -k * kSpeed * kAir);
     };
     std::vector<double> flow;
     for (const bool imaginary : {false, true}) {
@@ -133,31 +147,32 @@ TEST_CASE("a sharp-edged disk carries the field of sources inside it out unchang
     for (std::size_t i = 0; i < n; ++i)
       mu[i] = both[i] + Complex(0, 1) * both[n + i];
     double worst = 0;
-    for (const Vector3& x : {Vector3{.03, 0, .026}, {0, 0, .5}, {.354, 0, .354}, {.5, 0, .02},
-                             {0, -.08, -.05}})
+    for (const Vector3& x :
+         {Vector3{.03, 0, .026}, {0, 0, .5}, {.354, 0, .354}, {.5, 0, .02}, {0, -.08, -.05}})
       worst = std::max(worst, std::abs(decibels(field.pressure(k, mu, x), pressure(x))));
     MESSAGE("disk, " << f << " Hz: " << worst << " dB");
     CHECK(worst < .3);
   }
 }
 
-TEST_CASE("the free disk's modes radiate as another boundary element program finds") {
-  // |p| in Pa for 1 m/s at the antinode, from collocation (constant triangles, interior points) on
-  // an independent mesh and body-of-revolution modes. Its own two meshes differ by 0.14 dB.
+TEST_CASE("the free disk's modes radiate as a body-of-revolution program finds") {
+  // |p| in Pa for 1 m/s at the antinode, from direct collocation along the generating line, a
+  // Fourier harmonic a mode, with rings graded to the rim (bench/fem_radiation.py). Its last
+  // doubling of the rings moved no value by more than 0.06 dB.
   const Answer a = answer(make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, {}),
                           find_material("aluminium"), 5);
   const Surface skin = surface_of(a.mesh);
   const AcousticSkin fine = outer_skin(a.mesh);
-  const ExteriorField field(with_triangles(fine, 2000));
+  const ExteriorField field(with_triangles(fine, 3000));
   const FlowTransfer transfer(fine, field.skin());
   struct Case {
     std::vector<std::size_t> modes; // a mode, or a pair that turns freely
     std::vector<std::pair<Vector3, double>> pressure;
   };
-  for (const Case& c : {Case{{0, 1}, {{{.03, 0, .026}, 326.5}, {{.354, 0, .354}, 30.1},
-                                      {{.5, 0, .02}, 1.29}}},
-                        Case{{2}, {{{0, 0, .5}, 12.1}, {{.354, 0, .354}, 2.17}}},
-                        Case{{3, 4}, {{{.03, 0, .026}, 183.8}}}}) {
+  for (const Case& c :
+       {Case{{0, 1}, {{{.03, 0, .026}, 325.5}, {{.354, 0, .354}, 29.95}, {{.5, 0, .02}, 1.291}}},
+        Case{{2}, {{{0, 0, .5}, 11.67}, {{.354, 0, .354}, 2.137}}},
+        Case{{3, 4}, {{{.03, 0, .026}, 183.1}, {{.354, 0, .354}, 8.960}, {{.5, 0, .02}, .828}}}}) {
     const double f = a.modes.frequency_hz[c.modes[0]], k = 2 * std::numbers::pi * f / kSpeed;
     std::vector<double> flow, top(fine.vertex.size(), 0.0);
     for (const std::size_t mode : c.modes) {
@@ -177,11 +192,11 @@ TEST_CASE("the free disk's modes radiate as another boundary element program fin
     for (const auto& [x, expected] : c.pressure) {
       double sum = 0;
       for (std::size_t i = 0; i < c.modes.size(); ++i)
-        sum += std::norm(field.pressure(
-            k, std::span(mu).subspan(i * field.unknowns(), field.unknowns()), x));
+        sum += std::norm(
+            field.pressure(k, std::span(mu).subspan(i * field.unknowns(), field.unknowns()), x));
       const double level = decibels(std::sqrt(sum) / antinode, expected);
       MESSAGE(f << " Hz at " << x.x << " " << x.z << ": " << level << " dB");
-      CHECK(std::abs(level) < .5);
+      CHECK(std::abs(level) < .3);
     }
   }
 }
@@ -191,9 +206,10 @@ TEST_CASE("coarser skins stay closed and keep area and volume") {
   const auto volume = [](const AcousticSkin& s) {
     double sum = 0;
     for (const auto& [a, b, c] : s.triangle)
-      sum += dot(s.vertex[static_cast<std::size_t>(a)],
-                 cross(s.vertex[static_cast<std::size_t>(b)],
-                       s.vertex[static_cast<std::size_t>(c)])) / 6;
+      sum +=
+          dot(s.vertex[static_cast<std::size_t>(a)],
+              cross(s.vertex[static_cast<std::size_t>(b)], s.vertex[static_cast<std::size_t>(c)])) /
+          6;
     return sum;
   };
   const AcousticSkin coarse = with_triangles(fine, 1000);
