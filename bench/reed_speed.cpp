@@ -115,8 +115,8 @@ public:
     const ValveSignals<double> signal{mouth_.data(), nullptr,      wave_.data(),
                                       angle_.data(), bore_.data(), flow_.data()};
     wave_ = source_;
-    step_valve<false, false>(constants_, &coefficients_, 0, state_, signal,
-                             static_cast<int>(kBlock));
+    step_valve<false, false, true>(constants_, &coefficients_, 0, state_, signal,
+                                   static_cast<int>(kBlock));
     benchmark::DoNotOptimize(wave_);
   }
   void filters() {

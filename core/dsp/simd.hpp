@@ -259,6 +259,38 @@ template <class T, int N, class Set>
   return found != 0;
 }
 
+/// Bit i tells whether the comparison holds in lane i; for at most 32 lanes.
+[[nodiscard, gnu::always_inline]] inline std::uint32_t bits(bool mask) noexcept { return mask; }
+template <class T, int N, class Set>
+[[nodiscard, gnu::always_inline]] inline std::uint32_t bits(const Mask<T, N, Set>& mask) noexcept {
+  static_assert(N <= 32);
+  constexpr int width = Register<T, Set>::width;
+  std::uint32_t found = 0;
+  for (int i = 0; i < mask.registers; ++i) {
+    int some = 0;
+#if defined(__AVX2__)
+    if constexpr (Set::register_bytes == 32) {
+      some = sizeof(T) == 8 ? _mm256_movemask_pd(reinterpret_cast<__m256d>(mask.v[i]))
+                            : _mm256_movemask_ps(reinterpret_cast<__m256>(mask.v[i]));
+      found |= static_cast<std::uint32_t>(some) << (i * width);
+      continue;
+    }
+#endif
+#if defined(__SSE2__)
+    if constexpr (Set::register_bytes == 16) {
+      some = sizeof(T) == 8 ? _mm_movemask_pd(reinterpret_cast<__m128d>(mask.v[i]))
+                            : _mm_movemask_ps(reinterpret_cast<__m128>(mask.v[i]));
+      found |= static_cast<std::uint32_t>(some) << (i * width);
+      continue;
+    }
+#endif
+    for (int k = 0; k < width; ++k)
+      some |= static_cast<int>(mask.v[i][k] != 0) << k;
+    found |= static_cast<std::uint32_t>(some) << (i * width);
+  }
+  return found;
+}
+
 template <class T, int N, class Set>
 [[nodiscard, gnu::always_inline]] inline T lane(const Lanes<T, N, Set>& x, int i) noexcept {
   return x.v[i / Register<T, Set>::width][i % Register<T, Set>::width];

@@ -96,8 +96,9 @@ void ReedGradient::aim() noexcept {
   aimed_ = true;
 }
 
-/// The force until the hand is read again.
+/// Gradient and force until the hand is read again.
 void ReedGradient::push() noexcept {
+  gradient_ = find_gradient();
   const double elapsed_s = static_cast<double>(kHold) / sample_rate_;
   if (mode_ == Mode::kGuide) {
     force_ = guide_ != nullptr ? guidance_.advance(guide_->way, stencil_.y[0], stencil_.z[0],
@@ -105,7 +106,7 @@ void ReedGradient::push() noexcept {
                                : guidance_.fade(elapsed_s);
   } else {
     force_ = smoother_.advance(
-        gradient_force(gradient(), force_gain_n_, guidance_settings_.ceiling_n), elapsed_s);
+        gradient_force(gradient_, force_gain_n_, guidance_settings_.ceiling_n), elapsed_s);
   }
 }
 
@@ -117,7 +118,7 @@ void ReedGradient::process(std::span<double> sound) noexcept {
   phase_ = (phase_ + sound.size()) % kHold;
 }
 
-Gradient ReedGradient::gradient() const noexcept {
+Gradient ReedGradient::find_gradient() const noexcept {
   const double y = stencil_.y[0], z = stencil_.z[0];
   if (mode_ == Mode::kReed) {
     std::array<double, GradientStencil::kPoints> f{};

@@ -54,9 +54,10 @@ public:
 
   /// f_p of the reed at the hand.
   [[nodiscard]] double playability() const noexcept { return ensemble_->playability(0); }
-  /// Towards where it plays better, for one unit of y and of z. In mode guide the slope of the
-  /// distance, turned round: of length 1, or 0 where there is no way. 0 without a guide.
-  [[nodiscard]] Gradient gradient() const noexcept;
+  /// Towards where it plays better, for one unit of y and of z, since the last reading of the hand.
+  /// In mode guide the slope of the distance, turned round: of length 1, or 0 where there is no
+  /// way. 0 without a guide.
+  [[nodiscard]] const Gradient& gradient() const noexcept { return gradient_; }
   /// On the hand, N, towards where it plays better; since the last reading of the hand.
   [[nodiscard]] const PlaneForce& force() const noexcept { return force_; }
   /// No force, as long as the hand is not read again.
@@ -79,6 +80,7 @@ public:
 private:
   void aim() noexcept;
   void push() noexcept;
+  [[nodiscard]] Gradient find_gradient() const noexcept;
 
   std::unique_ptr<ReedEnsemble> ensemble_;
   Parameters parameters_{};
@@ -98,6 +100,7 @@ private:
   Guidance::Settings guidance_settings_{};
   Guidance guidance_;
   ForceSmoother smoother_;
+  Gradient gradient_{};
   PlaneForce force_{};
 };
 

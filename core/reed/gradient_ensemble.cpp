@@ -13,10 +13,10 @@ bool runs(Instructions instructions) noexcept {
   __builtin_cpu_init();
   switch (instructions) {
   case Instructions::kAvx512:
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-           __builtin_cpu_supports("avx512vl");
+    return __builtin_cpu_supports("fma") && __builtin_cpu_supports("avx512f") &&
+           __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
   case Instructions::kAvx2:
-    return __builtin_cpu_supports("avx2");
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   case Instructions::kBaseline:
     break;
   }

@@ -46,8 +46,9 @@ public:
       int count = static_cast<int>(frames) - done;
       if (count > bank_.until_control())
         count = bank_.until_control();
+      V at(static_cast<double>(mouth.first) + done);
       for (int i = 0; i < count; ++i) {
-        const V at(static_cast<double>(mouth.first) + done + i + 1);
+        at += V(1.0);
         pressure[i] = clamp_pressure(start + slope * at);
       }
       bank_.run(pressure, {radiated, angle, bore, flow}, count);

@@ -90,7 +90,6 @@ public:
       follow(angles, part);
       angles += part;
       count -= part;
-      now_ += part;
       place_ += part;
       if (place_ == hop_) {
         place_ = 0;
@@ -152,19 +151,31 @@ private:
   static constexpr double kMeanTime = 0.5; // s
   static constexpr double kAudible = 0.02; // of the reference: above, the valve sounds
   static constexpr std::uint32_t kTimes = 17;
+  static constexpr int kStretch = 32; // samples looked at in one go
 
   static V usable(const V& angle, const V& otherwise) noexcept {
     return simd::select(simd::absolute(angle) < V(1e6), angle, otherwise);
   }
 
-  /// Samples of one hop. The state stays in registers but for the rare crossing.
+  /// Samples of one hop.
   void follow(const V* angles, int count) noexcept {
+    for (; count > kStretch; angles += kStretch, count -= kStretch)
+      follow_stretch(angles, kStretch);
+    follow_stretch(angles, count);
+  }
+
+  /// Crossings come without warning, so that branches for several lanes would often be guessed
+  /// wrong: theirs are only marked on the way, and noted afterwards.
+  void follow_stretch(const V* angles, int count) noexcept {
     using namespace simd;
     const V pole(pole_), attack(attack_), release(release_);
     const V rising(1 - attack_), falling(1 - release_);
     const V hysteresis(parameters_.hysteresis), least(1e-9);
     V last = last_, high = high_, envelope = envelope_;
-    auto armed = armed_;
+    auto armed = armed_, marked = armed_ & !armed_;
+    V highs[kStretch + 1], levels[kStretch];
+    std::uint32_t crossed[kStretch];
+    highs[0] = high;
     for (int i = 0; i < count; ++i) {
       const V angle = usable(angles[i], last), before = high;
       high = angle - last + pole * high;
@@ -175,36 +186,40 @@ private:
       const V fall = release * envelope + falling * size;
       envelope = select(size > envelope, rise, fall);
       const V h = hysteresis * envelope + least;
+      const auto above = high > h;
       armed = armed | (high < -h);
-      const typename simd::LaneTraits<V>::MaskType crossed = armed & (high > h);
-      if (any(crossed)) {
-        const Crossing crossing{crossed, before, high, h}; // a copy: the state stays in registers
-        note(crossing, i);
-        armed = armed & (!crossed);
+      const typename LaneTraits<V>::MaskType crossing = armed & above;
+      armed = armed & !above;
+      if constexpr (lanes == 1) {
+        if (crossing)
+          note(0, before, high, h, i);
+      } else {
+        marked = marked | crossing;
+        crossed[i] = bits(crossing);
+        highs[i + 1] = high;
+        levels[i] = h;
       }
     }
     last_ = last;
     high_ = high;
     envelope_ = envelope;
     armed_ = armed;
+    if (any(marked))
+      for (int i = 0; i < count; ++i)
+        for (int k = 0; crossed[i] >> k != 0; ++k)
+          if ((crossed[i] >> k & 1) != 0)
+            note(k, static_cast<double>(lane(highs[i], k)),
+                 static_cast<double>(lane(highs[i + 1], k)),
+                 static_cast<double>(lane(levels[i], k)), i);
+    now_ += count;
   }
 
-  struct Crossing {
-    typename simd::LaneTraits<V>::MaskType crossed;
-    V before, after, level;
-  };
-  /// Notes when each lane's crossing happened, offset samples after now_.
-  [[gnu::noinline]] void note(const Crossing& crossing, int offset) noexcept {
-    for (int i = 0; i < lanes; ++i) {
-      if (!simd::lane(crossing.crossed, i))
-        continue;
-      const double from = simd::lane(crossing.before, i), to = simd::lane(crossing.after, i);
-      const double part = to > from ? (simd::lane(crossing.level, i) - from) / (to - from) : 1;
-      times_[i][crossings_[i] % kTimes] =
-          static_cast<double>(now_ + offset) + (part > 0 ? part : 0);
-      ++crossings_[i];
-      ++counts_[i][hop_index_];
-    }
+  /// Notes when a lane's crossing happened, offset samples after now_.
+  [[gnu::noinline]] void note(int i, double from, double to, double level, int offset) noexcept {
+    const double part = to > from ? (level - from) / (to - from) : 1;
+    times_[i][crossings_[i] % kTimes] = static_cast<double>(now_ + offset) + (part > 0 ? part : 0);
+    ++crossings_[i];
+    ++counts_[i][hop_index_];
   }
 
   void end_hop() noexcept {

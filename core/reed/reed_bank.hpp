@@ -340,16 +340,20 @@ private:
 
   void step(const ReedCoefficients<V>* coefficients, int stride, const ValveSignals<V>& signal,
             int count) noexcept {
-    const auto go = [&](auto swinging, auto paper) {
-      step_valve<decltype(swinging)::value, decltype(paper)::value>(constants_, coefficients,
-                                                                    stride, state_, signal, count);
-    };
     using Yes = std::true_type;
     using No = std::false_type;
+    const auto go = [&](auto swinging, auto paper, auto plain) {
+      step_valve<decltype(swinging)::value, decltype(paper)::value, decltype(plain)::value>(
+          constants_, coefficients, stride, state_, signal, count);
+    };
     if (constants_.swinging)
-      constants_.paper ? go(Yes{}, Yes{}) : go(Yes{}, No{});
+      constants_.paper ? go(Yes{}, Yes{}, No{}) : go(Yes{}, No{}, No{});
+    else if (constants_.paper)
+      go(No{}, Yes{}, No{});
+    else if (constants_.bare() && stride == 0 && signal.noise == nullptr)
+      go(No{}, No{}, Yes{});
     else
-      constants_.paper ? go(No{}, Yes{}) : go(No{}, No{});
+      go(No{}, No{}, No{});
   }
 
   /// The paper's explicit flow and the force of the flow (mu) can feed energy in without bound,

@@ -5,6 +5,8 @@
 #include "core/reed/valve_constants.hpp"
 
 #include <array>
+#include <cstdint>
+#include <type_traits>
 
 /// The inner step of the reed, written once for one reed and for several side by side: V is double,
 /// or simd::Lanes<T, N, Set> for N reeds that share the instrument (ValveConstants, RoundTrip: the
@@ -140,6 +142,7 @@ template <class V>
 }
 
 /// Advances the valve by count internal samples. stride is 0 for constant coefficients, else 1.
+/// plain: constant coefficients, no noise and ValveConstants::bare().
 ///
 /// Valve: implicit midpoint rule, exactly energy-conserving for the linear valve. Opening: averaged
 /// over the straight path that the present velocity predicts for the step, so that closing and
@@ -151,8 +154,9 @@ template <class V>
 /// The loop is bound by the way from one u over square root and valve to the next u. Place,
 /// velocity and pressure at the end of a sample are linear in its flow U = A u; so R and the drive
 /// of the next jet are linear in u, and their coefficients are computed while the square root is
-/// under way.
-template <bool swinging, bool paper, class V>
+/// under way. Nor does the next jet wait to hear which valves are beyond their stop or limit: they
+/// are taken for those of the sample before until a comparison beside it finds them changed.
+template <bool swinging, bool paper, bool plain, class V>
 [[gnu::noinline, gnu::flatten]] void
 step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int stride,
            ValveState<V>& state, const ValveSignals<V>& signal, int count) noexcept {
@@ -171,24 +175,28 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
   const V inertance(c.inertance_rate), compliance(c.compliance_rate);
   const V echo(2 * (c.compliance_rate - c.inertance_rate));
   const V memory(c.compliance_rate + c.inertance_rate);
-  const bool pushed_by_flow = c.flow_area > 0, moving = stride > 0;
-  const bool lumped = c.inertance_rate > 0 || c.compliance_rate > 0;
+  const bool pushed_by_flow = !plain && c.flow_area > 0, moving = !plain && stride > 0;
+  const bool lumped = !plain && (c.inertance_rate > 0 || c.compliance_rate > 0);
+  const bool noisy = !plain && signal.noise != nullptr;
 
-  ValveState<V> now = state; // in registers
+  ValveState<V> now = state;                 // in registers
+  auto lying = zero > zero, limited = lying; // the valves that are below, and above
+  std::uint64_t held = 0;                    // which they are; 0: none
 
   for (int i = 0; i < count; ++i) {
-    const ReedCoefficients<V>& r = coefficients[i * stride];
+    const ReedCoefficients<V>& r = coefficients[plain ? 0 : i * stride];
     const V u = now.jet_velocity, x = now.deflection(), v = now.velocity();
     const V bore = now.bore_pressure();
     const V returning = signal.wave[i];
     V mouth = signal.mouth_pressure[i];
-    if (signal.noise != nullptr)
+    if (noisy)
       mouth += V(signal.noise[i]) * half_density * u * u;
     const V given = wave * returning + now.past;
 
     // Opening A and R over the predicted path, and the side it lies on.
     const V travel = period * v, y = rest + x, next = y + travel;
     V side(1.0), area, resistance;
+    bool striking = false;
     if constexpr (swinging) {
       const V size = absolute(y), next_size = absolute(next);
       V opening = half * (size + next_size);
@@ -209,7 +217,8 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
                    now.resistance_by_jet * u;
       const auto closing = next < zero;
       if (any(closing)) {
-        area = select(closing, width * (half * y * y / (y - next + tiny)) + leak, area);
+        striking = true;
+        area = select(closing, width * (half * y * y / (tiny - travel)) + leak, area);
         resistance = select(closing, inertia + r.port_impedance * area, resistance);
       }
       if (moving)
@@ -263,7 +272,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       now.pressure += r.pressure_by_force * gained;
     }
     now.moved_by = through;
-    const auto hold = [&](const auto& beyond, const V& wall, auto inward) {
+    const auto hold = [&](const auto& beyond, const V& wall, auto allowed) {
       const V contact = (wall - x) * rate;
       const V held_open = rigid_impedance * (source + swept * contact);
       V held_jet, held_through;
@@ -279,18 +288,33 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       jet = select(beyond, held_jet, jet);
       through = select(beyond, held_through, through);
       now.place = select(beyond, wall, now.place);
-      now.speed = select(beyond, inward(restitution * (contact + contact - v)), now.speed);
+      now.speed = select(beyond, allowed(restitution * (contact + contact - v)), now.speed);
       now.pressure = select(beyond, held_open + rigid_impedance * held_through, now.pressure);
       now.moved_by = select(beyond, zero, now.moved_by);
       now.resistance_by_jet = select(beyond, zero, now.resistance_by_jet);
       now.drive_by_jet = select(beyond, zero, now.drive_by_jet);
     };
     const V moved = now.deflection();
-    const auto above = moved > highest, below = moved < lowest;
-    if (any(below))
-      hold(below, lowest, [&](const V& rebound) { return simd::maximum(rebound, zero); });
-    if (any(above))
-      hold(above, highest, [&](const V& rebound) { return simd::minimum(rebound, zero); });
+    const auto below = moved < lowest;
+    const auto above = moved > highest;
+    const std::uint64_t beyond = simd::bits(below) | std::uint64_t{simd::bits(above)} << 32;
+    if (striking || beyond != held) {
+      lying = below;
+      limited = above;
+      held = beyond;
+      asm volatile(""); // keeps this a branch: moves under a mask would have to wait for it
+    }
+    if (held != 0) {
+      const auto outward = [&](const V& rebound) { return simd::maximum(rebound, zero); };
+      const auto inward = [&](const V& rebound) { return simd::minimum(rebound, zero); };
+      if constexpr (std::is_same_v<V, double>) { // one valve: no mask at all
+        lying ? hold(true, lowest, outward) : hold(true, highest, inward);
+      } else {
+        hold(lying, lowest, outward);
+        if (held >> 32 != 0)
+          hold(limited, highest, inward);
+      }
+    }
 
     const V next_bore = now.bore_pressure();
     if (lumped) {

@@ -32,6 +32,10 @@ struct ValveConstants {
   double compliance_rate = 0; // 2C/T, cup
   double angle_scale = 1;     // theta = (deflection + rest opening) angle_scale
   bool swinging = false;
+  /// Neither cone nor cup at the bore's input, and no push of the flow on the valve.
+  [[nodiscard]] bool bare() const noexcept {
+    return !(flow_area > 0) && !(inertance_rate > 0) && !(compliance_rate > 0);
+  }
   bool paper = false; // FlowMethod::kPaper
 
   static ValveConstants from(const Parameters& parameters, const BoreDesign& bore,

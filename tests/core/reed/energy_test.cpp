@@ -30,9 +30,9 @@ public:
     double wave = -line_[at_], deflection, bore, flow;
     const ValveSignals<double> signal{&mouth, nullptr, &wave, &deflection, &bore, &flow};
     if (constants_.swinging)
-      step_valve<true, false>(constants_, &coefficients_, 0, state_, signal, 1);
+      step_valve<true, false, false>(constants_, &coefficients_, 0, state_, signal, 1);
     else
-      step_valve<false, false>(constants_, &coefficients_, 0, state_, signal, 1);
+      step_valve<false, false, false>(constants_, &coefficients_, 0, state_, signal, 1);
     line_[at_] = wave;
     at_ = (at_ + 1) % line_.size();
   }
@@ -113,8 +113,8 @@ TEST_CASE("the free valve without damping keeps its energy to rounding") {
   double mouth = 0, wave = 0, deflection, bore, flow;
   for (int n = 0; n < 48000; ++n) {
     wave = 0;
-    step_valve<true, false>(c, &r, 0, state, {&mouth, nullptr, &wave, &deflection, &bore, &flow},
-                            1);
+    step_valve<true, false, false>(c, &r, 0, state,
+                                   {&mouth, nullptr, &wave, &deflection, &bore, &flow}, 1);
   }
   const double end = 0.5 * p.mass * state.velocity() * state.velocity() +
                      0.5 * r.stiffness * state.deflection() * state.deflection();

@@ -144,12 +144,17 @@ TEST_CASE("the gradient is the same bits however the stream is cut") {
   }
 }
 
-TEST_CASE("every instruction set feels the same bits") {
+TEST_CASE("every instruction set feels the same") {
+  // Newer processors fuse products and sums, and so round single precision otherwise. What that
+  // does to f_p, 1e-7, it does to the gradient fifty times over: the stencil is 0.02 wide.
   const Felt baseline = feel(Instructions::kBaseline, 0.6, 0.42, 64, 0.5);
   for (const Instructions instructions : kAll) {
     if (!make_reed_ensemble(instructions))
       continue;
-    CHECK(feel(instructions, 0.6, 0.42, 64, 0.5).gradient.z == baseline.gradient.z);
+    const Felt felt = feel(instructions, 0.6, 0.42, 64, 0.5);
+    CHECK(std::abs(felt.playability - baseline.playability) < 1e-6);
+    CHECK(std::abs(felt.gradient.y - baseline.gradient.y) < 1e-4);
+    CHECK(std::abs(felt.gradient.z - baseline.gradient.z) < 1e-4);
   }
 }
 
@@ -195,9 +200,11 @@ TEST_CASE("growth mode leads out of silence, where five silent reeds know nothin
   CHECK(gradient.playability() < 1e-3);
   CHECK(std::abs(gradient.gradient().y) < 1e-2);
   gradient.set_mode(ReedGradient::Mode::kGrowth);
+  gradient.move(0.05, 0.45, 0);
   CHECK(gradient.gradient().y == 0); // without a map
   const PlaneGuide guide = test::guide_of(gradient.plane());
   gradient.set_guide(&guide);
+  gradient.move(0.05, 0.45, 0);
   CHECK(gradient.gradient().y > 0.5);
   stay(0.9, 0.1); // a slack lip blown apart
   CHECK(gradient.gradient().y < 0);
