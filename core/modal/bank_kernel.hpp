@@ -10,12 +10,12 @@
 /// The inner loops of the mode bank, one copy for each instruction set.
 namespace tactus::modal {
 
-inline constexpr std::size_t kLanes = 64;      ///< modes that are computed together
-inline constexpr std::size_t kLeap = 16;       ///< samples from one state to the next
+inline constexpr std::size_t kLanes = 64; ///< modes that are computed together
+inline constexpr std::size_t kLeap = 16;  ///< samples from one state to the next
 inline constexpr std::size_t kHalfLeap = kLeap / 2;
-inline constexpr std::size_t kMostLeaps = 4;   ///< in one call
+inline constexpr std::size_t kMostLeaps = 4; ///< in one call
 inline constexpr std::size_t kMostSamples = kLeap * kMostLeaps;
-inline constexpr std::size_t kMostEars = 8;    ///< pick-ups in one call
+inline constexpr std::size_t kMostEars = 8; ///< pick-ups in one call
 
 /// One number of each of kLanes modes.
 struct alignas(64) Lane {
@@ -78,8 +78,8 @@ public:
   /// The state after the first `samples` <= kLeap of a leap, from the forces in that time.
   virtual void advance(const BankView&, std::size_t samples,
                        std::span<const BankDrive>) const noexcept = 0;
-  /// out[i] = sum over j <= i of force[j] response[kLeap + i - j] for a leap; response is zero below
-  /// kLeap.
+  /// out[i] = sum over j <= i of force[j] response[kLeap + i - j] for a leap; response is zero
+  /// below kLeap.
   virtual void echo(const float* force, const float* response, float* out) const noexcept = 0;
 };
 

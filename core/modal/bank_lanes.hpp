@@ -1,222 +1,63 @@
 #pragma once
 
-#include "core/modal/bank_kernel.hpp"
+#include "core/modal/bank_tiles.hpp"
 
 /// The mode bank's loops, written once for any instruction set. Every function is a template on the
 /// set, so that the linker never takes a newer processor's code for an older one's.
 ///
 /// Modes lie across lanes. All outputs of a leap of sixteen samples come straight from the state at
-/// its beginning by a table, and so does the state at its end from the forces: there is no recursion
-/// from sample to sample to wait for, rounding enters once in sixteen samples, and pitch is as good
-/// as the table. Powers of the pole cost 4 fused multiply-adds a mode and sample for one force and
-/// one pick-up, and 10 in sixteen samples for gains and the step of the state.
+/// its beginning by a table, and so does the state at its end from the forces: there is no
+/// recursion from sample to sample to wait for, rounding enters once in sixteen samples, and pitch
+/// is as good as the table. Powers of the pole cost 4 fused multiply-adds a mode and sample for one
+/// force and one pick-up, and 10 in sixteen samples for gains and the step of the state.
 ///
-/// Half of that is saved where modes decay alike. Seen from the middle of the leap, a mode that does
-/// not decay gives E + O at a time t after and E - O at the same time before, E = Im(c) cos and
-/// O = Re(c) sin of omega t: one product for each sample. A decay that all share is put in
-/// afterwards; what a mode's own decay differs from it (at most ModeBank::kUnlike) is put right from
-/// leap to leap, because the state's step is exact, and errs by that difference times eight samples
-/// in between.
+/// Half of that is saved where modes decay alike. Seen from the middle of the leap, a mode that
+/// does not decay gives E + O at a time t after and E - O at the same time before, E = Im(c) cos
+/// and O = Re(c) sin of omega t: one product for each sample. A decay that all share is put in
+/// afterwards; what a mode's own decay differs from it (at most ModeBank::kUnlike) is put right
+/// from leap to leap, because the state's step is exact, and errs by that difference times eight
+/// samples in between.
+///
+/// Either way what is heard is the sum of two: of Im(c) with the powers' real parts and of Re(c)
+/// with their imaginary parts, over kHalfLeap or kLeap times (BankTiles).
 namespace tactus::modal {
 
-template <class Set> struct BankVector;
-
-template <> struct BankVector<simd::Baseline> {
-  using Type [[gnu::vector_size(16)]] = float;
-  static constexpr std::size_t width = 4, registers = 2, tile = 2;
-  static Type multiply_add(Type a, Type b, Type c) noexcept { return a * b + c; }
-};
-#if defined(__AVX2__) && defined(__FMA__)
-template <> struct BankVector<simd::Avx2> {
-  using Type [[gnu::vector_size(32)]] = float;
-  static constexpr std::size_t width = 8, registers = 2, tile = 2;
-  [[gnu::always_inline]] static Type multiply_add(Type a, Type b, Type c) noexcept {
-    return _mm256_fmadd_ps(a, b, c);
-  }
-};
-#endif
-#if defined(__AVX512F__)
-template <> struct BankVector<simd::Avx512> {
-  using Type [[gnu::vector_size(64)]] = float;
-  static constexpr std::size_t width = 16, registers = 2, tile = 4;
-  [[gnu::always_inline]] static Type multiply_add(Type a, Type b, Type c) noexcept {
-    return _mm512_fmadd_ps(a, b, c);
-  }
-};
-#endif
-
 template <class Set> class BankLanes final : public BankKernel {
-  using Traits = BankVector<Set>;
-  using V = typename Traits::Type;
-  static constexpr std::size_t kWidth = Traits::width;
-  static constexpr std::size_t kRegisters = Traits::registers; // summed into one accumulator
-  static constexpr std::size_t kStep = kRegisters * kWidth;
+  using Tiles = BankTiles<Set>;
+  using V = typename Tiles::V;
+  static constexpr std::size_t kWidth = Tiles::kWidth;
+  static constexpr std::size_t kRegisters = Tiles::kRegisters;
+  static constexpr std::size_t kTimes = Tiles::kTimes;
+  static constexpr std::uint32_t kNone = 0xffffffff; ///< no common decay
 
-  [[gnu::always_inline]] static V fma(V a, V b, V c) noexcept {
-    return Traits::multiply_add(a, b, c);
-  }
-  [[gnu::always_inline]] static V load(const Lane& lane, std::size_t at) noexcept {
-    return *reinterpret_cast<const V*>(lane.v + at);
-  }
-  [[gnu::always_inline]] static void store(Lane& lane, std::size_t at, V value) noexcept {
-    *reinterpret_cast<V*>(lane.v + at) = value;
-  }
-  [[gnu::always_inline]] static V all(float x) noexcept { return x - V{}; }
-
-  /// Some registers of complex numbers.
-  struct Pair {
-    V real[kRegisters], imaginary[kRegisters];
+  struct Complex {
+    V real, imaginary;
   };
-  [[gnu::always_inline]] static Pair load(const ComplexLane& lane, std::size_t at) noexcept {
-    Pair p;
-    for (std::size_t r = 0; r < kRegisters; ++r) {
-      p.real[r] = load(lane.real, at + r * kWidth);
-      p.imaginary[r] = load(lane.imaginary, at + r * kWidth);
-    }
-    return p;
+  [[gnu::always_inline]] static Complex load(const ComplexLane& lane, std::size_t at) noexcept {
+    return {Tiles::load(lane.real, at), Tiles::load(lane.imaginary, at)};
   }
-  [[gnu::always_inline]] static void store(ComplexLane& lane, std::size_t at,
-                                           const Pair& p) noexcept {
-    for (std::size_t r = 0; r < kRegisters; ++r) {
-      store(lane.real, at + r * kWidth, p.real[r]);
-      store(lane.imaginary, at + r * kWidth, p.imaginary[r]);
-    }
+  [[gnu::always_inline]] static void store(ComplexLane& lane, std::size_t at, Complex z) noexcept {
+    Tiles::store(lane.real, at, z.real);
+    Tiles::store(lane.imaginary, at, z.imaginary);
   }
-  /// p^exponent of an uneven block.
-  [[gnu::always_inline]] static Pair power(const PoleBlock& poles, std::size_t exponent,
-                                           std::size_t at) noexcept {
-    return load(poles.power[exponent - 1], at);
+  /// a b
+  [[gnu::always_inline]] static Complex product(Complex a, Complex b) noexcept {
+    return {Tiles::fma(a.real, b.real, -(a.imaginary * b.imaginary)),
+            Tiles::fma(a.real, b.imaginary, a.imaginary * b.real)};
   }
   /// a b + c
-  [[gnu::always_inline]] static Pair multiply_add(const Pair& a, const Pair& b,
-                                                  const Pair& c) noexcept {
-    Pair out;
-    for (std::size_t r = 0; r < kRegisters; ++r) {
-      out.real[r] = fma(a.real[r], b.real[r], fma(-a.imaginary[r], b.imaginary[r], c.real[r]));
-      out.imaginary[r] =
-          fma(a.real[r], b.imaginary[r], fma(a.imaginary[r], b.real[r], c.imaginary[r]));
-    }
-    return out;
+  [[gnu::always_inline]] static Complex multiply_add(Complex a, Complex b, Complex c) noexcept {
+    return {Tiles::fma(a.real, b.real, Tiles::fma(-a.imaginary, b.imaginary, c.real)),
+            Tiles::fma(a.real, b.imaginary, Tiles::fma(a.imaginary, b.real, c.imaginary))};
   }
 
-  /// input[t] += gain times the sum over j of p^(15-j) x[j], for Tile leaps one after the other.
-  template <std::size_t Tile>
-  [[gnu::always_inline]] static void gather(const PoleBlock& poles, std::size_t at,
-                                            const Lane& gain, const float* force,
-                                            Pair* input) noexcept {
-    Pair sum[Tile];
-    for (std::size_t t = 0; t < Tile; ++t)
-      for (std::size_t r = 0; r < kRegisters; ++r) {
-        sum[t].real[r] = all(force[t * kLeap + kLeap - 1]);
-        sum[t].imaginary[r] = V{};
-      }
-    for (std::size_t j = 0; j + 1 < kLeap; ++j) {
-      const Pair p = power(poles, kLeap - 1 - j, at);
-      for (std::size_t t = 0; t < Tile; ++t) {
-        const V x = all(force[t * kLeap + j]);
-        for (std::size_t r = 0; r < kRegisters; ++r) {
-          sum[t].real[r] = fma(p.real[r], x, sum[t].real[r]);
-          sum[t].imaginary[r] = fma(p.imaginary[r], x, sum[t].imaginary[r]);
-        }
-      }
-    }
-    add_gained<Tile>(gain, at, sum, input);
-  }
-
-  /// The same seen from the middle, from the forces' sums and differences about it.
-  template <std::size_t Tile>
-  [[gnu::always_inline]] static void gather_even(const PoleBlock& poles, std::size_t at,
-                                                 const Lane& gain, const float* sums,
-                                                 const float* differences, Pair* input) noexcept {
-    Pair sum[Tile] = {};
-    for (std::size_t m = 0; m < kHalfLeap; ++m) {
-      const Pair p = load(poles.power[m], at);
-      for (std::size_t t = 0; t < Tile; ++t) {
-        const V even = all(sums[t * kHalfLeap + m]), odd = all(differences[t * kHalfLeap + m]);
-        for (std::size_t r = 0; r < kRegisters; ++r) {
-          sum[t].real[r] = fma(p.real[r], even, sum[t].real[r]);
-          sum[t].imaginary[r] = fma(p.imaginary[r], odd, sum[t].imaginary[r]);
-        }
-      }
-    }
-    add_gained<Tile>(gain, at, sum, input);
-  }
-
-  template <std::size_t Tile>
-  [[gnu::always_inline]] static void add_gained(const Lane& gain, std::size_t at, const Pair* sum,
-                                                Pair* input) noexcept {
-    for (std::size_t t = 0; t < Tile; ++t)
-      for (std::size_t r = 0; r < kRegisters; ++r) {
-        const V b = load(gain, at + r * kWidth);
-        input[t].real[r] = fma(b, sum[t].real[r], input[t].real[r]);
-        input[t].imaginary[r] = fma(b, sum[t].imaginary[r], input[t].imaginary[r]);
-      }
-  }
-
-  /// Adds Im(p^(i+1) c) to the accumulators of samples first + i, for Tile leaps.
-  template <std::size_t Tile>
-  [[gnu::always_inline]] static void hear(const PoleBlock& poles, std::size_t at, const Pair* heard,
-                                          std::size_t first, std::size_t count,
-                                          V* accumulator) noexcept {
-    for (std::size_t i = 0; i < count; ++i) {
-      const Pair p = power(poles, first + i + 1, at);
-      for (std::size_t t = 0; t < Tile; ++t) {
-        V sum = accumulator[t * kLeap + i];
-        for (std::size_t r = 0; r < kRegisters; ++r) {
-          sum = fma(p.real[r], heard[t].imaginary[r], sum);
-          sum = fma(p.imaginary[r], heard[t].real[r], sum);
-        }
-        accumulator[t * kLeap + i] = sum;
-      }
-    }
-  }
-
-  /// What an even block adds at times m + 1/2 from the middle, first <= m < last.
-  template <std::size_t Tile>
-  [[gnu::always_inline]] static void hear_even(const PoleBlock& poles, std::size_t at,
-                                               const Pair* given, std::size_t first,
-                                               std::size_t last, V* even, V* odd) noexcept {
-    Pair heard[Tile];
-    for (std::size_t t = 0; t < Tile; ++t)
-      heard[t] = given[t];
-    for (std::size_t m = first; m < last; ++m) {
-      const Pair p = load(poles.power[m], at);
-      for (std::size_t t = 0; t < Tile; ++t) {
-        V e = even[t * kHalfLeap + m], o = odd[t * kHalfLeap + m];
-        for (std::size_t r = 0; r < kRegisters; ++r) {
-          e = fma(p.real[r], heard[t].imaginary[r], e);
-          o = fma(p.imaginary[r], heard[t].real[r], o);
-        }
-        even[t * kHalfLeap + m] = e;
-        odd[t * kHalfLeap + m] = o;
-      }
-    }
-  }
-
-  /// Sums that even blocks of one common decay build up in a leap, before the decay.
-  struct Halves {
-    V even[kMostLeaps * kHalfLeap], odd[kMostLeaps * kHalfLeap];
+  /// Forces as the blocks at hand take them in: as they are, or as sums and differences about the
+  /// middles of the leaps, the common decay put in.
+  struct Folded {
+    static constexpr std::size_t kMostDrives = 72;
+    float sums[kMostDrives][kMostLeaps * kHalfLeap];
+    float differences[kMostDrives][kMostLeaps * kHalfLeap];
   };
-  [[gnu::always_inline]] static V later(const CommonDecay& decay, std::size_t m, V even,
-                                        V odd) noexcept {
-    return all(decay.fall[m]) * (even + odd);
-  }
-  [[gnu::always_inline]] static V earlier(const CommonDecay& decay, std::size_t m, V even,
-                                          V odd) noexcept {
-    return all(decay.rise[m]) * (even - odd);
-  }
-  static void join(Halves& halves, const CommonDecay& decay, std::size_t leaps,
-                   V* accumulator) noexcept {
-    for (std::size_t l = 0; l < leaps; ++l)
-      for (std::size_t m = 0; m < kHalfLeap; ++m) {
-        V& e = halves.even[l * kHalfLeap + m];
-        V& o = halves.odd[l * kHalfLeap + m];
-        accumulator[l * kLeap + kHalfLeap + m] += later(decay, m, e, o);
-        accumulator[l * kLeap + kHalfLeap - 1 - m] += earlier(decay, m, e, o);
-        e = o = V{};
-      }
-  }
-  /// A force's sums and differences about the middles of its leaps, the decay taken into account.
   static void fold(const float* force, const CommonDecay& decay, std::size_t leaps, float* sums,
                    float* differences) noexcept {
     for (std::size_t l = 0; l < leaps; ++l)
@@ -228,126 +69,218 @@ template <class Set> class BankLanes final : public BankKernel {
       }
   }
 
-  /// Sums the lanes of every accumulator, always in the same order.
-  static void collect(const V* accumulator, std::size_t count, float* out) noexcept {
-    for (std::size_t n = 0; n < count; ++n) {
-      V sum = accumulator[n];
-      using Four [[gnu::vector_size(16)]] = float;
-      Four folded;
-      if constexpr (kWidth == 16) {
-        using Eight [[gnu::vector_size(32)]] = float;
-        const Eight half = __builtin_shufflevector(sum, sum, 0, 1, 2, 3, 4, 5, 6, 7) +
-                           __builtin_shufflevector(sum, sum, 8, 9, 10, 11, 12, 13, 14, 15);
-        folded = __builtin_shufflevector(half, half, 0, 1, 2, 3) +
-                 __builtin_shufflevector(half, half, 4, 5, 6, 7);
-      } else if constexpr (kWidth == 8) {
-        folded = __builtin_shufflevector(sum, sum, 0, 1, 2, 3) +
-                 __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
-      } else {
-        folded = sum;
+  /// What the modes of a tile get in leaps l to l + Leaps, but for their gains.
+  template <std::size_t Leaps>
+  [[gnu::always_inline]] static void
+  gather(const PoleBlock& poles, std::size_t at, const BankDrive& drive, const Folded& folded,
+         std::size_t d, std::size_t l, typename Tiles::template Gathered<Leaps>& sum) noexcept {
+    const bool even = poles.even;
+    const float* const force = drive.force + l * kLeap;
+    for (std::size_t i = 0; i < Leaps; ++i)
+      for (std::size_t r = 0; r < kRegisters; ++r) {
+        sum.real[i][r] = even ? V{} : Tiles::all(force[i * kLeap + kLeap - 1]); // p^0
+        sum.imaginary[i][r] = V{};
       }
-      out[n] = (folded[0] + folded[2]) + (folded[1] + folded[3]);
+    if (even)
+      Tiles::template gather<Leaps>(
+          [&](std::size_t m) -> const ComplexLane& { return poles.power[m]; }, at, kHalfLeap,
+          folded.sums[d] + l * kHalfLeap, folded.differences[d] + l * kHalfLeap, kHalfLeap, sum);
+    else
+      Tiles::template gather<Leaps>(
+          [&](std::size_t j) -> const ComplexLane& { return poles.power[kLeap - 2 - j]; }, at,
+          kLeap - 1, force, force, kLeap, sum); // p^(15 - j)
+  }
+
+  /// A block's states at the beginnings of leaps, or in their middles, and the state after all.
+  /// With a weight: as a pick-up hears them.
+  template <std::size_t Leaps>
+  [[gnu::noinline]] static void step(const BankView& bank, std::uint32_t block,
+                                     std::span<const BankDrive> drives, const Folded& folded,
+                                     const ComplexLane* weight, LeapPlanes& states,
+                                     std::size_t b) noexcept {
+    constexpr std::size_t kTile = Leaps < Tiles::kLeaps ? Leaps : Tiles::kLeaps;
+    using Input = typename Tiles::template Gathered<kTile>;
+    const PoleBlock& poles = bank.poles[block];
+#pragma GCC unroll 1
+    for (std::size_t at = 0; at < kLanes; at += Tiles::kStep)
+#pragma GCC unroll 1
+      for (std::size_t first = 0; first < Leaps; first += kTile) {
+        Input input{};
+        for (std::size_t d = 0; d < drives.size(); ++d) {
+          Input sum;
+          gather<kTile>(poles, at, drives[d], folded, d, first, sum);
+          for (std::size_t r = 0; r < kRegisters; ++r) {
+            const V gain = Tiles::load(drives[d].gain[block], at + r * kWidth);
+            for (std::size_t l = 0; l < kTile; ++l) {
+              input.real[l][r] = Tiles::fma(gain, sum.real[l][r], input.real[l][r]);
+              input.imaginary[l][r] = Tiles::fma(gain, sum.imaginary[l][r], input.imaginary[l][r]);
+            }
+          }
+        }
+        for (std::size_t r = 0; r < kRegisters; ++r) {
+          const std::size_t i = at + r * kWidth;
+          const Complex leap = load(poles.whole_leap(), i);
+          Complex z = load(bank.state[block], i);
+          const Complex w = weight ? load(weight[block], i) : Complex{};
+          for (std::size_t l = 0; l < kTile; ++l) {
+            const Complex out = weight ? product(w, z) : z;
+            Tiles::store(states.real[first + l][b], i, out.real);
+            Tiles::store(states.imaginary[first + l][b], i, out.imaginary);
+            const Complex add{input.real[l][r], input.imaginary[l][r]};
+            if (poles.even)
+              z = product(leap, {z.real + add.real, z.imaginary + add.imaginary});
+            else
+              z = multiply_add(leap, z, add);
+          }
+          store(bank.state[block], i, z);
+        }
+      }
+  }
+
+  /// The states as a pick-up weighs them.
+  template <std::size_t Leaps>
+  static void weigh(const ComplexLane& weight, const LeapPlanes& states, std::size_t b,
+                    LeapPlanes& heard) noexcept {
+#pragma GCC unroll 1
+    for (std::size_t at = 0; at < kLanes; at += kWidth) {
+      const Complex w = load(weight, at);
+      for (std::size_t l = 0; l < Leaps; ++l) {
+        const Complex c = product(
+            w, {Tiles::load(states.real[l][b], at), Tiles::load(states.imaginary[l][b], at)});
+        Tiles::store(heard.real[l][b], at, c.real);
+        Tiles::store(heard.imaginary[l][b], at, c.imaginary);
+      }
     }
   }
 
-  static constexpr std::uint32_t kNone = 0xffffffff;
-
-  /// Forces folded for the common decay at work, one drive after the other.
-  struct Folded {
-    static constexpr std::size_t kMostDrives = 72;
-    float sums[kMostDrives][kMostLeaps * kHalfLeap];
-    float differences[kMostDrives][kMostLeaps * kHalfLeap];
+  /// What one pick-up hears of blocks of one kind, in lanes: the two sums.
+  template <std::size_t Leaps> struct Sums {
+    V real[Leaps * kLeap], imaginary[Leaps * kLeap]; // of the powers' parts
+    void clear(std::size_t times) noexcept {
+      for (std::size_t n = 0; n < Leaps * times; ++n)
+        real[n] = imaginary[n] = V{};
+    }
   };
+  template <std::size_t Leaps, std::size_t Times>
+  [[gnu::always_inline]] static void hear(const PoleBlock* const* poles, std::size_t blocks,
+                                          const LeapPlanes& heard, std::size_t first,
+                                          std::size_t times, Sums<Leaps>& sums) noexcept {
+    const float *real[LeapPlanes::kMostBlocks], *imaginary[LeapPlanes::kMostBlocks];
+    for (std::size_t b = 0; b < blocks; ++b) {
+      real[b] = poles[b]->power[first].real.v;
+      imaginary[b] = poles[b]->power[first].imaginary.v;
+    }
+    Tiles::template hear<Leaps, Times>(real, blocks, heard.imaginary, sums.real + first, times);
+    Tiles::template hear<Leaps, Times>(imaginary, blocks, heard.real, sums.imaginary + first,
+                                       times);
+  }
 
-  /// States at the beginning of each leap, or in its middle, and the state after all.
-  [[gnu::always_inline]] static void step(const PoleBlock& poles, const BankView& bank,
-                                          std::uint32_t block, std::size_t at, std::size_t leaps,
-                                          std::span<const BankDrive> drives, const Folded& folded,
-                                          Pair* state) noexcept {
-    Pair input[kMostLeaps];
-    for (std::size_t l = 0; l < leaps; ++l)
-      input[l] = {};
-    for (std::size_t d = 0; d < drives.size(); ++d) {
-      const Lane& gain = drives[d].gain[block];
-      const auto take = [&]<std::size_t Tile>(std::size_t l) {
-        if (poles.even)
-          gather_even<Tile>(poles, at, gain, folded.sums[d] + l * kHalfLeap,
-                            folded.differences[d] + l * kHalfLeap, input + l);
-        else
-          gather<Tile>(poles, at, gain, drives[d].force + l * kLeap, input + l);
-      };
-      std::size_t l = 0;
-      for (; l + Traits::tile <= leaps; l += Traits::tile)
-        take.template operator()<Traits::tile>(l);
-      for (; l < leaps; ++l)
-        take.template operator()<1>(l);
-    }
-    Pair z = load(bank.state[block], at);
-    const Pair leap = load(poles.whole_leap(), at);
-    for (std::size_t l = 0; l < leaps; ++l) {
-      state[l] = z;
-      if (poles.even) {
-        for (std::size_t r = 0; r < kRegisters; ++r) {
-          z.real[r] += input[l].real[r];
-          z.imaginary[r] += input[l].imaginary[r];
+  [[gnu::always_inline]] static float later(const CommonDecay& decay, std::size_t m, float even,
+                                            float odd) noexcept {
+    return decay.fall[m] * (even + odd);
+  }
+  [[gnu::always_inline]] static float earlier(const CommonDecay& decay, std::size_t m, float even,
+                                              float odd) noexcept {
+    return decay.rise[m] * (even - odd);
+  }
+  /// Adds the sums up over their lanes and to the sound, the common decay put in.
+  template <std::size_t Leaps>
+  static void collect(const Sums<Leaps>& sums, const CommonDecay* decay, float* out) noexcept {
+    const std::size_t times = decay ? kHalfLeap : kLeap, count = Leaps * times;
+    alignas(64) float real[Leaps * kLeap], imaginary[Leaps * kLeap];
+    for (std::size_t n = 0; n < count; n += kWidth) {
+      if (count < kWidth) { // one leap in the widest registers
+        for (std::size_t i = 0; i < count; ++i) {
+          real[i] = Tiles::across(sums.real[i]);
+          imaginary[i] = Tiles::across(sums.imaginary[i]);
         }
-        z = multiply_add(leap, z, {});
-      } else {
-        z = multiply_add(leap, z, input[l]);
+        break;
       }
+      *reinterpret_cast<V*>(real + n) = Tiles::across(sums.real + n);
+      *reinterpret_cast<V*>(imaginary + n) = Tiles::across(sums.imaginary + n);
     }
-    store(bank.state[block], at, z);
+    if (!decay) {
+      for (std::size_t n = 0; n < count; ++n)
+        out[n] += real[n] + imaginary[n];
+      return;
+    }
+    for (std::size_t l = 0; l < Leaps; ++l) {
+      float* const middle = out + l * kLeap + kHalfLeap;
+      const float* const e = real + l * kHalfLeap;
+      const float* const o = imaginary + l * kHalfLeap;
+      for (std::size_t m = 0; m < kHalfLeap; ++m)
+        middle[m] += later(*decay, m, e[m], o[m]);
+      for (std::size_t m = 0; m < kHalfLeap; ++m)
+        middle[-1 - static_cast<std::ptrdiff_t>(m)] += earlier(*decay, m, e[m], o[m]);
+    }
+  }
+
+  static const CommonDecay* decay_of(const BankView& bank, const PoleBlock& poles) noexcept {
+    return poles.even ? &bank.decays[poles.decay] : nullptr;
+  }
+
+  template <std::size_t Leaps>
+  static void run_leaps(const BankView& bank, std::span<const BankDrive> drives,
+                        std::span<const BankPickup> pickups) noexcept {
+    Sums<Leaps> sums[kMostEars];
+    Folded folded;
+    LeapPlanes states, heard;
+    const std::size_t ears = pickups.size() < kMostEars ? pickups.size() : kMostEars;
+    for (std::size_t k = 0; k < ears; ++k)
+      for (std::size_t n = 0; n < Leaps * kLeap; ++n)
+        pickups[k].out[n] = 0;
+    const CommonDecay* decay = nullptr;
+    std::size_t times = 0; // of the sums; none yet
+    const auto collect_all = [&] {
+      for (std::size_t k = 0; k < ears && times > 0; ++k)
+        collect<Leaps>(sums[k], decay, pickups[k].out);
+    };
+    for (std::size_t n = 0; n < bank.active.size();) {
+      const PoleBlock* poles[LeapPlanes::kMostBlocks] = {&bank.poles[bank.active[n]]};
+      if (const CommonDecay* const next = decay_of(bank, *poles[0]); next != decay || times == 0) {
+        collect_all();
+        decay = next;
+        times = decay ? kHalfLeap : kLeap;
+        for (std::size_t k = 0; k < ears; ++k)
+          sums[k].clear(times);
+        for (std::size_t d = 0; d < drives.size() && decay; ++d)
+          fold(drives[d].force, *decay, Leaps, folded.sums[d], folded.differences[d]);
+      }
+      std::size_t blocks = 1;
+      while (blocks < LeapPlanes::kMostBlocks && n + blocks < bank.active.size() &&
+             decay_of(bank, bank.poles[bank.active[n + blocks]]) == decay) {
+        poles[blocks] = &bank.poles[bank.active[n + blocks]];
+        ++blocks;
+      }
+      for (std::size_t b = 0; b < blocks; ++b)
+        step<Leaps>(bank, bank.active[n + b], drives, folded,
+                    ears == 1 ? pickups[0].weight : nullptr, ears == 1 ? heard : states, b);
+      for (std::size_t k = 0; k < ears; ++k) {
+        for (std::size_t b = 0; b < blocks && ears > 1; ++b)
+          weigh<Leaps>(pickups[k].weight[bank.active[n + b]], states, b, heard);
+        for (std::size_t first = 0; first < times; first += kTimes)
+          hear<Leaps, kTimes>(poles, blocks, heard, first, times, sums[k]);
+      }
+      n += blocks;
+    }
+    collect_all();
   }
 
 public:
   void run(const BankView& bank, std::size_t leaps, std::span<const BankDrive> drives,
            std::span<const BankPickup> pickups) const noexcept override {
-    V accumulator[kMostEars][kMostSamples];
-    Halves halves[kMostEars];
-    Folded folded;
+    if (leaps == kMostLeaps)
+      return run_leaps<kMostLeaps>(bank, drives, pickups);
+    BankDrive drive[Folded::kMostDrives];
+    BankPickup pickup[kMostEars];
     const std::size_t ears = pickups.size() < kMostEars ? pickups.size() : kMostEars;
-    for (std::size_t k = 0; k < ears; ++k) {
-      for (std::size_t n = 0; n < leaps * kLeap; ++n)
-        accumulator[k][n] = V{};
-      for (std::size_t n = 0; n < leaps * kHalfLeap; ++n)
-        halves[k].even[n] = halves[k].odd[n] = V{};
-    }
-    std::uint32_t decay = kNone;
-    for (const std::uint32_t block : bank.active) {
-      const PoleBlock& poles = bank.poles[block];
-      if (poles.even && poles.decay != decay) {
-        for (std::size_t k = 0; k < ears && decay != kNone; ++k)
-          join(halves[k], bank.decays[decay], leaps, accumulator[k]);
-        decay = poles.decay;
-        for (std::size_t d = 0; d < drives.size(); ++d)
-          fold(drives[d].force, bank.decays[decay], leaps, folded.sums[d], folded.differences[d]);
-      }
-      for (std::size_t at = 0; at < kLanes; at += kStep) {
-        Pair state[kMostLeaps], heard[kMostLeaps];
-        step(poles, bank, block, at, leaps, drives, folded, state);
-        for (std::size_t k = 0; k < ears; ++k) {
-          const Pair weight = load(pickups[k].weight[block], at);
-          for (std::size_t l = 0; l < leaps; ++l)
-            heard[l] = multiply_add(weight, state[l], {});
-          const auto listen_to = [&]<std::size_t Tile>(std::size_t l) {
-            if (poles.even)
-              hear_even<Tile>(poles, at, heard + l, 0, kHalfLeap, halves[k].even + l * kHalfLeap,
-                              halves[k].odd + l * kHalfLeap);
-            else
-              hear<Tile>(poles, at, heard + l, 0, kLeap, accumulator[k] + l * kLeap);
-          };
-          std::size_t l = 0;
-          for (; l + Traits::tile <= leaps; l += Traits::tile)
-            listen_to.template operator()<Traits::tile>(l);
-          for (; l < leaps; ++l)
-            listen_to.template operator()<1>(l);
-        }
-      }
-    }
-    for (std::size_t k = 0; k < ears; ++k) {
-      if (decay != kNone)
-        join(halves[k], bank.decays[decay], leaps, accumulator[k]);
-      collect(accumulator[k], leaps * kLeap, pickups[k].out);
+    for (std::size_t l = 0; l < leaps; ++l) {
+      for (std::size_t d = 0; d < drives.size(); ++d)
+        drive[d] = {drives[d].gain, drives[d].force + l * kLeap};
+      for (std::size_t k = 0; k < ears; ++k)
+        pickup[k] = {pickups[k].weight, pickups[k].out + l * kLeap};
+      run_leaps<1>(bank, std::span<const BankDrive>(drive, drives.size()),
+                   std::span<const BankPickup>(pickup, ears));
     }
   }
 
@@ -355,49 +288,45 @@ public:
               std::span<const BankPickup> pickups) const noexcept override {
     // The same sums in the same order as run() has them, for these samples alone.
     for (const BankPickup& pickup : pickups) {
-      V accumulator[kLeap] = {};
-      Halves halves;
-      for (std::size_t m = 0; m < kHalfLeap; ++m)
-        halves.even[m] = halves.odd[m] = V{};
-      std::uint32_t decay = kNone;
-      const auto join_these = [&] {
-        for (std::size_t i = 0; i < count; ++i) {
-          const std::size_t n = first + i;
-          const std::size_t m = n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap;
-          const V e = halves.even[m], o = halves.odd[m];
-          accumulator[i] += n < kHalfLeap ? earlier(bank.decays[decay], m, e, o)
-                                          : later(bank.decays[decay], m, e, o);
+      Sums<1> sums;
+      LeapPlanes states, heard;
+      const CommonDecay* decay = nullptr;
+      bool needed[kLeap] = {};
+      std::size_t times = 0;
+      for (std::size_t i = 0; i < count; ++i)
+        pickup.out[i] = 0;
+      const auto collect_these = [&] {
+        for (std::size_t i = 0; i < count && times > 0; ++i) {
+          const std::size_t n = first + i, m = place(n, times);
+          const float re = Tiles::across(sums.real[m]), im = Tiles::across(sums.imaginary[m]);
+          pickup.out[i] += !decay          ? re + im
+                           : n < kHalfLeap ? earlier(*decay, m, re, im)
+                                           : later(*decay, m, re, im);
         }
-        for (std::size_t m = 0; m < kHalfLeap; ++m)
-          halves.even[m] = halves.odd[m] = V{};
       };
       for (const std::uint32_t block : bank.active) {
-        const PoleBlock& poles = bank.poles[block];
-        if (poles.even && poles.decay != decay) {
-          if (decay != kNone)
-            join_these();
-          decay = poles.decay;
+        const PoleBlock* const poles = &bank.poles[block];
+        if (const CommonDecay* const next = decay_of(bank, *poles); next != decay || times == 0) {
+          collect_these();
+          decay = next;
+          times = decay ? kHalfLeap : kLeap;
+          sums.clear(times);
+          for (std::size_t m = 0; m < times; ++m)
+            needed[m] = false;
+          for (std::size_t i = 0; i < count; ++i)
+            needed[place(first + i, times)] = true;
         }
-        for (std::size_t at = 0; at < kLanes; at += kStep) {
-          const Pair heard =
-              multiply_add(load(pickup.weight[block], at), load(bank.state[block], at), {});
-          if (!poles.even) {
-            hear<1>(poles, at, &heard, first, count, accumulator);
-            continue;
-          }
-          bool needed[kHalfLeap] = {};
-          for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t n = first + i;
-            needed[n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap] = true;
-          }
-          for (std::size_t m = 0; m < kHalfLeap; ++m)
-            if (needed[m])
-              hear_even<1>(poles, at, &heard, m, m + 1, halves.even, halves.odd);
+        for (std::size_t at = 0; at < kLanes; at += kWidth) {
+          const Complex z = load(bank.state[block], at);
+          Tiles::store(states.real[0][0], at, z.real);
+          Tiles::store(states.imaginary[0][0], at, z.imaginary);
         }
+        weigh<1>(pickup.weight[block], states, 0, heard);
+        for (std::size_t m = 0; m < times; ++m)
+          if (needed[m])
+            hear<1, 1>(&poles, 1, heard, m, times, sums);
       }
-      if (decay != kNone)
-        join_these();
-      collect(accumulator, count, pickup.out);
+      collect_these();
     }
   }
 
@@ -408,7 +337,8 @@ public:
     for (std::size_t j = 0; j < kLeap; ++j)
       for (std::size_t part = 0; part < kParts; ++part) {
         const float* at = response + kLeap + part * kWidth - j;
-        sum[part] = fma(all(force[j]), *reinterpret_cast<const Unaligned*>(at), sum[part]);
+        sum[part] =
+            Tiles::fma(Tiles::all(force[j]), *reinterpret_cast<const Unaligned*>(at), sum[part]);
       }
     for (std::size_t part = 0; part < kParts; ++part)
       *reinterpret_cast<Unaligned*>(out + part * kWidth) = sum[part];
@@ -417,33 +347,38 @@ public:
   void advance(const BankView& bank, std::size_t samples,
                std::span<const BankDrive> drives) const noexcept override {
     Folded folded;
+    LeapPlanes unheard;
     for (const std::uint32_t block : bank.active) {
       const PoleBlock& poles = bank.poles[block];
-      if (samples == kLeap && poles.even)
-        for (std::size_t d = 0; d < drives.size(); ++d)
-          fold(drives[d].force, bank.decays[poles.decay], 1, folded.sums[d],
-               folded.differences[d]);
-      for (std::size_t at = 0; at < kLanes; at += kStep) {
-        Pair state[kMostLeaps];
-        if (samples == kLeap) {
-          step(poles, bank, block, at, 1, drives, folded, state);
-          continue;
-        }
-        Pair z = load(bank.state[block], at);
+      if (samples == kLeap) {
         if (poles.even)
-          z = multiply_add(load(poles.power[PoleBlock::kFromMiddle], at), z, {});
-        const Pair p = load(poles.one_sample(), at);
+          for (std::size_t d = 0; d < drives.size(); ++d)
+            fold(drives[d].force, bank.decays[poles.decay], 1, folded.sums[d],
+                 folded.differences[d]);
+        step<1>(bank, block, drives, folded, nullptr, unheard, 0);
+        continue;
+      }
+      for (std::size_t at = 0; at < kLanes; at += kWidth) {
+        Complex z = load(bank.state[block], at);
+        if (poles.even)
+          z = product(load(poles.power[PoleBlock::kFromMiddle], at), z);
+        const Complex p = load(poles.one_sample(), at);
         for (std::size_t n = 0; n < samples; ++n) {
-          z = multiply_add(p, z, {});
+          z = product(p, z);
           for (const BankDrive& d : drives)
-            for (std::size_t r = 0; r < kRegisters; ++r)
-              z.real[r] = fma(load(d.gain[block], at + r * kWidth), all(d.force[n]), z.real[r]);
+            z.real = Tiles::fma(Tiles::load(d.gain[block], at), Tiles::all(d.force[n]), z.real);
         }
         if (poles.even)
-          z = multiply_add(load(poles.power[PoleBlock::kToMiddle], at), z, {});
+          z = product(load(poles.power[PoleBlock::kToMiddle], at), z);
         store(bank.state[block], at, z);
       }
     }
+  }
+
+private:
+  /// Which of the sums' times sample n of a leap is.
+  static std::size_t place(std::size_t n, std::size_t times) noexcept {
+    return times == kLeap ? n : n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap;
   }
 };
 
