@@ -1,5 +1,7 @@
 #include "core/reed/growth_map.hpp"
 
+#include "core/reed/distance_transform.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,23 +9,6 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kGrowthScale = 50; // 1/s: a note that speaks in some tens of milliseconds
-
-/// For one line of squared distances f along a row or column, the lower envelope of the parabolas
-/// f(q) + (p - q)^2 spacing^2 (Felzenszwalb & Huttenlocher 2012), by direct search: the lines are
-/// short.
-void spread(std::vector<double>& squares, std::size_t start, std::size_t stride, std::size_t count,
-            double spacing, std::vector<double>& line) noexcept {
-  for (std::size_t p = 0; p < count; ++p) {
-    double least = squares[start + p * stride];
-    for (std::size_t q = 0; q < count; ++q) {
-      const double way = (static_cast<double>(p) - static_cast<double>(q)) * spacing;
-      least = std::min(least, squares[start + q * stride] + way * way);
-    }
-    line[p] = least;
-  }
-  for (std::size_t p = 0; p < count; ++p)
-    squares[start + p * stride] = line[p];
-}
 
 } // namespace
 
@@ -69,16 +54,12 @@ bool GrowthMap::advance(std::size_t nodes) noexcept {
 
 void GrowthMap::finish() noexcept {
   const std::size_t columns = working_.columns(), rows = working_.rows();
-  constexpr double kFar = 1e6;
   bool any = false;
   for (std::size_t n = 0; n < sounds_.size(); ++n) {
     any = any || sounds_[n];
-    squares_[n] = sounds_[n] ? 0 : kFar;
+    squares_[n] = sounds_[n] ? 0 : kFarSquared;
   }
-  for (std::size_t k = 0; k < rows; ++k)
-    spread(squares_, k * columns, 1, columns, working_.y_of(1), line_);
-  for (std::size_t i = 0; i < columns; ++i)
-    spread(squares_, i, columns, rows, working_.z_of(1), line_);
+  spread_squares(squares_, columns, rows, working_.y_of(1), working_.z_of(1), line_);
   for (std::size_t k = 0; k < rows; ++k)
     for (std::size_t i = 0; i < columns; ++i) {
       const std::size_t n = k * columns + i;

@@ -1,5 +1,7 @@
 #include "core/reed/guidance_field.hpp"
 
+#include "core/reed/distance_transform.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,38 +12,19 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kSpacing = 1.0 / (GuidanceField::kNodes - 1);
-constexpr double kFar = 1e6; // squared distance where there is no such node
-constexpr int kReach = 4;    // of the blur, nodes: more than 3 standard deviations
+constexpr int kReach = 4; // of the blur, nodes: more than 3 standard deviations
 static_assert(kReach >= 3 * GuidanceField::kBlur / kSpacing);
 
 using Nodes = std::vector<double>;
 constexpr std::size_t kNodes = GuidanceField::kNodes;
 
-/// Squared distances along one row or column: least of f(q) + (p - q)^2 over all q (Felzenszwalb &
-/// Huttenlocher 2012), by direct search, the lines being short.
-void spread(Nodes& squares, std::size_t start, std::size_t stride) {
-  std::array<double, kNodes> line;
-  for (std::size_t p = 0; p < kNodes; ++p) {
-    double least = kFar;
-    for (std::size_t q = 0; q < kNodes; ++q) {
-      const double way = (static_cast<double>(p) - static_cast<double>(q)) * kSpacing;
-      least = std::min(least, squares[start + q * stride] + way * way);
-    }
-    line[p] = least;
-  }
-  for (std::size_t p = 0; p < kNodes; ++p)
-    squares[start + p * stride] = line[p];
-}
-
 /// From every node to the nearest one that plays (inside) or does not.
 Nodes distances(const std::vector<char>& plays, bool inside) {
   Nodes distance(plays.size());
   for (std::size_t n = 0; n < plays.size(); ++n)
-    distance[n] = (plays[n] != 0) == inside ? 0 : kFar;
-  for (std::size_t k = 0; k < kNodes; ++k)
-    spread(distance, k * kNodes, 1);
-  for (std::size_t i = 0; i < kNodes; ++i)
-    spread(distance, i, kNodes);
+    distance[n] = (plays[n] != 0) == inside ? 0 : kFarSquared;
+  Nodes line(kNodes);
+  spread_squares(distance, kNodes, kNodes, kSpacing, kSpacing, line);
   for (double& d : distance)
     d = std::sqrt(d);
   return distance;
