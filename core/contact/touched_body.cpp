@@ -45,6 +45,8 @@ TouchedBody::TouchedBody(std::size_t most_modes, std::size_t exciters, std::size
 }
 
 void TouchedBody::prepare(double sample_rate) noexcept {
+  if (sample_rate == body_.sample_rate())
+    return;
   measure_places();
   body_.prepare(sample_rate);
   keep_places();

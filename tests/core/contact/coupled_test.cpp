@@ -92,10 +92,10 @@ TEST_CASE("a mass on three modes leaves with the speed, at the time and the soun
     double stiffness, speed_after, end_ms;
   };
   // Dormand and Prince's eighth order at 1e-12.
-  for (const auto& [stiffness, speed_after, end_ms] :
-       {Row{1e6, -.79111888, 4.1324}, Row{1e8, -.60309547, .60781},
-        Row{1e10, -.51994836, .09242}}) {
-    CAPTURE(stiffness);
+  for (const Row& row : {Row{1e6, -.79111888, 4.1324}, Row{1e8, -.60309547, .60781},
+                         Row{1e10, -.51994836, .09242}}) {
+    const auto [stiffness, speed_after, end_ms] = row;
+    CAPTURE(row.stiffness);
     constexpr double kRate = 44100;
     constexpr int kSamples = 1323; // 30 ms
     const ImpactLaw law{stiffness, 1.5, .3};

@@ -1,0 +1,214 @@
+// How dear is a contact? One mass pressed on a body of 8 modes, one surface rubbing it, a body that
+// rings alone, many masses at once; and STK's ModalBar, four filters without any contact, beside
+// them.
+//
+//   bench_contact_speed --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
+//
+// prints nanoseconds a sample. The last lines, ratios of rounds that were run in turn within
+// milliseconds of each other, are what to trust on a shared machine.
+#include "core/contact/touched_body.hpp"
+
+#include <benchmark/benchmark.h>
+#ifdef TACTUS_HAS_STK
+#include <stk/ModalBar.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace tactus::contact;
+
+constexpr double kRate = 48000;
+constexpr int kBlock = 64;
+
+std::vector<Mode> bar(std::size_t count) {
+  std::vector<Mode> modes;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double order = static_cast<double>(i) + 1;
+    modes.push_back({180 * order * order / (1 + 0.1 * order), 0.8 / order, 0.3});
+  }
+  return modes;
+}
+
+/// Anything that sounds in blocks.
+class Voice {
+public:
+  Voice(std::size_t modes, std::size_t exciters) : body_(modes, exciters) {
+    body_.prepare(kRate);
+    body_.set_modes(bar(modes));
+  }
+  void block() {
+    for (double& x : sound_) {
+      drive(x);
+      body_.step();
+      x = body_.hear();
+    }
+    benchmark::DoNotOptimize(sound_);
+  }
+  void settle() {
+    for (int n = 0; n < 750; ++n)
+      block();
+  }
+  [[nodiscard]] const TouchedBody& body() const { return body_; }
+
+protected:
+  virtual void drive(double) {}
+  TouchedBody body_;
+  std::array<double, kBlock> sound_{};
+};
+
+/// Masses that a changing force presses on the body, so that contact is never lost.
+class Pressed : public Voice {
+public:
+  Pressed(std::size_t modes, std::size_t masses, double exponent) : Voice(modes, masses) {
+    for (std::size_t i = 0; i < masses; ++i) {
+      body_.set_impact(i, {3e5, exponent, 0.3}, 0.05);
+      body_.throw_mass(i, 0, 0.01);
+    }
+    settle();
+  }
+
+private:
+  void drive(double) override {
+    phase_ = phase_ < 1 ? phase_ + 0.003 : 0;
+    for (std::size_t i = 0; i < body_.exciters(); ++i)
+      body_.push_mass(i, 5 + phase_);
+  }
+  double phase_ = 0;
+};
+
+class Rubbed : public Voice {
+public:
+  explicit Rubbed(std::size_t modes) : Voice(modes, 1) {
+    body_.set_friction(0, {.8, .3, .1, .5, 1e5, 40, .5});
+    settle();
+  }
+
+private:
+  void drive(double) override { body_.rub(0, 20, 0.1); }
+};
+
+class Ringing : public Voice {
+public:
+  explicit Ringing(std::size_t modes) : Voice(modes, 1) {
+    body_.set_impact(0, {}, 0.05);
+    settle();
+  }
+
+private:
+  void drive(double) override {
+    if (++clock_ % 48000 == 0)
+      body_.knock_body(0, 1);
+  }
+  int clock_ = -1;
+};
+
+class Silent : public Voice {
+public:
+  Silent() : Voice(8, 1) { body_.set_impact(0, {}, 0.05); }
+};
+
+#ifdef TACTUS_HAS_STK
+class Peer {
+public:
+  Peer() {
+    stk::Stk::setSampleRate(kRate);
+    stk::Stk::setRawwavePath("/usr/share/stk/rawwaves/");
+    bar_ = std::make_unique<stk::ModalBar>();
+    bar_->noteOn(220, 0.8);
+    for (int n = 0; n < 750; ++n)
+      block();
+  }
+  void block() {
+    if (++clock_ % 750 == 0)
+      bar_->noteOn(220, 0.8);
+    for (double& x : sound_)
+      x = bar_->tick();
+    benchmark::DoNotOptimize(sound_);
+  }
+
+private:
+  std::unique_ptr<stk::ModalBar> bar_;
+  int clock_ = 0;
+  std::array<double, kBlock> sound_{};
+};
+#endif
+
+template <class Player> void run(benchmark::State& state, Player& player) {
+  for (auto round : state) {
+    static_cast<void>(round);
+    player.block();
+  }
+  const double samples = static_cast<double>(state.iterations()) * kBlock;
+  state.counters["ns_a_sample"] =
+      benchmark::Counter(1e-9 * samples, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+template <class Player> void add(const std::string& name, Player& player) {
+  benchmark::RegisterBenchmark(name.c_str(),
+                               [&player](benchmark::State& state) { run(state, player); });
+}
+
+/// Median over many rounds of the ratio of the two players' times, each round one after the other.
+double paired_ratio(const std::function<void()>& a, const std::function<void()>& b) {
+  constexpr int kRounds = 401, kBlocks = 40;
+  using Clock = std::chrono::steady_clock;
+  const auto time = [](const std::function<void()>& play) {
+    const auto start = Clock::now();
+    for (int n = 0; n < kBlocks; ++n)
+      play();
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  std::vector<double> ratios;
+  for (int n = 0; n < kRounds; ++n) {
+    const double first = time(a), second = time(b), again = time(a);
+    ratios.push_back(0.5 * (first + again) / second);
+  }
+  std::nth_element(ratios.begin(), ratios.begin() + kRounds / 2, ratios.end());
+  return ratios[kRounds / 2];
+}
+
+template <class A, class B> void print_ratio(const char* what, A& a, B& b) {
+  std::printf("%-58s %.2f\n", what, paired_ratio([&] { a.block(); }, [&] { b.block(); }));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  Pressed ball(8, 1, 1.5), felt(8, 1, 2.3), many(8, 64, 1.5), some(12, 4, 1.5);
+  Rubbed rubbed(8);
+  Ringing ringing(8), large(64);
+  Silent silent;
+  add("impact in contact, 8 modes, exponent 1.5", ball);
+  add("impact in contact, 8 modes, exponent 2.3", felt);
+  add("friction, 8 modes", rubbed);
+  add("ringing alone, 8 modes", ringing);
+  add("ringing alone, 64 modes", large);
+  add("silence", silent);
+  add("4 masses in contact, 12 modes", some);
+  add("64 masses in contact, 8 modes", many);
+#ifdef TACTUS_HAS_STK
+  Peer peer;
+  add("STK ModalBar, 4 modes", peer);
+#endif
+  benchmark::RunSpecifiedBenchmarks();
+  std::printf("\nsteps a sample: %u, %u, %u with 64 masses\n", ball.body().steps(),
+              felt.body().steps(), many.body().steps());
+#ifdef TACTUS_HAS_STK
+  std::printf("\nratio, median of paired rounds\n");
+  print_ratio("impact in contact, exponent 1.5 / STK ModalBar", ball, peer);
+  print_ratio("impact in contact, exponent 2.3 / STK ModalBar", felt, peer);
+  print_ratio("friction / STK ModalBar", rubbed, peer);
+  print_ratio("ringing alone, 8 modes / STK ModalBar", ringing, peer);
+  print_ratio("silence / STK ModalBar", silent, peer);
+#endif
+}

@@ -1,0 +1,163 @@
+#pragma once
+
+#include "core/object.hpp"
+#include "externals/contact_impact~/sounding_body.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+namespace tactus {
+namespace contact_impact {
+
+inline constexpr contact::ImpactLaw kLaw{};
+
+enum ParameterIndex : std::size_t {
+  kMass,
+  kStiffness,
+  kExponent,
+  kDissipation,
+  kGravity,
+  kBody,
+  kGain,
+};
+inline constexpr std::array kParameters{
+    Parameter{"mass", "kg", 0.02, 1e-5, 1000, "of what strikes"},
+    Parameter{"stiffness", "N/m^exponent", kLaw.stiffness, 1, 1e16, "k of the contact"},
+    Parameter{"exponent", "", kLaw.exponent, 1, 4, "1: a spring, 1.5: round bodies, above: felt"},
+    Parameter{"dissipation", "s/m", kLaw.dissipation_s_per_m, 0, 1000,
+              "mu of the contact: what is lost grows with mu times the speed"},
+    Parameter{"gravity", "m/s^2", 0, 0, 1000, "draws the mass towards the body"},
+    Parameter{"body", "kg", 0.3, 1e-4, 1e5, "modal mass of every mode of gain 1"},
+    Parameter{"gain", "s/m", 5, 0, 1e5, "of the sound: times the body's velocity"},
+};
+
+enum MessageIndex : std::size_t { kModes, kPickup, kStrike, kBang, kDrop, kReset };
+inline constexpr std::array kMessages{
+    contact::kModesMessage,
+    contact::kPickupMessage,
+    Message{"strike", "v", 1, 1, "the mass meets the body with v m/s; 0: it is laid on it"},
+    Message{"bang", "", 0, 0, "the last strike or drop again"},
+    Message{"drop", "h", 1, 1, "the mass falls h mm, with gravity above 0"},
+    Message{"reset", "", 0, 0, "silence, the mass 1 m away"},
+};
+
+inline constexpr std::array kInlets{
+    Port{Port::Kind::kSignal, "force", "N", "pushes the mass into the body"},
+};
+inline constexpr std::array kOutlets{
+    Port{Port::Kind::kSignal, "sound", "", "velocity of the body times gain, within +-1"},
+    Port{Port::Kind::kSignal, "contact", "N", "force between mass and body"},
+    Port{Port::Kind::kControl, "blow", "", "after each contact: duration in ms, impulse in N s"},
+};
+
+} // namespace contact_impact
+
+/// [contact_impact~]: a mass strikes a body of some modes (core/contact/touched_body.hpp).
+class ContactImpact {
+public:
+  static constexpr Declaration declaration{
+      "contact_impact~",
+      "a mass strikes, presses or bounces on a body",
+      "A mass meets a body of up to 64 modes through a contact that stiffens and loses as real "
+      "ones "
+      "do, coupled both ways: heavy masses stay longer, light ones bounce back, and pressing "
+      "changes "
+      "the tone. No setting and no sample rate can add energy.",
+      "physical model impact contact modal synthesis percussion",
+      contact_impact::kInlets,
+      contact_impact::kOutlets,
+      contact_impact::kParameters,
+      contact_impact::kMessages};
+  static constexpr bool multichannel = true;
+
+  ContactImpact() {
+    for (std::size_t i = 0; i < value_.size(); ++i)
+      value_[i] = contact_impact::kParameters[i].initial;
+    take_law();
+  }
+
+  void prepare(double sample_rate, std::size_t) { body_.prepare(sample_rate); }
+  void set(std::size_t parameter, double value) noexcept {
+    if (value_[parameter] == value)
+      return;
+    value_[parameter] = value;
+    if (parameter == contact_impact::kBody)
+      body_.set_mass(value);
+    if (parameter <= contact_impact::kDissipation)
+      take_law();
+  }
+  [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
+
+  void message(std::size_t index, std::span<const Atom> words, Host& host) {
+    using namespace contact_impact;
+    switch (index) {
+    case kModes:
+      return body_.take_modes(words, host);
+    case kPickup:
+      return body_.take_pickup(words, host);
+    case kStrike:
+      if (words[0].is_word || !(std::abs(words[0].number) <= 1000))
+        return host.error("strike: expected a velocity in -1000..1000 m/s");
+      last_ = {0, words[0].number};
+      break;
+    case kDrop:
+      if (words[0].is_word || !(words[0].number >= 0 && words[0].number <= 1e5))
+        return host.error("drop: expected a height in 0..100000 mm");
+      if (value_[kGravity] <= 0)
+        return host.error("drop: nothing falls while gravity is 0");
+      last_ = {1e-3 * words[0].number, 0};
+      break;
+    case kReset:
+      return body_.reset();
+    default:
+      break;
+    }
+    body_.throw_mass(0, last_.gap_m, last_.velocity_m_per_s);
+  }
+
+  template <class S> void process(const Block<S>& block) noexcept {
+    const auto force = block.in(0);
+    const auto sound = block.out(0), contact = block.out(1);
+    const double weight = value_[contact_impact::kMass] * value_[contact_impact::kGravity];
+    const double gain = value_[contact_impact::kGain];
+    for (std::size_t n = 0; n < block.frames; ++n) {
+      body_.push_mass(0, static_cast<double>(force[n]) + weight);
+      body_.step();
+      sound[n] = static_cast<S>(reed::soft_clip(gain * body_.hear()));
+      contact[n] = static_cast<S>(body_.force(0));
+    }
+  }
+  /// Of several contacts in a block, as of a chattering mass, the last is told.
+  void report(Host& host) {
+    const contact::Exciter& e = body_.exciter(0);
+    if (e.blows == told_)
+      return;
+    told_ = e.blows;
+    if (told_ > 0)
+      host.send(kBlowOutlet, {1e3 * e.last.duration_s, e.last.impulse_ns});
+  }
+  void dump(Host& host) {
+    body_.tell(host);
+    host.info({"blows", static_cast<double>(body_.exciter(0).blows)});
+  }
+
+private:
+  static constexpr std::size_t kBlowOutlet = 2;
+  void take_law() noexcept {
+    using namespace contact_impact;
+    body_.set_impact(0, {value_[kStiffness], value_[kExponent], value_[kDissipation]},
+                     value_[kMass]);
+  }
+
+  struct Throw {
+    double gap_m, velocity_m_per_s;
+  };
+  contact::SoundingBody body_;
+  std::array<double, contact_impact::kParameters.size()> value_{};
+  Throw last_{0, 1};
+  std::size_t told_ = 0;
+};
+
+} // namespace tactus

@@ -1,0 +1,106 @@
+#pragma once
+
+#include "core/contact/touched_body.hpp"
+#include "core/object.hpp"
+#include "core/reed/soft_clip.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+/// What [contact_impact~] and [contact_friction~] share: a body of some modes, touched at one place
+/// and heard at another, and the messages that describe it.
+namespace tactus::contact {
+
+inline constexpr std::size_t kMostModes = 64;
+inline constexpr double kLowestHz = 1, kHighestHz = 20000, kShortest = 1e-3, kLongest = 1000,
+                        kLargestShape = 100;
+
+/// The messages, in the order in which both objects declare them first.
+inline constexpr Message kModesMessage{
+    "modes", "f1 t1 g1 f2 t2 g2 ...", 3, 3 * kMostModes,
+    "the body: of each mode frequency in Hz, time in s in which it falls by 60 dB, and gain, the "
+    "mode's displacement at the place touched"};
+inline constexpr Message kPickupMessage{
+    "pickup", "[g1 g2 ...]", 0, kMostModes,
+    "gains of the modes where the body is heard; none: where it is touched"};
+
+class SoundingBody : public TouchedBody {
+public:
+  /// At first a wooden bar that lies on its nodes.
+  SoundingBody() : TouchedBody(kMostModes, 1, 1) {
+    modes_ = {{{330, 0.6, 1}, {910, 0.3, 1}, {1784, 0.16, 1}, {2949, 0.1, 1}}};
+    renew();
+  }
+
+  void set_mass(double kg) noexcept {
+    mass_kg_ = kg;
+    renew();
+  }
+  [[nodiscard]] double mass() const noexcept { return mass_kg_; }
+
+  void take_modes(std::span<const Atom> words, Host& host) {
+    std::vector<Listed> modes;
+    for (std::size_t i = 0; i + 2 < words.size(); i += 3)
+      if (is_number(words[i], kLowestHz, kHighestHz) &&
+          is_number(words[i + 1], kShortest, kLongest) &&
+          is_number(words[i + 2], -kLargestShape, kLargestShape))
+        modes.push_back({words[i].number, words[i + 1].number, words[i + 2].number});
+    if (3 * modes.size() != words.size())
+      return host.error("modes: expected for each mode a frequency in 1..20000 Hz, a time in "
+                        "0.001..1000 s and a gain in -100..100");
+    modes_ = std::move(modes);
+    pickup_.clear();
+    renew();
+  }
+  void take_pickup(std::span<const Atom> words, Host& host) {
+    std::vector<double> pickup;
+    for (const Atom& word : words)
+      if (is_number(word, -kLargestShape, kLargestShape))
+        pickup.push_back(word.number);
+    if (pickup.size() != words.size())
+      return host.error("pickup: expected gains in -100..100");
+    pickup_ = std::move(pickup);
+    renew();
+  }
+  /// Two lines of the info outlet: "modes f t g ..." and how fine the steps are.
+  void tell(Host& host) const {
+    std::vector<Atom> list{"modes"};
+    for (const Listed& m : modes_)
+      list.insert(list.end(), {m.frequency_hz, m.t60_s, m.gain});
+    host.info(list);
+    host.info({"steps", static_cast<double>(steps())});
+    host.info({"energy", std::min(energy(), 1e30)});
+  }
+
+private:
+  struct Listed {
+    double frequency_hz, t60_s, gain;
+  };
+  static bool is_number(const Atom& word, double low, double high) {
+    return !word.is_word && word.number >= low && word.number <= high;
+  }
+  /// Every mode has the body's mass; its gain is its shape where it is touched.
+  void renew() noexcept {
+    std::array<Mode, kMostModes> modes;
+    std::array<double, kMostModes> touched{}, heard{};
+    for (std::size_t i = 0; i < modes_.size(); ++i) {
+      modes[i] = {modes_[i].frequency_hz, modes_[i].t60_s, mass_kg_};
+      touched[i] = modes_[i].gain;
+      heard[i] = pickup_.empty() ? modes_[i].gain : i < pickup_.size() ? pickup_[i] : 0.0;
+    }
+    set_modes(std::span(modes).first(modes_.size()));
+    set_place(0, touched);
+    set_ear(0, heard);
+  }
+
+  double mass_kg_ = 0.3;
+  std::vector<Listed> modes_;
+  std::vector<double> pickup_;
+};
+
+} // namespace tactus::contact
