@@ -78,9 +78,10 @@ public:
   /// The state after the first `samples` <= kLeap of a leap, from the forces in that time.
   virtual void advance(const BankView&, std::size_t samples,
                        std::span<const BankDrive>) const noexcept = 0;
-  /// out[i] = sum over j <= i of force[j] response[kLeap + i - j] for a leap; response is zero
+  /// out[i] += sum over j <= i of force[j] response[kLeap + i - j], leap by leap; response is zero
   /// below kLeap.
-  virtual void echo(const float* force, const float* response, float* out) const noexcept = 0;
+  virtual void echo(const float* force, const float* response, std::size_t leaps,
+                    float* out) const noexcept = 0;
 };
 
 enum class VectorSet { kBaseline, kAvx2, kAvx512 };

@@ -162,17 +162,18 @@ template <class Set> class BankLanes final : public BankKernel {
     }
   };
   template <std::size_t Leaps, std::size_t Times>
-  [[gnu::always_inline]] static void hear(const PoleBlock* const* poles, std::size_t blocks,
-                                          const LeapPlanes& heard, std::size_t first,
-                                          std::size_t times, Sums<Leaps>& sums) noexcept {
+  [[gnu::always_inline]] static void
+  hear(const PoleBlock* const* poles, std::size_t blocks, const LeapPlanes& heard,
+       std::size_t first, std::size_t times, bool fresh, Sums<Leaps>& sums) noexcept {
     const float *real[LeapPlanes::kMostBlocks], *imaginary[LeapPlanes::kMostBlocks];
     for (std::size_t b = 0; b < blocks; ++b) {
       real[b] = poles[b]->power[first].real.v;
       imaginary[b] = poles[b]->power[first].imaginary.v;
     }
-    Tiles::template hear<Leaps, Times>(real, blocks, heard.imaginary, sums.real + first, times);
-    Tiles::template hear<Leaps, Times>(imaginary, blocks, heard.real, sums.imaginary + first,
-                                       times);
+    Tiles::template hear<Leaps, Times>(real, blocks, heard.imaginary, sums.real + first, times,
+                                       fresh);
+    Tiles::template hear<Leaps, Times>(imaginary, blocks, heard.real, sums.imaginary + first, times,
+                                       fresh);
   }
 
   [[gnu::always_inline]] static float later(const CommonDecay& decay, std::size_t m, float even,
@@ -231,6 +232,7 @@ template <class Set> class BankLanes final : public BankKernel {
         pickups[k].out[n] = 0;
     const CommonDecay* decay = nullptr;
     std::size_t times = 0; // of the sums; none yet
+    bool fresh = true;     // nothing is in them
     const auto collect_all = [&] {
       for (std::size_t k = 0; k < ears && times > 0; ++k)
         collect<Leaps>(sums[k], decay, pickups[k].out);
@@ -241,8 +243,7 @@ template <class Set> class BankLanes final : public BankKernel {
         collect_all();
         decay = next;
         times = decay ? kHalfLeap : kLeap;
-        for (std::size_t k = 0; k < ears; ++k)
-          sums[k].clear(times);
+        fresh = true;
         for (std::size_t d = 0; d < drives.size() && decay; ++d)
           fold(drives[d].force, *decay, Leaps, folded.sums[d], folded.differences[d]);
       }
@@ -259,8 +260,9 @@ template <class Set> class BankLanes final : public BankKernel {
         for (std::size_t b = 0; b < blocks && ears > 1; ++b)
           weigh<Leaps>(pickups[k].weight[bank.active[n + b]], states, b, heard);
         for (std::size_t first = 0; first < times; first += kTimes)
-          hear<Leaps, kTimes>(poles, blocks, heard, first, times, sums[k]);
+          hear<Leaps, kTimes>(poles, blocks, heard, first, times, fresh, sums[k]);
       }
+      fresh = false;
       n += blocks;
     }
     collect_all();
@@ -324,24 +326,19 @@ public:
         weigh<1>(pickup.weight[block], states, 0, heard);
         for (std::size_t m = 0; m < times; ++m)
           if (needed[m])
-            hear<1, 1>(&poles, 1, heard, m, times, sums);
+            hear<1, 1>(&poles, 1, heard, m, times, false, sums);
       }
       collect_these();
     }
   }
 
-  void echo(const float* force, const float* response, float* out) const noexcept override {
-    constexpr std::size_t kParts = kLeap / kWidth;
-    using Unaligned [[gnu::vector_size(sizeof(V)), gnu::aligned(4), gnu::may_alias]] = float;
-    V sum[kParts] = {};
-    for (std::size_t j = 0; j < kLeap; ++j)
-      for (std::size_t part = 0; part < kParts; ++part) {
-        const float* at = response + kLeap + part * kWidth - j;
-        sum[part] =
-            Tiles::fma(Tiles::all(force[j]), *reinterpret_cast<const Unaligned*>(at), sum[part]);
-      }
-    for (std::size_t part = 0; part < kParts; ++part)
-      *reinterpret_cast<Unaligned*>(out + part * kWidth) = sum[part];
+  void echo(const float* force, const float* response, std::size_t leaps,
+            float* out) const noexcept override {
+    std::size_t l = 0;
+    for (; l + kMostLeaps <= leaps; l += kMostLeaps)
+      echo_of<kMostLeaps>(force + l * kLeap, response, out + l * kLeap);
+    for (; l < leaps; ++l)
+      echo_of<1>(force + l * kLeap, response, out + l * kLeap);
   }
 
   void advance(const BankView& bank, std::size_t samples,
@@ -376,6 +373,26 @@ public:
   }
 
 private:
+  template <std::size_t Leaps>
+  static void echo_of(const float* force, const float* response, float* out) noexcept {
+    constexpr std::size_t kParts = kLeap / kWidth;
+    using Unaligned [[gnu::vector_size(sizeof(V)), gnu::aligned(4), gnu::may_alias]] = float;
+#pragma GCC unroll 1
+    for (std::size_t part = 0; part < kParts; ++part) {
+      const float* const from = response + kLeap + part * kWidth;
+      V sum[Leaps];
+      for (std::size_t l = 0; l < Leaps; ++l)
+        sum[l] = V{};
+#pragma GCC unroll 1
+      for (std::size_t j = 0; j < kLeap; ++j) {
+        const V answer = *reinterpret_cast<const Unaligned*>(from - j);
+        for (std::size_t l = 0; l < Leaps; ++l)
+          sum[l] = Tiles::fma(Tiles::all(force[l * kLeap + j]), answer, sum[l]);
+      }
+      for (std::size_t l = 0; l < Leaps; ++l)
+        *reinterpret_cast<Unaligned*>(out + l * kLeap + part * kWidth) += sum[l];
+    }
+  }
   /// Which of the sums' times sample n of a leap is.
   static std::size_t place(std::size_t n, std::size_t times) noexcept {
     return times == kLeap ? n : n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap;

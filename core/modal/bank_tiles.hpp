@@ -98,11 +98,12 @@ template <class Set> struct BankTiles {
   }
 
   /// sums[l * stride + i] += sum over the blocks' modes of part[b][i] c[l][b], for Leaps leaps and
-  /// Times samples i; `part` are lanes of the poles' powers, i a ComplexLane apart.
+  /// Times samples i; from zero when they are `fresh`. `part` are lanes of the poles' powers, i a
+  /// ComplexLane apart.
   template <std::size_t Leaps, std::size_t Times>
   [[gnu::noinline]] static void hear(const float* const* part, std::size_t blocks,
                                      const Lane (*c)[LeapPlanes::kMostBlocks], V* sums,
-                                     std::size_t stride) noexcept {
+                                     std::size_t stride, bool fresh) noexcept {
     constexpr std::size_t kApart = sizeof(ComplexLane) / sizeof(float);
     constexpr std::size_t kLeapApart = LeapPlanes::kMostBlocks * kLanes;
     V sum[Leaps][Times];
@@ -110,7 +111,7 @@ template <class Set> struct BankTiles {
     for (std::size_t l = 0; l < Leaps; ++l)
 #pragma GCC unroll 4
       for (std::size_t i = 0; i < Times; ++i)
-        sum[l][i] = sums[l * stride + i];
+        sum[l][i] = fresh ? V{} : sums[l * stride + i];
     for (std::size_t b = 0; b < blocks; ++b) {
       const float* p = part[b];
       const float* state = c[0][b].v;

@@ -280,9 +280,11 @@ void ModeBank::whole_leaps(std::size_t at, std::size_t leaps) noexcept {
     kernel_drives_[n] = {gain_[pushing_[n]].data(), force_[pushing_[n]] + at};
   kernel_->run(view(), leaps, std::span(kernel_drives_).first(pushing_count_),
                std::span(kernel_pickups_).first(make_ears(at)));
-  for (std::size_t l = 0; l < leaps; ++l)
-    for (std::size_t n = 0; n < pushing_count_; ++n)
-      add_echo(pushing_[n], force_[pushing_[n]] + at + l * kLeap, 0, kLeap, at + l * kLeap);
+  for (std::size_t n = 0; n < pushing_count_; ++n)
+    for (std::size_t e = 0; e < ear_count_; ++e)
+      kernel_->echo(force_[pushing_[n]] + at,
+                    echo(pushing_[n], ears_[e].pickup, ears_[e].old).data(), leaps,
+                    heard_[e].data() + at);
 }
 
 void ModeBank::part_of_leap(std::size_t at, std::size_t count, bool ends) noexcept {
@@ -290,7 +292,7 @@ void ModeBank::part_of_leap(std::size_t at, std::size_t count, bool ends) noexce
   for (std::size_t d = 0; d < gain_.size(); ++d)
     std::copy_n(force_[d] + at, count, history_[d].begin() + static_cast<std::ptrdiff_t>(phase_));
   for (std::size_t n = 0; n < pushing_count_; ++n)
-    add_echo(pushing_[n], history_[pushing_[n]].data(), phase_, phase_ + count, at);
+    add_echo(pushing_[n], phase_, phase_ + count, at);
   phase_ += count;
   if (ends)
     settle();
@@ -309,11 +311,13 @@ void ModeBank::settle() noexcept {
   phase_ = 0;
 }
 
-void ModeBank::add_echo(std::size_t drive, const float* force, std::size_t from, std::size_t to,
+/// Of samples `from` to `to` of the leap at hand.
+void ModeBank::add_echo(std::size_t drive, std::size_t from, std::size_t to,
                         std::size_t at) noexcept {
   for (std::size_t e = 0; e < ear_count_; ++e) {
-    std::array<float, kLeap> sum;
-    kernel_->echo(force, echo(drive, ears_[e].pickup, ears_[e].old).data(), sum.data());
+    std::array<float, kLeap> sum{};
+    kernel_->echo(history_[drive].data(), echo(drive, ears_[e].pickup, ears_[e].old).data(), 1,
+                  sum.data());
     for (std::size_t i = from; i < to; ++i)
       heard_[e][at + i - from] += sum[i];
   }

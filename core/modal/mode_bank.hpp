@@ -106,8 +106,7 @@ private:
   std::size_t make_ears(std::size_t at) noexcept;
   void whole_leaps(std::size_t at, std::size_t leaps) noexcept;
   void part_of_leap(std::size_t at, std::size_t count, bool ends) noexcept;
-  void add_echo(std::size_t drive, const float* force, std::size_t from, std::size_t to,
-                std::size_t at) noexcept;
+  void add_echo(std::size_t drive, std::size_t from, std::size_t to, std::size_t at) noexcept;
   void mix() noexcept;
   void rest() noexcept;
   [[nodiscard]] BankView view() noexcept;
