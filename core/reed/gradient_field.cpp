@@ -17,8 +17,9 @@ void GradientField::differentiate() noexcept {
     const std::size_t here = k * columns_ + i;
     const std::size_t before = place > 0 ? here - step : here;
     const std::size_t after = place + 1 < count ? here + step : here;
-    const auto nodes = static_cast<double>((after - before) / step);
-    return (values_[after] - values_[before]) / nodes * static_cast<double>(count - 1);
+    const std::size_t nodes = (after - before) / step;
+    return (values_[after] - values_[before]) / static_cast<double>(nodes) *
+           static_cast<double>(count - 1);
   };
   for (std::size_t k = 0; k < rows_; ++k)
     for (std::size_t i = 0; i < columns_; ++i) {

@@ -172,7 +172,8 @@ private:
     const V rising(1 - attack_), falling(1 - release_);
     const V hysteresis(parameters_.hysteresis), least(1e-9);
     V last = last_, high = high_, envelope = envelope_;
-    auto armed = armed_, marked = armed_ & !armed_;
+    auto armed = armed_;
+    typename LaneTraits<V>::MaskType marked{};
     V highs[kStretch + 1], levels[kStretch];
     std::uint32_t crossed[kStretch];
     highs[0] = high;

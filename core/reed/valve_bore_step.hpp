@@ -179,9 +179,9 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
   const bool lumped = !plain && (c.inertance_rate > 0 || c.compliance_rate > 0);
   const bool noisy = !plain && signal.noise != nullptr;
 
-  ValveState<V> now = state;                 // in registers
-  auto lying = zero > zero, limited = lying; // the valves that are below, and above
-  std::uint64_t held = 0;                    // which they are; 0: none
+  ValveState<V> now = state;                                 // in registers
+  typename simd::LaneTraits<V>::MaskType lying{}, limited{}; // the valves that are below, and above
+  std::uint64_t held = 0;                                    // which they are; 0: none
 
   for (int i = 0; i < count; ++i) {
     const ReedCoefficients<V>& r = coefficients[plain ? 0 : i * stride];
