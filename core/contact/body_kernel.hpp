@@ -23,14 +23,36 @@ struct Steps {
   std::size_t level;
 };
 
+/// One place on the body, for steps of one length. With phi = F h/2 a step is
+///     mean = b (a - w p) + push phi,   p += 2 w mean,   a <- 2 mean - a
+/// and what the place's free mean velocity will be in the step after the next is linear in the
+/// state now and the next phi: state_a . a + state_p . p + answer phi. So the sums over modes of a
+/// step need not wait for its force, nor its force for them.
+struct PlaceView {
+  const double* shape;   ///< g, over sqrt(m)
+  const double* push;    ///< b g
+  const double* state_a; ///< b g ((2 - 2w^2) b - 1)
+  const double* state_p; ///< -b g w ((2 - 2w^2) b + 1)
+  double answer;         ///< sum of b^2 g^2 (2 - 2w^2)
+};
+
+/// Sums over modes that a step leaves to the next ones.
+struct Foresight {
+  double free = 0; ///< the place's free mean velocity in the next step
+  double base = 0; ///< and in the one after it, without the force of the next
+};
+
 /// Every instruction set gives the same bits: the same operations in the same order.
 class BodyKernel {
 public:
   virtual ~BodyKernel() = default;
   /// A sample of a body that nothing touches.
   virtual void ring(const ModesView&, Steps) const noexcept = 0;
-  /// A sample with one exciter on the body, whose shape over sqrt(m) is `shape`.
-  virtual void touch(const ModesView&, const double* shape, Exciter&, Steps) const noexcept = 0;
+  /// Foresight from the state alone.
+  [[nodiscard]] virtual Foresight foresee(const ModesView&, const PlaceView&) const noexcept = 0;
+  /// A sample with one exciter on the body; no outer forces.
+  virtual void touch(const ModesView&, const PlaceView&, Foresight&, Exciter&,
+                     Steps) const noexcept = 0;
   /// mean[i] = the modes' mean velocity of a step without contact force.
   virtual void free_mean(const ModesView&, double* mean, double h) const noexcept = 0;
   /// One step on, with that mean velocity.

@@ -4,97 +4,117 @@
 #include "core/dsp/simd.hpp"
 
 #include <cmath>
-#include <cstring>
 
 /// The kernel, written once for any instruction set; a template on the set, so that the linker
-/// never takes a newer processor's code for an older one's. Sums run over eight lanes and then over
-/// these, always in that order.
+/// never takes a newer processor's code for an older one's. Without fused operations, and sums run
+/// over eight lanes and then over these in one order: every set gives the same bits.
 namespace tactus::contact {
 
+template <class Set> struct BodyVector;
+template <> struct BodyVector<simd::Baseline> {
+  using Type [[gnu::vector_size(16), gnu::may_alias]] = double;
+};
+template <> struct BodyVector<simd::Avx2> {
+  using Type [[gnu::vector_size(32), gnu::may_alias]] = double;
+};
+
 template <class Set> class BodyLanes final : public BodyKernel {
-  using V = simd::Lanes<double, static_cast<int>(kModeLanes), Set>;
+  using V = typename BodyVector<Set>::Type;
+  static constexpr std::size_t kWidth = sizeof(V) / sizeof(double);
+  static constexpr std::size_t kRegisters = kModeLanes / kWidth;
 
   [[gnu::always_inline]] static V load(const double* from) noexcept {
-    V v;
-    std::memcpy(&v, from, sizeof(V));
-    return v;
+    return *reinterpret_cast<const V*>(from);
   }
-  [[gnu::always_inline]] static void store(double* to, const V& v) noexcept {
-    std::memcpy(to, &v, sizeof(V));
+  [[gnu::always_inline]] static void store(double* to, V value) noexcept {
+    *reinterpret_cast<V*>(to) = value;
   }
-  [[gnu::always_inline]] static double across(const V& v) noexcept {
-    double part[kModeLanes];
-    std::memcpy(part, &v, sizeof(V));
-    return ((part[0] + part[4]) + (part[2] + part[6])) +
-           ((part[1] + part[5]) + (part[3] + part[7]));
+  [[gnu::always_inline]] static V all(double value) noexcept { return value - V{}; }
+  /// ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))
+  [[gnu::always_inline]] static double across(const V* sums) noexcept {
+    if constexpr (kRegisters == 4) {
+      const V two = (sums[0] + sums[2]) + (sums[1] + sums[3]);
+      return two[0] + two[1];
+    } else {
+      const V four = sums[0] + sums[1];
+      const auto two =
+          __builtin_shufflevector(four, four, 0, 1) + __builtin_shufflevector(four, four, 2, 3);
+      return two[0] + two[1];
+    }
   }
-
-  /// Mean velocity of a step under a force over sqrt(m); `outer` includes h/2.
-  [[gnu::always_inline]] static V mean_of(const ModesView& m, std::size_t i,
-                                          const V& half_outer) noexcept {
-    return load(m.mean + i) * ((load(m.velocity + i) - load(m.turn + i) * load(m.potential + i)) +
-                               half_outer * load(m.outer + i));
+  /// Calls work(i, r) for all registers of the modes, r counting those of a group of lanes.
+  template <class Work>
+  [[gnu::always_inline]] static void over(std::size_t padded, const Work& work) noexcept {
+    for (std::size_t k = 0; k < padded; k += kModeLanes) {
+#pragma GCC unroll 4
+      for (std::size_t r = 0; r < kRegisters; ++r)
+        work(k + r * kWidth, r);
+    }
   }
-  [[gnu::always_inline]] static void turn(const ModesView& m, std::size_t i,
-                                          const V& mean) noexcept {
+  /// A step on, with the mean velocity; gives the new state.
+  [[gnu::always_inline]] static void turn(const ModesView& m, std::size_t i, V mean, V& velocity,
+                                          V& potential) noexcept {
     const V twice = mean + mean;
-    store(m.potential + i, load(m.potential + i) + load(m.turn + i) * twice);
-    store(m.velocity + i, twice - load(m.velocity + i));
+    potential += load(m.turn + i) * twice;
+    velocity = twice - velocity;
+    store(m.potential + i, potential);
+    store(m.velocity + i, velocity);
   }
-  [[gnu::always_inline]] static double meet(const ModesView& m, const double* shape,
-                                            const V& half) noexcept {
-    V sum(0.0);
-    for (std::size_t i = 0; i < m.padded; i += kModeLanes)
-      sum += load(shape + i) * mean_of(m, i, half);
-    return across(sum);
-  }
-  [[gnu::always_inline]] static void go_on(const ModesView& m, const double* shape, double force,
-                                           double half_step, const V& half) noexcept {
-    const V push(half_step * force);
-    for (std::size_t i = 0; i < m.padded; i += kModeLanes)
-      turn(m, i, mean_of(m, i, half) + load(m.mean + i) * (push * load(shape + i)));
+  /// A step on under phi = F h/2 at the place, and what it foresees.
+  [[gnu::always_inline]] static void go_on(const ModesView& m, const PlaceView& place, double phi,
+                                           Foresight& next) noexcept {
+    const double free = next.base + place.answer * phi;
+    const V push = all(phi);
+    V sums[kRegisters] = {};
+    over(m.padded, [&](std::size_t i, std::size_t r) {
+      V velocity = load(m.velocity + i), potential = load(m.potential + i);
+      const V mean = load(m.mean + i) * (velocity - load(m.turn + i) * potential) +
+                     push * load(place.push + i);
+      turn(m, i, mean, velocity, potential);
+      sums[r] += load(place.state_a + i) * velocity + load(place.state_p + i) * potential;
+    });
+    next = {free, across(sums)};
   }
 
-  [[gnu::always_inline]] static void strike(const ModesView& m, const double* shape, Exciter& e,
-                                            Steps steps) noexcept {
+  [[gnu::always_inline]] static void strike(const ModesView& m, const PlaceView& spot,
+                                            Foresight& next, Exciter& e, Steps steps) noexcept {
     const double h = steps.length_s, half_step = 0.5 * h;
-    const V half(half_step);
-    const double own = half_step / e.mass_kg, mobility = e.mobility[steps.level];
+    const double own = half_step * e.per_mass, mobility = e.mobility[steps.level];
+    const double outer = own * e.outer_force_n;
     double x = e.depth_m, rate = e.approach_m_per_s, impulse = 0;
     double place = e.place_m, velocity = e.velocity_m_per_s;
     for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
       bool meets = Impact::meets(x, rate, h);
       if (meets && e.impulsive && !e.impact.touching() && rate > 0) {
-        const double knocked =
-            (1 + restitution(e.impact.law().dissipation_s_per_m * rate)) * rate / e.quick_mobility;
-        const V all(knocked);
-        for (std::size_t i = 0; i < m.padded; i += kModeLanes)
-          store(m.velocity + i, load(m.velocity + i) + all * load(shape + i));
-        velocity -= knocked / e.mass_kg;
-        rate -= knocked * e.quick_mobility;
+        const double kept = restitution(e.impact.law().dissipation_s_per_m * rate);
+        const double knock = (1 + kept) * rate / e.quick_mobility;
+        over(m.padded, [&](std::size_t i, std::size_t) {
+          store(m.velocity + i, load(m.velocity + i) + all(knock) * load(spot.shape + i));
+        });
+        next = foreseen(m, spot);
+        velocity -= knock * e.per_mass;
+        rate -= knock * e.quick_mobility;
         meets = Impact::meets(x, rate, h);
-        impulse += knocked;
-        e.book_impulse(knocked, h);
+        impulse += knock;
+        e.book_impulse(knock, h);
       }
-      const double own_free = velocity + own * e.outer_force_n;
-      const double free = own_free - meet(m, shape, half);
+      const double own_free = velocity + outer, free = own_free - next.free;
       double force = 0, mean = free;
       if (meets) {
         const LinearForce law = e.impact.enter_step(x, rate, h);
-        const double over = 1 / (1 + mobility * law.slope_ns_per_m);
-        force = (law.offset_n + law.slope_ns_per_m * free) * over;
+        const double under = 1 / (1 + mobility * law.slope_ns_per_m);
+        force = (law.offset_n + law.slope_ns_per_m * free) * under;
         if (force > 0) {
-          mean = (free - mobility * law.offset_n) * over;
+          mean = (free - mobility * law.offset_n) * under;
           e.impact.pass_step(mean, h);
         } else {
           force = 0;
         }
       }
-      go_on(m, shape, force, half_step, half);
-      const double own_mean = own_free - own * force;
+      go_on(m, spot, half_step * force, next);
+      const double own_mean = own_free - own * force, before = x;
       place += h * own_mean;
       velocity = 2 * own_mean - velocity;
-      const double before = x;
       x += h * mean;
       rate = 2 * mean - rate;
       e.impact.leave_step(x);
@@ -109,27 +129,26 @@ template <class Set> class BodyLanes final : public BodyKernel {
     e.impulse_ns = impulse;
   }
 
-  [[gnu::always_inline]] static void rub(const ModesView& m, const double* shape, Exciter& e,
-                                         Steps steps) noexcept {
+  [[gnu::always_inline]] static void rub(const ModesView& m, const PlaceView& spot, Foresight& next,
+                                         Exciter& e, Steps steps) noexcept {
     const double h = steps.length_s, half_step = 0.5 * h;
-    const V half(half_step);
     const double mobility = e.mobility[steps.level];
+    const bool rough = e.friction.law().roughness > 0;
     double rate = e.approach_m_per_s, impulse = 0, dissipated = 0;
     for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
-      const double free = e.rubbing_m_per_s - meet(m, shape, half);
-      e.friction.enter_step(e.normal_force_n, rate,
-                            e.friction.law().roughness > 0 ? e.noise.normal() : 0.0, h);
-      LinearForce law = e.friction.stage();
-      double over = 1 / (1 + mobility * law.slope_ns_per_m);
-      e.friction.refine((free - mobility * law.offset_n) * over);
+      const double free = e.rubbing_m_per_s - next.free;
+      e.friction.enter_step(e.normal_force_n, rate, rough ? e.noise.normal() : 0.0, h);
+      ScaledForce law = e.friction.stage();
+      e.friction.refine((law.scale * free - mobility * law.offset) /
+                        (law.scale + mobility * law.slope));
       law = e.friction.stage();
-      over = 1 / (1 + mobility * law.slope_ns_per_m);
-      const double mean = (free - mobility * law.offset_n) * over;
-      const double force = (law.offset_n + law.slope_ns_per_m * free) * over;
+      const double under = 1 / (law.scale + mobility * law.slope);
+      const double mean = (law.scale * free - mobility * law.offset) * under;
+      const double force = (law.offset + law.slope * free) * under;
       const double stored = e.friction.stored_j();
       e.friction.pass_step(mean);
       dissipated += h * force * mean + (stored - e.friction.stored_j());
-      go_on(m, shape, force, half_step, half);
+      go_on(m, spot, half_step * force, next);
       rate = 2 * mean - rate;
       impulse += h * force;
       e.mean_velocity_m_per_s = mean;
@@ -138,51 +157,75 @@ template <class Set> class BodyLanes final : public BodyKernel {
     e.impulse_ns = impulse;
     e.dissipated_j = dissipated;
   }
+  [[gnu::always_inline]] static Foresight foreseen(const ModesView& m,
+                                                   const PlaceView& place) noexcept {
+    V free[kRegisters] = {}, base[kRegisters] = {};
+    over(m.padded, [&](std::size_t i, std::size_t r) {
+      const V velocity = load(m.velocity + i), potential = load(m.potential + i);
+      free[r] += load(place.push + i) * (velocity - load(m.turn + i) * potential);
+      base[r] += load(place.state_a + i) * velocity + load(place.state_p + i) * potential;
+    });
+    return {across(free), across(base)};
+  }
 
 public:
   void ring(const ModesView& m, Steps steps) const noexcept override {
-    const V half(0.5 * steps.length_s);
+    const V half = all(0.5 * steps.length_s);
     for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;)
-      for (std::size_t i = 0; i < m.padded; i += kModeLanes)
-        turn(m, i, mean_of(m, i, half));
+      over(m.padded, [&](std::size_t i, std::size_t) {
+        V velocity = load(m.velocity + i), potential = load(m.potential + i);
+        turn(m, i,
+             load(m.mean + i) *
+                 ((velocity - load(m.turn + i) * potential) + half * load(m.outer + i)),
+             velocity, potential);
+      });
   }
-  void touch(const ModesView& m, const double* shape, Exciter& e,
+  Foresight foresee(const ModesView& m, const PlaceView& place) const noexcept override {
+    return foreseen(m, place);
+  }
+  void touch(const ModesView& m, const PlaceView& place, Foresight& next, Exciter& e,
              Steps steps) const noexcept override {
-    e.kind == Exciter::Kind::kFriction ? rub(m, shape, e, steps) : strike(m, shape, e, steps);
+    e.kind == Exciter::Kind::kFriction ? rub(m, place, next, e, steps)
+                                       : strike(m, place, next, e, steps);
   }
   void free_mean(const ModesView& m, double* mean, double h) const noexcept override {
-    const V half(0.5 * h);
-    for (std::size_t i = 0; i < m.padded; i += kModeLanes)
-      store(mean + i, mean_of(m, i, half));
+    const V half = all(0.5 * h);
+    over(m.padded, [&](std::size_t i, std::size_t) {
+      store(mean + i,
+            load(m.mean + i) * ((load(m.velocity + i) - load(m.turn + i) * load(m.potential + i)) +
+                                half * load(m.outer + i)));
+    });
   }
   void advance(const ModesView& m, const double* mean) const noexcept override {
-    for (std::size_t i = 0; i < m.padded; i += kModeLanes)
-      turn(m, i, load(mean + i));
+    over(m.padded, [&](std::size_t i, std::size_t) {
+      V velocity = load(m.velocity + i), potential = load(m.potential + i);
+      turn(m, i, load(mean + i), velocity, potential);
+    });
   }
   void add(double* to, const double* from, double factor,
            std::size_t padded) const noexcept override {
-    const V all(factor);
-    for (std::size_t i = 0; i < padded; i += kModeLanes)
-      store(to + i, load(to + i) + all * load(from + i));
+    const V times = all(factor);
+    over(padded,
+         [&](std::size_t i, std::size_t) { store(to + i, load(to + i) + times * load(from + i)); });
   }
   void add_product(double* to, const double* from, const double* by, double factor,
                    std::size_t padded) const noexcept override {
-    const V all(factor);
-    for (std::size_t i = 0; i < padded; i += kModeLanes)
-      store(to + i, load(to + i) + all * load(from + i) * load(by + i));
+    const V times = all(factor);
+    over(padded, [&](std::size_t i, std::size_t) {
+      store(to + i, load(to + i) + times * load(from + i) * load(by + i));
+    });
   }
   double dot(const double* a, const double* b, std::size_t padded) const noexcept override {
-    V sum(0.0);
-    for (std::size_t i = 0; i < padded; i += kModeLanes)
-      sum += load(a + i) * load(b + i);
-    return across(sum);
+    V sums[kRegisters] = {};
+    over(padded, [&](std::size_t i, std::size_t r) { sums[r] += load(a + i) * load(b + i); });
+    return across(sums);
   }
   double dot(const double* a, const double* b, const double* c,
              std::size_t padded) const noexcept override {
-    V sum(0.0);
-    for (std::size_t i = 0; i < padded; i += kModeLanes)
-      sum += load(a + i) * load(b + i) * load(c + i);
-    return across(sum);
+    V sums[kRegisters] = {};
+    over(padded,
+         [&](std::size_t i, std::size_t r) { sums[r] += load(a + i) * load(b + i) * load(c + i); });
+    return across(sums);
   }
 };
 

@@ -50,6 +50,8 @@ struct Exciter {
   // Of its place on the body.
   std::array<double, kLevels> mobility{}; ///< m/(N s): mean velocity of a step for a force in it
   double quick_mobility = 0;              ///< 1/kg: change of velocity for an impulse
+  double per_mass = 100, effective_mass_kg = 0.01; ///< 1/mass_kg; 1/quick_mobility
+  double judged_j = -1; ///< energy of the contact for which `level` was found
 
   [[nodiscard]] double energy() const noexcept {
     if (kind == Kind::kImpact)

@@ -30,6 +30,14 @@ struct FrictionLaw {
   [[nodiscard]] FrictionLaw within_range() const noexcept;
 };
 
+/// LinearForce times a positive scale: offset + slope v = scale F.
+struct ScaledForce {
+  double offset = 0, slope = 0, scale = 1;
+  [[nodiscard, gnu::always_inline]] LinearForce plain() const noexcept {
+    return {offset / scale, slope / scale};
+  }
+};
+
 /// One rubbing contact under FrictionLaw in steps: linearly implicit in two stages, no iteration.
 ///
 /// With a = alpha |v|/|z_ss| taken from the stage before, z' = v - a z and f are linear in the mean
@@ -43,7 +51,10 @@ public:
   Friction() noexcept { set({}); }
   void set(const FrictionLaw& law) noexcept;
   [[nodiscard]] const FrictionLaw& law() const noexcept { return law_; }
-  void release() noexcept { bend_ = 0; }
+  void release() noexcept {
+    bend_ = 0;
+    pressed_ = false;
+  }
 
   /// Begins a step of h seconds; `velocity` of the rubbing surface over the body, m/s, is the one
   /// it starts with, `noise` a normal random number.
@@ -51,8 +62,7 @@ public:
                                          double h) noexcept {
     h_ = h;
     if (!(normal_force_n > kLightest)) {
-      pressed_ = false;
-      bend_ = 0;
+      release();
       return;
     }
     pressed_ = true;
@@ -65,10 +75,11 @@ public:
     look(velocity, bend_ + 0.5 * h * velocity);
   }
   /// The force of the step as the stage at hand has it.
-  [[nodiscard, gnu::always_inline]] LinearForce stage() const noexcept {
+  [[nodiscard, gnu::always_inline]] ScaledForce stage() const noexcept {
     if (!pressed_)
       return {};
-    return {law_.stiffness_n_per_m * bend_ - lean_ * rate_ * bend_, lean_ + viscosity_};
+    return {(scale_ * law_.stiffness_n_per_m - give_ * slip_) * bend_,
+            give_ * sliding_ + scale_ * viscosity_, scale_};
   }
   /// The next stage, from the mean velocity that the stage before led to.
   [[gnu::always_inline]] void refine(double mean_velocity) noexcept {
@@ -77,9 +88,8 @@ public:
   }
   /// Ends the step.
   [[gnu::always_inline]] void pass_step(double mean_velocity) noexcept {
-    if (!pressed_)
-      return;
-    bend_ += h_ * growth(mean_velocity);
+    if (pressed_)
+      bend_ += h_ * growth(mean_velocity);
   }
 
   [[nodiscard]] double bend_m() const noexcept { return bend_; }
@@ -92,28 +102,30 @@ private:
   static constexpr double kLightest = 1e-12; ///< N; below it nothing rubs
   static constexpr double kSlowest = 1e-4; ///< m/s; bounds the viscosity of a rough contact at rest
 
-  /// Takes the nonlinear terms at a velocity and a bend.
+  /// Takes the nonlinear terms at a velocity and a bend. All of the step is multiplied by
+  /// scale = |z_ss| (1 + a h/2), which saves divisions one after another.
   [[gnu::always_inline]] void look(double v, double z) noexcept {
-    const double ratio = v * over_stribeck_;
-    const double sliding = slide_ + stick_ * decayed(-ratio * ratio); // |z_ss|
-    const double size = std::abs(z), elastic = law_.breakaway * slide_;
-    double alpha = 0;
-    if (v * z > 0 && size > elastic) {
-      alpha = 1;
-      if (size < sliding)
-        alpha = 0.5 + 0.5 * half_sine((size - 0.5 * (sliding + elastic)) / (sliding - elastic));
-    }
-    rate_ = alpha * std::abs(v) / sliding;
-    const double s0 = law_.stiffness_n_per_m;
+    const double ratio = v * over_stribeck_; // 2^-ratio^2 = e^-(v/v_s)^2
+    const double size = std::abs(z), elastic = law_.breakaway * slide_, speed = std::abs(v);
+    sliding_ = slide_ + stick_ * power_of_two(-ratio * ratio); // |z_ss|
+    slip_ = 0;
     double s1 = law_.damping_ns_per_m;
-    if (s1 * s1 * rate_ > 4 * s0 * (s1 + viscosity_))
-      s1 = 2 * s0 / rate_ * (1 + std::sqrt(1 + rate_ * viscosity_ / s0));
-    over_ = 1 / (1 + 0.5 * h_ * rate_);
-    lean_ = (0.5 * h_ * s0 + s1) * over_;
+    const double s0 = law_.stiffness_n_per_m;
+    if (v * z > 0 && size > elastic) {
+      slip_ = speed;
+      if (size < sliding_)
+        slip_ *= 0.5 + 0.5 * half_sine((size - 0.5 * (sliding_ + elastic)) / (sliding_ - elastic));
+      if (s1 * s1 * slip_ > 4 * s0 * (s1 + viscosity_) * sliding_) {
+        const double rate = slip_ / sliding_;
+        s1 = 2 * s0 / rate * (1 + std::sqrt(1 + rate * viscosity_ / s0));
+      }
+    }
+    scale_ = sliding_ + 0.5 * h_ * slip_;
+    give_ = 0.5 * h_ * s0 + s1;
   }
   /// z' of the step.
   [[nodiscard, gnu::always_inline]] double growth(double mean_velocity) const noexcept {
-    return (mean_velocity - rate_ * bend_) * over_;
+    return (mean_velocity * sliding_ - slip_ * bend_) / scale_;
   }
   /// sin(pi x) for |x| <= 1/2, error below 1e-11.
   [[nodiscard, gnu::always_inline]] static double half_sine(double x) noexcept {
@@ -126,9 +138,10 @@ private:
 
   double bend_ = 0; ///< z, m
   double h_ = 0, slide_ = 0, stick_ = 0, viscosity_ = 0;
-  double rate_ = 0; ///< a, 1/s
-  double over_ = 1; ///< 1/(1 + a h/2)
-  double lean_ = 0; ///< (sigma0 h/2 + sigma1)/(1 + a h/2)
+  double sliding_ = 1; ///< |z_ss|, m
+  double slip_ = 0;    ///< alpha |v| = a |z_ss|, m/s
+  double scale_ = 1;   ///< |z_ss| (1 + a h/2), m
+  double give_ = 0;    ///< sigma0 h/2 + sigma1, N s/m
   bool pressed_ = false;
   double dynamic_over_stiffness_ = 0, excess_over_stiffness_ = 0, over_stribeck_ = 0;
   FrictionLaw law_;

@@ -15,7 +15,7 @@ constexpr double kMostState = 1e60;  // sqrt(J), N; beyond it all starts anew
 constexpr double kStepsFor = 0.15;   // most angle, rad, that a contact may turn in a step
 constexpr double kImpulseFrom = 0.5; // the same in the finest steps: an impulse instead
 constexpr double kReach = 2;         // samples ahead in which a mass may arrive
-constexpr std::uint64_t kTidyEvery = 64, kLookEvery = 16, kJudgeEvery = 4;
+constexpr std::uint64_t kTidyEvery = 64, kLookEvery = 16;
 constexpr std::size_t kPatience = 8;                    // samples before coarser steps
 constexpr std::size_t kMostWork = std::size_t{1} << 17; // products in a sample with many contacts
 
@@ -29,9 +29,11 @@ TouchedBody::TouchedBody(std::size_t most_modes, std::size_t exciters, std::size
     : body_(most_modes), kernel_(&body_kernel()), exciters_(exciters),
       shape_(exciters, std::vector<double>(most_modes, 1)),
       ear_shape_(ears, std::vector<double>(most_modes, 1)), place_(exciters, ModeArray(most_modes)),
-      ear_(ears, ModeArray(most_modes)), outer_(most_modes), mean_(most_modes),
-      coupling_(exciters * exciters) {
+      ear_(ears, ModeArray(most_modes)), outer_(most_modes), mean_(most_modes), push_(most_modes),
+      state_a_(most_modes), state_p_(most_modes), coupling_(exciters * exciters) {
   order_.reserve(exciters);
+  like_the_one_before_.reserve(exciters);
+  work_out_steps();
   close_.reserve(exciters);
   acting_.reserve(exciters);
   terms_.resize(exciters);
@@ -49,7 +51,13 @@ void TouchedBody::prepare(double sample_rate) noexcept {
     return;
   measure_places();
   body_.prepare(sample_rate);
+  work_out_steps();
   keep_places();
+}
+
+void TouchedBody::work_out_steps() noexcept {
+  for (std::size_t l = 0; l < kLevels; ++l)
+    step_s_[l] = 1 / (body_.sample_rate() * static_cast<double>(1U << l));
 }
 
 void TouchedBody::set_modes(std::span<const Mode> modes) noexcept {
@@ -104,12 +112,14 @@ void TouchedBody::work_out_place(std::size_t slot) noexcept {
     e.quick_mobility += place[i] * place[i];
   }
   for (std::size_t l = 0; l < kLevels; ++l) {
-    const double half = 0.5 / (body_.sample_rate() * static_cast<double>(1U << l));
     double sum = strikes ? 1 / e.mass_kg : 0;
     for (std::size_t i = 0; i < body_.modes(); ++i)
       sum += place[i] * place[i] * body_.level(l).mean[i];
-    e.mobility[l] = half * sum;
+    e.mobility[l] = 0.5 * step_s_[l] * sum;
   }
+  e.per_mass = 1 / e.mass_kg;
+  e.effective_mass_kg = e.quick_mobility > 0 ? 1 / e.quick_mobility : 1;
+  e.judged_j = -1;
   if (strikes)
     e.place_m = e.depth_m + surface(slot);
   e.fresh = false;
@@ -178,7 +188,7 @@ void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) no
 
 void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {
   exciters_[slot].outer_force_n = within(force_n, kMostForce);
-  unsorted_ = unsorted_ || tied_;
+  moved_ = true;
 }
 
 void TouchedBody::rub(std::size_t slot, double normal_force_n, double velocity) noexcept {
@@ -187,7 +197,7 @@ void TouchedBody::rub(std::size_t slot, double normal_force_n, double velocity) 
   e.approach_m_per_s += next - e.rubbing_m_per_s;
   e.rubbing_m_per_s = next;
   e.normal_force_n = within(normal_force_n, kMostForce);
-  unsorted_ = unsorted_ || tied_;
+  moved_ = true;
 }
 
 void TouchedBody::seed(std::size_t slot, std::uint64_t seed) noexcept {
@@ -209,6 +219,7 @@ void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
     return;
   kernel_->add(body_.velocity.data(), place_[slot].data(), impulse, body_.padded());
   sounds_ = true;
+  foreseen_ = false;
   for (Exciter& e : exciters_)
     e.fresh = false;
 }
@@ -242,6 +253,7 @@ double TouchedBody::energy() const noexcept {
 
 void TouchedBody::reset() noexcept {
   body_.silence();
+  foreseen_ = false;
   outer_.clear();
   has_outer_ = sounds_ = false;
   for (Exciter& e : exciters_) {
@@ -308,28 +320,45 @@ void TouchedBody::sort() noexcept {
   std::sort(order_.begin(), order_.end(),
             [this](std::size_t a, std::size_t b) { return goes_before(a, b); });
   tied_ = false;
+  like_the_one_before_.assign(order_.size(), 0);
   for (std::size_t i = 1; i < order_.size(); ++i)
-    tied_ = tied_ || !goes_before(order_[i - 1], order_[i]);
-  unsorted_ = coupled_ = false;
+    if (!goes_before(order_[i - 1], order_[i]))
+      like_the_one_before_[i] = tied_ = true;
+  unsorted_ = coupled_ = moved_ = false;
 }
 
-std::size_t TouchedBody::needed_level(Exciter& e) const noexcept {
-  const double mass = 1 / e.quick_mobility, sample = 1 / body_.sample_rate();
+/// Exciters that were alike until now get an order when they are driven differently.
+void TouchedBody::look_for_difference() noexcept {
+  for (std::size_t i = 1; i < order_.size() && !unsorted_; ++i) {
+    const Exciter &a = exciters_[order_[i - 1]], &b = exciters_[order_[i]];
+    unsorted_ = like_the_one_before_[i] &&
+                (a.outer_force_n != b.outer_force_n || a.normal_force_n != b.normal_force_n ||
+                 a.rubbing_m_per_s != b.rubbing_m_per_s);
+  }
+  moved_ = false;
+}
+
+/// How fine the steps of a contact must be, from the energy that is in it. Only a new energy makes
+/// a new answer.
+void TouchedBody::judge(Exciter& e) const noexcept {
+  const double mass = e.effective_mass_kg;
   const double energy = 0.5 * mass * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
-  const double angle = std::sqrt(e.impact.stiffest(energy, mass)) * sample;
+  if (energy <= 1.1 * e.judged_j && energy >= 0.5 * e.judged_j)
+    return;
+  e.judged_j = energy;
+  const double angle = std::sqrt(e.impact.stiffest(energy, mass)) * step_s_[0];
   constexpr double kFinest = 1U << (kLevels - 1);
   e.impulsive = angle / kFinest > kImpulseFrom;
-  std::size_t level = 0;
-  for (double steps = 1; level + 1 < kLevels && angle > kStepsFor * steps; steps *= 2)
-    ++level;
-  return level;
+  e.level = 0;
+  for (double steps = 1; e.level + 1 < kLevels && angle > kStepsFor * steps; steps *= 2)
+    ++e.level;
 }
 
 /// A mass that is far from the body.
 void TouchedBody::fly(Exciter& e) const noexcept {
-  const double sample = 1 / body_.sample_rate(), before = e.velocity_m_per_s;
+  const double sample = step_s_[0], before = e.velocity_m_per_s;
   e.velocity_m_per_s =
-      std::clamp(before + sample * e.outer_force_n / e.mass_kg, -kFastest, kFastest);
+      std::clamp(before + sample * e.outer_force_n * e.per_mass, -kFastest, kFastest);
   e.place_m += 0.5 * sample * (before + e.velocity_m_per_s);
   if (!(std::abs(e.place_m) < kFarthest)) {
     e.place_m = std::clamp(e.place_m, -kFarthest, kFarthest);
@@ -339,14 +368,13 @@ void TouchedBody::fly(Exciter& e) const noexcept {
 
 /// Which exciters may touch within this sample, and how fine its steps must be.
 void TouchedBody::look_around() noexcept {
-  const double sample = 1 / body_.sample_rate();
-  const bool look = clock_ % kLookEvery == 0, judge = clock_ % kJudgeEvery == 0;
+  const double sample = step_s_[0];
+  const bool look = clock_ % kLookEvery == 0;
   std::size_t wanted = least_level_, before = near_;
   bool same = true;
   near_ = 0;
   for (const std::size_t i : order_) {
     Exciter& e = exciters_[i];
-    const bool was_near = e.near;
     if (e.kind == Exciter::Kind::kFriction) {
       e.near = e.normal_force_n > 0;
       if (!e.fresh)
@@ -358,11 +386,11 @@ void TouchedBody::look_around() noexcept {
         e.depth_m = e.place_m - surface(i);
         e.approach_m_per_s = e.velocity_m_per_s - surface_velocity(i);
       }
-      const double soon = e.approach_m_per_s + sample * e.outer_force_n / e.mass_kg;
+      const double soon = e.approach_m_per_s + sample * e.outer_force_n * e.per_mass;
       e.near = e.impact.touching() || e.depth_m + kReach * sample * std::max(soon, 0.0) > 0;
-      if (e.near && (judge || !was_near))
-        e.level = needed_level(e);
-      if (!e.near)
+      if (e.near)
+        judge(e);
+      else
         fly(e);
     }
     e.fresh = e.near;
@@ -380,6 +408,7 @@ void TouchedBody::look_around() noexcept {
   }
   close_.resize(near_);
   coupled_ = coupled_ && same && near_ == before;
+  foreseen_ = foreseen_ && near_ == 1 && clock_ % kTidyEvery != 0;
   if (near_ > 1) {
     const std::size_t small = std::min(near_, body_.modes()), big = std::max(near_, body_.modes());
     const std::size_t work = small * small * (big + small) / 2 + 4 * small * big;
@@ -404,20 +433,53 @@ void TouchedBody::change_level(std::size_t level) noexcept {
       exciters_[i].place_m = exciters_[i].depth_m + surface(i);
 }
 
+/// What the kernel needs of the one place that is touched.
+void TouchedBody::focus(std::size_t slot) noexcept {
+  const ModalBody::Level& level = body_.level(level_);
+  const ModeArray& place = place_[slot];
+  answer_ = 0;
+  for (std::size_t i = 0; i < body_.padded(); ++i) {
+    const double b = level.mean[i], w = level.turn[i], bend = 2 - 2 * w * w;
+    push_[i] = b * place[i];
+    state_a_[i] = push_[i] * (bend * b - 1);
+    state_p_[i] = -push_[i] * w * (bend * b + 1);
+    answer_ += push_[i] * push_[i] * bend;
+  }
+  coupled_ = true;
+  foreseen_ = false;
+}
+
+void TouchedBody::touch_one() noexcept {
+  const std::size_t slot = close_[0];
+  Exciter& e = exciters_[slot];
+  if (has_outer_) // the general way knows of outer forces
+    return touch_many();
+  sounds_ = true;
+  if (!coupled_)
+    focus(slot);
+  const PlaceView place{place_[slot].data(), push_.data(), state_a_.data(), state_p_.data(),
+                        answer_};
+  const ModesView modes = view();
+  if (!foreseen_)
+    foresight_ = kernel_->foresee(modes, place);
+  kernel_->touch(modes, place, foresight_, e, {step_length(), level_});
+  foreseen_ = true;
+  e.force_n = e.impulse_ns * body_.sample_rate();
+}
+
 void TouchedBody::step() noexcept {
+  if (tied_ && moved_)
+    look_for_difference();
   if (unsorted_)
     sort();
   look_around();
   ++clock_;
   if (near_ == 1) {
-    Exciter& e = exciters_[close_[0]];
-    sounds_ = true;
-    kernel_->touch(view(), place_[close_[0]].data(), e, {step_length(), level_});
-    e.force_n = e.impulse_ns * body_.sample_rate();
+    touch_one();
   } else if (near_ > 1) {
-    sounds_ = true;
     touch_many();
   } else if (sounds_) {
+    foreseen_ = false;
     kernel_->ring(view(), {step_length(), level_});
   }
   if (has_outer_) {

@@ -4,6 +4,7 @@
 #include "core/contact/exciter.hpp"
 #include "core/contact/modal_body.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -85,15 +86,17 @@ public:
   void reset() noexcept;
 
 private:
+  void work_out_steps() noexcept;
   void measure_places() noexcept;
   void keep_places() noexcept;
   void work_out_place(std::size_t exciter) noexcept;
   void sort() noexcept;
+  void look_for_difference() noexcept;
   [[nodiscard]] bool goes_before(std::size_t a, std::size_t b) const noexcept;
   [[nodiscard]] double surface(std::size_t exciter) const noexcept;
   [[nodiscard]] double surface_velocity(std::size_t exciter) const noexcept;
   void look_around() noexcept;
-  [[nodiscard]] std::size_t needed_level(Exciter& e) const noexcept;
+  void judge(Exciter& e) const noexcept;
   void fly(Exciter& e) const noexcept;
   void change_level(std::size_t level) noexcept;
   void touch_many() noexcept;
@@ -101,12 +104,12 @@ private:
   void solve(double h) noexcept;
   void solve_by_contact() noexcept;
   void couple() noexcept;
+  void touch_one() noexcept;
+  void focus(std::size_t exciter) noexcept;
   void leave(std::size_t term, double h) noexcept;
   void solve_by_mode(double h) noexcept;
   [[nodiscard]] ModesView view() noexcept;
-  [[nodiscard]] double step_length() const noexcept {
-    return 1 / (body_.sample_rate() * static_cast<double>(1U << level_));
-  }
+  [[nodiscard]] double step_length() const noexcept { return step_s_[level_]; }
 
   ModalBody body_;
   const BodyKernel* kernel_;
@@ -114,11 +117,17 @@ private:
   std::vector<std::vector<double>> shape_, ear_shape_;
   std::vector<ModeArray> place_, ear_; ///< shapes over sqrt(m)
   ModeArray outer_, mean_;
-  bool has_outer_ = false, sounds_ = false, unsorted_ = true, tied_ = false;
-  bool coupled_ = false; ///< coupling_ is that of close_
+  ModeArray push_, state_a_, state_p_; ///< of the one exciter that is near (PlaceView)
+  double answer_ = 0;
+  Foresight foresight_;
+  bool foreseen_ = false; ///< foresight_ is of the state as it is
+  bool has_outer_ = false, sounds_ = false, unsorted_ = true, tied_ = false, moved_ = false;
+  bool coupled_ = false;                 ///< coupling_ or the PlaceView are those of close_
+  std::array<double, kLevels> step_s_{}; ///< length of a step, by level
   std::size_t level_ = 0, least_level_ = 0, quiet_ = 0, near_ = 0;
   std::uint64_t clock_ = 0;
   std::vector<std::size_t> order_, close_; ///< slots: all in use; those near
+  std::vector<char> like_the_one_before_;  ///< by position in order_: the same but for its drive
   /// Of one step with several contacts, by position in close_.
   struct Term {
     double own_free = 0, own = 0, free = 0;

@@ -50,13 +50,15 @@ void TouchedBody::couple() noexcept {
       coupling_[c * near_ + d] = coupling_[d * near_ + c] =
           half * kernel_->dot(place_[close_[c]].data(), place_[close_[d]].data(),
                               body_.level(level_).mean.data(), body_.padded());
-  coupled_ = true;
+  coupled_ = near_ > 1; // one alone has a PlaceView
 }
 
 void TouchedBody::touch_many() noexcept {
   const double h = step_length(), half = 0.5 * h;
   const ModesView modes = view();
-  if (!coupled_)
+  sounds_ = true;
+  foreseen_ = false;
+  if (!coupled_ || near_ == 1)
     couple();
   bool any_friction = false;
   for (std::size_t n = std::size_t{1} << level_; n-- > 0;) {
@@ -66,7 +68,7 @@ void TouchedBody::touch_many() noexcept {
       Exciter& e = exciters_[close_[c]];
       Term& t = terms_[c];
       const bool strikes = e.kind == Exciter::Kind::kImpact;
-      t.own = strikes ? half / e.mass_kg : 0;
+      t.own = strikes ? half * e.per_mass : 0;
       t.own_free = strikes ? e.velocity_m_per_s + t.own * e.outer_force_n : e.rubbing_m_per_s;
       t.free = t.own_free - kernel_->dot(place_[close_[c]].data(), mean_.data(), modes.padded);
       t.law = {};
@@ -77,7 +79,7 @@ void TouchedBody::touch_many() noexcept {
         any_friction = true;
         e.friction.enter_step(e.normal_force_n, e.approach_m_per_s,
                               e.friction.law().roughness > 0 ? e.noise.normal() : 0.0, h);
-        t.law = e.friction.stage();
+        t.law = e.friction.stage().plain();
       }
     }
     solve(h);
@@ -87,7 +89,7 @@ void TouchedBody::touch_many() noexcept {
         if (e.kind != Exciter::Kind::kFriction)
           continue;
         e.friction.refine(terms_[c].mean);
-        terms_[c].law = e.friction.stage();
+        terms_[c].law = e.friction.stage().plain();
       }
       solve(h);
     }
@@ -246,7 +248,7 @@ void TouchedBody::knock_many() noexcept {
       const double kept = restitution(e.impact.law().dissipation_s_per_m * e.approach_m_per_s);
       t.force = (1 + kept) * e.approach_m_per_s / e.quick_mobility;
       work += t.force * e.approach_m_per_s;
-      own += t.force * t.force / e.mass_kg;
+      own += t.force * t.force * e.per_mass;
       least = std::min(least, kept);
       kernel_->add(mean_.data(), place_[close_[c]].data(), t.force, padded);
       any = true;
@@ -260,7 +262,7 @@ void TouchedBody::knock_many() noexcept {
       Exciter& e = exciters_[close_[c]];
       if (terms_[c].acts) {
         const double impulse = theta * terms_[c].force;
-        e.velocity_m_per_s -= impulse / e.mass_kg;
+        e.velocity_m_per_s -= impulse * e.per_mass;
         e.impulse_ns += impulse;
         e.book_impulse(impulse, h);
       }

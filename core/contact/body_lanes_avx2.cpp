@@ -1,0 +1,17 @@
+// Compiled for AVX2 (core/CMakeLists.txt); does nothing on other processors.
+#include "core/contact/body_lanes.hpp"
+
+namespace tactus::contact {
+
+const BodyKernel* avx2_body_kernel() noexcept;
+
+const BodyKernel* avx2_body_kernel() noexcept {
+#if defined(__AVX2__)
+  static const BodyLanes<simd::Avx2> kernel;
+  return &kernel;
+#else
+  return nullptr;
+#endif
+}
+
+} // namespace tactus::contact
