@@ -37,6 +37,7 @@ struct BodySettings {
   std::size_t most_modes = 0; ///< 0: all that can be heard
   std::size_t voices = 8;     ///< contacts at once
   double sample_rate = 48000;
+  VectorSet vector_set = best_vector_set(); ///< must be one that this processor runs
 };
 
 /// A table and what follows from it alone; shared by all models of the body.

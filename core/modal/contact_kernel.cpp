@@ -21,14 +21,7 @@ template <class T> const ContactKernel<T>* contact_kernel(VectorSet set) noexcep
   return &kernel;
 }
 
-template <class T> const ContactKernel<T>& contact_kernel() noexcept {
-  static const ContactKernel<T>& widest = *contact_kernel<T>(best_vector_set());
-  return widest;
-}
-
 template const ContactKernel<float>* contact_kernel<float>(VectorSet) noexcept;
 template const ContactKernel<double>* contact_kernel<double>(VectorSet) noexcept;
-template const ContactKernel<float>& contact_kernel<float>() noexcept;
-template const ContactKernel<double>& contact_kernel<double>() noexcept;
 
 } // namespace tactus::modal

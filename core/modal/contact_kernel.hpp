@@ -77,8 +77,6 @@ public:
                       std::size_t count) const noexcept = 0;
 };
 
-/// The widest that this processor runs.
-template <class T> [[nodiscard]] const ContactKernel<T>& contact_kernel() noexcept;
 /// Null where the processor does not run it.
 template <class T> [[nodiscard]] const ContactKernel<T>* contact_kernel(VectorSet) noexcept;
 

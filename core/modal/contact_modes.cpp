@@ -12,8 +12,8 @@ namespace {
 template <class T> class ModesOf final : public ContactModes {
 public:
   ModesOf(std::span<const std::complex<double>> rate, double sample_rate, unsigned most_steps,
-          std::size_t contacts, std::size_t listeners)
-      : kernel_(&contact_kernel<T>()), modes_(rate.size()), most_steps_(most_steps),
+          std::size_t contacts, std::size_t listeners, VectorSet set)
+      : kernel_(contact_kernel<T>(set)), modes_(rate.size()), most_steps_(most_steps),
         alpha_(modes_, 0), omega_(modes_, 1), finest_(modes_), change_(modes_), turn_(modes_),
         state_(modes_), slots_(contacts),
         weights_(std::min(listeners, ContactPass<T>::kMostEars), Split<T>(modes_)),
@@ -329,10 +329,14 @@ private:
 
 std::unique_ptr<ContactModes> ContactModes::make(std::span<const std::complex<double>> rate,
                                                  double sample_rate, unsigned most_steps,
-                                                 std::size_t contacts, std::size_t listeners) {
+                                                 std::size_t contacts, std::size_t listeners,
+                                                 VectorSet set) {
+  if (!contact_kernel<double>(set))
+    set = VectorSet::kBaseline;
   if (rate.size() <= kMostInDouble)
-    return std::make_unique<ModesOf<double>>(rate, sample_rate, most_steps, contacts, listeners);
-  return std::make_unique<ModesOf<float>>(rate, sample_rate, most_steps, contacts, listeners);
+    return std::make_unique<ModesOf<double>>(rate, sample_rate, most_steps, contacts, listeners,
+                                             set);
+  return std::make_unique<ModesOf<float>>(rate, sample_rate, most_steps, contacts, listeners, set);
 }
 
 } // namespace tactus::modal

@@ -25,7 +25,7 @@ public:
   /// Steps of a sample are a power of 2, at most `most_steps`.
   [[nodiscard]] static std::unique_ptr<ContactModes>
   make(std::span<const std::complex<double>> rate, double sample_rate, unsigned most_steps,
-       std::size_t contacts, std::size_t listeners);
+       std::size_t contacts, std::size_t listeners, VectorSet set = best_vector_set());
   virtual ~ContactModes() = default;
 
   virtual void set_steps(unsigned steps) noexcept = 0;

@@ -21,7 +21,7 @@ constexpr double kLongestRest = 8;   // contact times after which one that has n
 } // namespace
 
 ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
-                             std::size_t contacts, bool rigid, std::size_t listeners)
+                             std::size_t contacts, bool rigid, std::size_t listeners, VectorSet set)
     : sample_rate_(sample_rate), has_rigid_(rigid), modes_(rate.size()), alpha_(modes_, 0),
       omega_(modes_, 1), contacts_(contacts), slots_(contacts), answer_(contacts * contacts, 0),
       swing_answer_(contacts, 0), free_(contacts, 0), force_(contacts, 0), next_force_(contacts, 0),
@@ -34,7 +34,7 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
   most_led_rate_ = most * most;
   while (most_steps_ > kLeastSteps && most_steps_ * modes_ > kMostWork)
     most_steps_ /= 2;
-  swings_ = ContactModes::make(rate, sample_rate, most_steps_, contacts, listeners);
+  swings_ = ContactModes::make(rate, sample_rate, most_steps_, contacts, listeners, set);
   steps_ = 1;
 }
 

@@ -31,7 +31,8 @@ public:
   /// Rates s of all modes, also those too high to be heard; room for so many contacts and
   /// listeners. `rigid`: the body is free to recoil.
   ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
-                std::size_t contacts, bool rigid, std::size_t listeners = 0);
+                std::size_t contacts, bool rigid, std::size_t listeners = 0,
+                VectorSet set = best_vector_set());
 
   struct Contact {
     ContactLaw law;

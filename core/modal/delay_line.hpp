@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -17,7 +18,7 @@ public:
   /// Allocates; keeps nothing of before.
   void prepare(std::size_t longest) {
     std::size_t size = 8;
-    while (size < longest + 8)
+    while (size < longest + kRoom)
       size *= 2;
     line_.assign(size, 0);
     mask_ = size - 1;
@@ -25,7 +26,7 @@ public:
     fade_left_ = 0;
   }
   void set(double samples, bool glide, bool jump) noexcept {
-    const double target = std::clamp(samples, 0.0, static_cast<double>(line_.size()) - 8);
+    const double target = std::clamp(samples, 0.0, static_cast<double>(line_.size() - kRoom));
     if (target == delay_)
       return;
     old_delay_ = current();
@@ -55,21 +56,47 @@ public:
 
   /// The same for many samples, in place.
   void run(float* sound, std::size_t count) noexcept {
-    const auto whole = static_cast<std::size_t>(delay_);
-    if (fade_left_ > 0 || whole == 0) {
-      for (std::size_t n = 0; n < count; ++n)
-        sound[n] = step(sound[n]);
-      return;
-    }
-    const Cubic cubic(static_cast<float>(delay_ - static_cast<double>(whole)));
-    for (std::size_t n = 0; n < count; ++n, ++write_) {
-      line_[write_ & mask_] = sound[n];
-      sound[n] = cubic.a * line_[(write_ - whole + 1) & mask_] + cubic.b * line_[(write_ - whole) & mask_] +
-                 cubic.c * line_[(write_ - whole - 1) & mask_] + cubic.d * line_[(write_ - whole - 2) & mask_];
+    while (count > 0) {
+      const std::size_t part = std::min(count, kPart);
+      if (fade_left_ > 0)
+        for (std::size_t n = 0; n < part; ++n)
+          sound[n] = step(sound[n]);
+      else
+        run_part(sound, part);
+      sound += part;
+      count -= part;
     }
   }
 
 private:
+  static constexpr std::size_t kPart = 64;        ///< samples worked together
+  static constexpr std::size_t kRoom = kPart + 8; ///< beyond the longest delay
+
+  /// A delay that stays: all samples go in first, and the line's piece around the delayed ones is
+  /// laid out straight.
+  void run_part(float* sound, std::size_t count) noexcept {
+    const std::size_t to_end = std::min(count, line_.size() - (write_ & mask_));
+    std::copy_n(sound, to_end, line_.data() + (write_ & mask_));
+    std::copy_n(sound + to_end, count - to_end, line_.data());
+    const auto whole = static_cast<std::size_t>(delay_);
+    const float x = static_cast<float>(delay_ - static_cast<double>(whole));
+    std::array<float, kPart + 3> piece;
+    const std::size_t first = (write_ - whole - 2) & mask_; // two before the first sample's place
+    write_ += count;
+    const std::size_t there = std::min(count + 3, line_.size() - first);
+    std::copy_n(line_.data() + first, there, piece.data());
+    std::copy_n(line_.data(), count + 3 - there, piece.data() + there);
+    if (whole == 0) { // the last of the piece is still to come, and not needed
+      for (std::size_t n = 0; n < count; ++n)
+        sound[n] = piece[n + 2] + x * (piece[n + 1] - piece[n + 2]);
+      return;
+    }
+    const Cubic cubic(x);
+    for (std::size_t n = 0; n < count; ++n)
+      sound[n] = cubic.a * piece[n + 3] + cubic.b * piece[n + 2] + cubic.c * piece[n + 1] +
+                 cubic.d * piece[n];
+  }
+
   /// Weights of four samples around a place between the second and the third.
   struct Cubic {
     explicit Cubic(float x) noexcept
@@ -83,7 +110,8 @@ private:
                   : delay_;
   }
   [[nodiscard]] float tap(double delay) const noexcept {
-    // The cubic needs a sample on either side: below one sample of delay the straight line has to do.
+    // The cubic needs a sample on either side: below one sample of delay the straight line has to
+    // do.
     const auto whole = static_cast<std::size_t>(delay);
     const float x = static_cast<float>(delay - static_cast<double>(whole));
     const auto at = [&](std::size_t back) { return line_[(write_ - back) & mask_]; };
@@ -94,8 +122,8 @@ private:
            cubic.d * at(whole + 2);
   }
 
-  std::vector<float> line_ = std::vector<float>(16, 0.0F);
-  std::size_t mask_ = 15, write_ = 0, fade_left_ = 0;
+  std::vector<float> line_ = std::vector<float>(128, 0.0F);
+  std::size_t mask_ = 127, write_ = 0, fade_left_ = 0;
   double delay_ = 0, old_delay_ = 0;
   bool glide_ = false;
 };

@@ -230,7 +230,8 @@ std::size_t ModeBank::find_pushing() noexcept {
       wake(d);
     else
       force_[d] = kSilence.data();
-    if (now || std::any_of(history_[d].begin(), history_[d].end(), pushes))
+    // History is of the leap at hand alone.
+    if (now || (phase_ > 0 && std::any_of(history_[d].begin(), history_[d].end(), pushes)))
       pushing_[count++] = static_cast<std::uint32_t>(d);
   }
   return count;

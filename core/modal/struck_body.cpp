@@ -16,8 +16,16 @@ constexpr double kQuietest = 1e-8;   // of full scale: a mode below it is put to
 constexpr std::size_t kFade = 512;   // samples, of the sound of a body that is exchanged
 constexpr double kGainSpeed = 0.005; // of the way, per sample
 
-double sane(double x, double most) noexcept {
-  return x > -most ? (x < most ? x : most) : (x <= -most ? -most : 0.0);
+/// Within bounds, and zero for what is no number.
+template <class S> void make_sane(std::span<const S> from, double most, float* to) noexcept {
+  const S bound = static_cast<S>(most);
+  for (std::size_t n = 0; n < from.size(); ++n) {
+    S x = from[n];
+    x = x == x ? x : S{0};
+    x = x < bound ? x : bound;
+    x = x > -bound ? x : -bound;
+    to[n] = static_cast<float>(x);
+  }
 }
 
 } // namespace
@@ -332,7 +340,7 @@ void StruckBody::run(std::size_t frames) noexcept {
       n = coupled_now_ ? in_contact(n, frames) : in_flight(n, frames);
     if (model_->plays_raw)
       play_raw(frames);
-    for (Pulse& pulse : pulses_)
+    for (Pulse& pulse : std::span(pulses_).first(model_->settings.voices))
       pulse.active = pulse.active && pulse.age_s < pulse.duration_s;
   }
   if (options_.led && options_.spring_n_per_m > 0)
@@ -351,7 +359,8 @@ void StruckBody::finish(std::size_t frames) noexcept {
     delay_[l].run(sound.data(), frames);
     smooth_gain_ = start;
     fade_left_ = fade;
-    for (std::size_t n = 0; n < frames; ++n) {
+    std::size_t n = 0;
+    for (; n < frames && (fade_left_ > 0 || smooth_gain_ != options_.gain); ++n) {
       if (smooth_gain_ != options_.gain) {
         smooth_gain_ += kGainSpeed * (options_.gain - smooth_gain_);
         if (std::abs(smooth_gain_ - options_.gain) <= 1e-6 * options_.gain)
@@ -360,9 +369,12 @@ void StruckBody::finish(std::size_t frames) noexcept {
       sound[n] *= static_cast<float>(smooth_gain_);
       if (fade_left_ > 0)
         sound[n] += left_over_[l] * static_cast<float>(fade_left_--) / static_cast<float>(kFade);
-      if (!std::isfinite(sound[n]))
-        sound[n] = 0;
     }
+    const auto steady = static_cast<float>(smooth_gain_);
+    for (; n < frames; ++n)
+      sound[n] *= steady;
+    for (n = 0; n < frames; ++n)
+      sound[n] = sound[n] - sound[n] == 0 ? sound[n] : 0; // what is not finite
     last_[l] = sound[frames - 1];
   }
   for (std::size_t l = listeners; l < kMostListeners; ++l) { // one listener is heard on both sides
@@ -378,17 +390,16 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
   const std::size_t frames = force_out.size();
   for (std::size_t begin = 0; begin < frames; begin += kChunk) {
     const std::size_t count = std::min(kChunk, frames - begin);
-    for (std::size_t n = 0; n < count; ++n) {
-      chunk_.force[n] = static_cast<float>(sane(static_cast<double>(force[begin + n]), kMostForce));
-      chunk_.height[n] =
-          static_cast<float>(sane(static_cast<double>(height[begin + n]), kMostHeight));
-    }
+    make_sane(force.subspan(begin, count), kMostForce, chunk_.force.data());
+    make_sane(height.subspan(begin, count), kMostHeight, chunk_.height.data());
     run(count);
-    for (std::size_t n = 0; n < count; ++n) {
-      for (std::size_t l = 0; l < out.size(); ++l)
-        out[l][begin + n] = static_cast<S>(chunk_.heard[std::min(l, kMostListeners - 1)][n]);
-      force_out[begin + n] = static_cast<S>(chunk_.contact[n]);
-    }
+    const auto pass_on = [&](const auto& from, std::span<S> to) {
+      for (std::size_t n = 0; n < count; ++n)
+        to[n] = static_cast<S>(from[n]);
+    };
+    for (std::size_t l = 0; l < out.size(); ++l)
+      pass_on(chunk_.heard[std::min(l, kMostListeners - 1)], out[l].subspan(begin, count));
+    pass_on(chunk_.contact, force_out.subspan(begin, count));
   }
 }
 

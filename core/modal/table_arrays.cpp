@@ -42,30 +42,28 @@ const NpzArray* TableArrays::take(std::string_view name, std::string_view kinds,
   return array;
 }
 
-std::vector<double> TableArrays::reals(std::string_view name,
-                                       std::initializer_list<std::size_t> shape, bool needed) {
+template <class T>
+std::vector<T> TableArrays::numbers(std::string_view name, std::initializer_list<std::size_t> shape,
+                                    bool needed, std::vector<T> (NpzArray::*values)() const) {
   if (!needed && !has(name))
     return {};
   const NpzArray* array = take(name, "fiu", shape);
   if (!array)
     return {};
-  std::vector<double> values = array->values();
-  if (!std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); }))
+  std::vector<T> found = (array->*values)();
+  if (!std::all_of(found.begin(), found.end(), [](T x) { return std::isfinite(x); }))
     refuse("array '" + std::string(name) + "' holds numbers that are not finite");
-  return values;
+  return found;
+}
+
+std::vector<double> TableArrays::reals(std::string_view name,
+                                       std::initializer_list<std::size_t> shape, bool needed) {
+  return numbers(name, shape, needed, &NpzArray::values);
 }
 
 std::vector<float> TableArrays::singles(std::string_view name,
                                         std::initializer_list<std::size_t> shape, bool needed) {
-  if (!needed && !has(name))
-    return {};
-  const NpzArray* array = take(name, "fiu", shape);
-  if (!array)
-    return {};
-  std::vector<float> values = array->single_values();
-  if (!std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }))
-    refuse("array '" + std::string(name) + "' holds numbers that are not finite");
-  return values;
+  return numbers(name, shape, needed, &NpzArray::single_values);
 }
 
 } // namespace tactus::modal

@@ -34,6 +34,10 @@ public:
   [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
 
 private:
+  template <class T>
+  std::vector<T> numbers(std::string_view name, std::initializer_list<std::size_t> shape,
+                         bool needed, std::vector<T> (NpzArray::*values)() const);
+
   const NpzFile& file_;
   std::string refusal_;
 };
