@@ -34,6 +34,11 @@ void Gait::walk(bool on) noexcept {
   walking_ = on;
 }
 
+void Gait::step(std::size_t foot) noexcept {
+  if (foot < kFeet && !steps_[foot].under_way)
+    begin(steps_[foot]);
+}
+
 void Gait::begin(Step& step) noexcept {
   const auto vary = [this](double times) {
     return std::exp(times * variation_ * random_.normal());

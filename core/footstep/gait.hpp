@@ -25,6 +25,8 @@ public:
   void reset() noexcept;
   /// Begins or ends walking; a step that is under way is completed.
   void walk(bool on) noexcept;
+  /// One step of that foot now, unless it is on the ground.
+  void step(std::size_t foot) noexcept;
   [[nodiscard]] bool walking() const noexcept { return walking_; }
 
   /// One sample of both feet.

@@ -1,0 +1,190 @@
+#!/usr/bin/python3
+"""Fits a recipe's numbers to what recordings measure, by CMA-ES (Hansen; Debian: python3-cmaes).
+
+    tune.py --render render_footstep RECIPE... [--label NAME] [--rounds 60] [--steps 16]
+    tune.py --render render_footstep RECIPE --sounds FOLDER     your own recordings, .wav or .ogg
+
+A recipe of a known name is fitted to the tables of targets.py: for each feature how far its median
+lies from the recordings', in units of their spread, how far its spread is from theirs, and how many
+dB the mean band profile is off. With --sounds the same figures are measured from that folder first.
+The file is written again whenever a better one is found; its comments stay.
+"""
+import argparse
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+import targets
+from steps import measure, render
+
+warnings.filterwarnings("ignore")
+# Numbers that say how strongly, how long or how high: searched on a logarithmic scale.
+LINEAR = {"t60_tilt": (-0.5, 1.5), "tilt": (-1.5, 2.5), "place": (0.0, 1.0), "detune": (0.0, 0.3),
+          "dissipation": (0.02, 3.0), "exponent": (0.4, 4.0), "lower_by_size": (0.0, 0.5),
+          "spread": (0.05, 1.5), "vary_frequency": (0.0, 0.6), "vary_decay": (0.0, 0.8),
+          "vary_level": (0.0, 0.8), "heel": (0.0, 3.0), "ball": (0.0, 2.0), "load": (0.0, 2.0),
+          "release": (0.0, 1.0), "ratio": (1.1, 2.2), "roughness": (0.0, 3.0), "wobble": (0.0, 0.8)}
+LOGARITHMIC = {"frequency": (40, 10000), "t60": (0.005, 1.5), "stiffness": (1e4, 1e11),
+               "attack": (2e-4, 0.4), "decay": (0.003, 0.6), "largest": (2, 3000), "count": (3, 3000),
+               "quality": (0.3, 12), "length": (2e-4, 0.03), "level": (1e-4, 100), "slip": (0.005, 1),
+               "pressed": (0.5, 60), "load_n": (0.5, 200), "radiation": (10, 1500),
+               "stribeck": (0.005, 0.5)}
+KEPT = {"modes", "heel_kg", "ball_mass", "mass", "mu_s", "mu_d", "breakaway", "damping", "viscosity",
+        "gains", "rise"}
+
+
+class Text:
+    """A recipe's lines, with those numbers that are searched."""
+
+    def __init__(self, path):
+        self.lines = path.read_text().splitlines()
+        self.numbers = []  # line, key, low, high, logarithmic
+        section = ""
+        for i, line in enumerate(self.lines):
+            words = line.split("#")[0].split()
+            if not words:
+                continue
+            if words[0].startswith("["):
+                section = words[0].strip("[]")
+                continue
+            key = words[0]
+            if key in KEPT or (section == "" and key == "level") or (
+                    section == "solid" and key in ("heel", "exponent")):
+                continue
+            if section == "friction" and key == "load":
+                low, high, log = *LOGARITHMIC["load_n"], True
+            elif section == "friction" and key == "stiffness":
+                low, high, log = 1e3, 1e7, True
+            elif key in LINEAR:
+                low, high, log = *LINEAR[key], False
+            elif key in LOGARITHMIC:
+                low, high, log = *LOGARITHMIC[key], True
+            else:
+                continue
+            self.numbers.append((i, key, low, high, log))
+
+    def point(self):
+        values = []
+        for i, _, low, high, log in self.numbers:
+            v = min(max(float(self.lines[i].split()[1]), low), high)
+            values.append(np.log(v / low) / np.log(high / low) if log else (v - low) / (high - low))
+        return np.array(values)
+
+    def at(self, point):
+        lines = list(self.lines)
+        for (i, key, low, high, log), p in zip(self.numbers, np.clip(point, 0, 1)):
+            value = low * (high / low) ** p if log else low + p * (high - low)
+            comment = lines[i].partition("#")[2]
+            lines[i] = f"{key} {value:.4g}" + (f"  #{comment}" if comment else "")
+        return "\n".join(lines) + "\n"
+
+
+class Aim:
+    """Medians, 10 and 90 % of features and a profile that a recipe should have."""
+
+    def __init__(self, features, profile, bands):
+        self.features, self.profile, self.bands = features, np.array(profile, float), bands
+
+    @classmethod
+    def of_label(cls, label):
+        rows = dict(zip(targets.NAMES, targets.FEATURES[label][1]))
+        return cls(rows, targets.PROFILES[label], slice(0, None, 2))
+
+    @classmethod
+    def of_sounds(cls, folder):
+        import soundfile
+
+        from features import to_rate
+        paths = sorted(p for p in Path(folder).iterdir() if p.suffix in (".wav", ".ogg", ".flac"))
+        if len(paths) < 3:
+            sys.exit(f"{folder}: at least three recordings are needed")
+        _, named, profiles = measure([to_rate(*soundfile.read(p)) for p in paths])
+        rows = {n: tuple(np.percentile(v, [50, 10, 90])) for n, v in named.items()}
+        return cls(rows, profiles.mean(axis=0), slice(None))
+
+    def cost(self, steps):
+        _, named, profiles = measure(steps)
+        total = 0.0
+        for name, (median, low, high) in self.features.items():
+            logs = np.log(named[name] + 1e-5)
+            # Features of few recordings, or hardly varying ones, are not pinned beyond 5 %.
+            spread = max(np.log((high + 1e-5) / (low + 1e-5)) / 2.56, 0.05)
+            m = np.median(logs)
+            off = (m - np.log(median + 1e-5)) / spread
+            outside = max(0, np.log(low + 1e-5) - m, m - np.log(high + 1e-5)) / spread
+            ratio = np.log((np.percentile(logs, 90) - np.percentile(logs, 10) + 0.02) /
+                           (2.56 * spread + 0.02))
+            total += min(off * off, 25) + 2 * min(outside, 5) + 0.5 * min(ratio * ratio, 9)
+        profile = profiles.mean(axis=0)[self.bands]
+        rms = np.sqrt(np.mean((profile - self.profile) ** 2))
+        return total / len(self.features) + (rms / 3) ** 2
+
+
+def cost_of(text, aim, arguments, seed):
+    with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
+        file.write(text)
+        file.flush()
+        return aim.cost(render(arguments.render, file.name, arguments.steps, seed))
+
+
+def tune(path, aim, arguments):
+    from cmaes import CMA
+    recipe = Text(path)
+    start = recipe.point()
+    best = cost_of(recipe.at(start), aim, arguments, 1)
+    print(f"{path.stem}: {len(start)} numbers, cost {best:.2f}", flush=True)
+    search = CMA(mean=start, sigma=arguments.sigma, bounds=np.array([[0.0, 1.0]] * len(start)),
+                 seed=arguments.seed)
+    for turn in range(arguments.rounds):
+        tried = []
+        for _ in range(search.population_size):
+            point = search.ask()
+            # The same seed within a round, so that they are compared fairly; another one each round.
+            tried.append((point, cost_of(recipe.at(point), aim, arguments, 2 + turn // 10)))
+        search.tell(tried)
+        point, cost = min(tried, key=lambda t: t[1])
+        if cost < best + 0.3:
+            cost = 0.5 * (cost_of(recipe.at(point), aim, arguments, 1) + cost)
+            if cost < best:
+                best = cost
+                path.write_text(recipe.at(point))
+        if turn % 10 == 9:
+            print(f"{path.stem}: round {turn + 1}, best {best:.2f}", flush=True)
+        if search.should_stop():
+            break
+
+
+def bring_to_level(path, program, peak=0.5):
+    """Scales the recipe's own level so that the median step peaks at `peak`."""
+    peaks = [abs(step).max() for step in render(program, path, 24, 7)]
+    lines = path.read_text().splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("level "))
+    lines[at] = f"level {float(lines[at].split()[1]) * peak / np.median(peaks):.4g}"
+    path.write_text("\n".join(lines) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("recipes", nargs="+", type=Path)
+    parser.add_argument("--render", required=True)
+    parser.add_argument("--label")
+    parser.add_argument("--sounds")
+    parser.add_argument("--rounds", type=int, default=60)
+    parser.add_argument("--steps", type=int, default=16)
+    parser.add_argument("--sigma", type=float, default=0.12)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    for path in arguments.recipes:
+        label = arguments.label or path.stem
+        if not arguments.sounds and label not in targets.FEATURES:
+            sys.exit(f"{label}: known are {', '.join(targets.MATERIALS)}; or give --sounds FOLDER")
+        aim = Aim.of_sounds(arguments.sounds) if arguments.sounds else Aim.of_label(label)
+        tune(path, aim, arguments)
+        bring_to_level(path, arguments.render)
+
+
+if __name__ == "__main__":
+    main()

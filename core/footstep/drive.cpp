@@ -1,0 +1,187 @@
+#include "core/footstep/drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace tactus::footstep {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kLowEdgeHz = 50, kHighEdgeHz = 500;
+constexpr double kConstantHz = 2; // the elliptic band alone keeps a hundredth of a constant
+
+/// A pair of poles and of zeros of the analogue low-pass with its -3 dB point at 1.
+struct Pair {
+  double zero, pole_squared, pole_over_q;
+};
+constexpr Pair kSixth[] = {{1.4894312106482, 0.96546939876, 0.155186248211},
+                           {1.9262703869911, 0.689835926456, 0.525613874264},
+                           {4.9655791861224, 0.308269742009, 0.904587973613}};
+constexpr Pair kFourth[] = {{1.7623797270747, 0.939222969904, 0.36237114833},
+                            {4.0303539170657, 0.543396254387, 1.1481767612}};
+
+double ran(double& s1, double& s2, double b0, double b1, double b2, double a1, double a2,
+           double x) noexcept {
+  const double y = b0 * x + s1;
+  s1 = b1 * x - a1 * y + s2;
+  s2 = b2 * x - a2 * y;
+  return y;
+}
+
+} // namespace
+
+void HapticBand::prepare(double sample_rate) noexcept {
+  const auto bilinear = [sample_rate](double edge_hz, double n2, double n0, double d2, double d1,
+                                      double d0) {
+    const double k = std::tan(kPi * std::min(edge_hz / sample_rate, 0.45)), k2 = k * k;
+    const double norm = 1 / (d2 + d1 * k + d0 * k2);
+    return Section{(n2 + n0 * k2) * norm, 2 * (n0 * k2 - n2) * norm, (n2 + n0 * k2) * norm,
+                   2 * (d0 * k2 - d2) * norm, (d2 - d1 * k + d0 * k2) * norm};
+  };
+  follow_ = 1 - std::exp(-2 * kPi * kConstantHz / sample_rate);
+  std::size_t i = 0;
+  for (const Pair& p : kFourth) // 1/s in place of s
+    section_[i++] = bilinear(kLowEdgeHz, p.pole_squared, p.pole_squared / (p.zero * p.zero),
+                             p.pole_squared, p.pole_over_q, 1);
+  for (const Pair& p : kSixth)
+    section_[i++] = bilinear(kHighEdgeHz, p.pole_squared / (p.zero * p.zero), p.pole_squared, 1,
+                             p.pole_over_q, p.pole_squared);
+}
+
+double HapticBand::next(double x) noexcept {
+  constant_ += follow_ * (x - constant_);
+  x -= constant_;
+  for (std::size_t i = 0; i < kSections; ++i) {
+    const Section& c = section_[i];
+    x = ran(state_[i].s1, state_[i].s2, c.b0, c.b1, c.b2, c.a1, c.a2, x);
+  }
+  // Long tails end before they become denormal.
+  if (std::abs(x) < 1e-30 && std::abs(state_[0].s1) < 1e-30 && std::abs(constant_) < 1e-30)
+    reset();
+  return x;
+}
+
+void DriveEqualiser::prepare(double sample_rate) noexcept {
+  sample_rate_ = sample_rate;
+  work_out();
+}
+
+bool DriveEqualiser::set(std::span<const double> table) noexcept {
+  const std::size_t count = table.size() / 2;
+  if (table.size() % 2 || count > kMost)
+    return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double f = table[2 * i], g = table[2 * i + 1];
+    if (!(f >= 20 && f <= 2000 && std::abs(g) <= 24) || (i > 0 && !(f > table[2 * i - 2])))
+      return false;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    frequency_hz_[i] = table[2 * i];
+    wanted_db_[i] = table[2 * i + 1];
+  }
+  count_ = count;
+  work_out();
+  return true;
+}
+
+void DriveEqualiser::work_out() noexcept {
+  constexpr double kQuality = 1.4;
+  constexpr int kRounds = 40;
+  std::array<double, kMost> gain_db = wanted_db_;
+  const auto peaking = [&](std::size_t i) { // Bristow-Johnson's peaking filter
+    const double w = 2 * kPi * std::min(frequency_hz_[i] / sample_rate_, 0.45);
+    const double a = std::pow(10.0, gain_db[i] / 40), alpha = std::sin(w) / (2 * kQuality);
+    const double norm = 1 / (1 + alpha / a);
+    section_[i] = {(1 + alpha * a) * norm, -2 * std::cos(w) * norm, (1 - alpha * a) * norm,
+                   -2 * std::cos(w) * norm, (1 - alpha / a) * norm};
+  };
+  for (std::size_t i = 0; i < count_; ++i)
+    peaking(i);
+  // Neighbours add up: correct each by what the whole misses at its frequency.
+  for (int round = 0; round < kRounds; ++round) {
+    std::array<double, kMost> missing{};
+    for (std::size_t i = 0; i < count_; ++i) {
+      const auto z = std::polar(1.0, -2 * kPi * frequency_hz_[i] / sample_rate_);
+      double db = 0;
+      for (std::size_t k = 0; k < count_; ++k) {
+        const Section& c = section_[k];
+        db += 20 *
+              std::log10(std::abs((c.b0 + z * (c.b1 + z * c.b2)) / (1.0 + z * (c.a1 + z * c.a2))));
+      }
+      missing[i] = wanted_db_[i] - db;
+    }
+    for (std::size_t i = 0; i < count_; ++i) {
+      gain_db[i] = std::clamp(gain_db[i] + 0.5 * missing[i], -40.0, 40.0);
+      peaking(i);
+    }
+  }
+}
+
+double DriveEqualiser::next(double x) noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Section& c = section_[i];
+    x = ran(state_[i].s1, state_[i].s2, c.b0, c.b1, c.b2, c.a1, c.a2, x);
+  }
+  return x;
+}
+
+void PeakLimit::prepare(double sample_rate) noexcept {
+  recover_ = 1 - std::exp(-1 / (0.05 * sample_rate));
+}
+
+double PeakLimit::next(double x, double limit) noexcept {
+  gain_ += recover_ * (1 - gain_);
+  const double size = std::abs(x);
+  if (size * gain_ > limit)
+    gain_ = limit / size;
+  return std::clamp(x * gain_, -limit, limit);
+}
+
+void Drive::prepare(double sample_rate) {
+  const bool changed = sample_rate != sample_rate_ || line_.empty();
+  sample_rate_ = sample_rate;
+  band_.prepare(sample_rate);
+  equaliser_.prepare(sample_rate);
+  heel_limit_.prepare(sample_rate);
+  ball_limit_.prepare(sample_rate);
+  if (changed) {
+    line_.assign(static_cast<std::size_t>(kLongestDelay * sample_rate) + 2, 0.0);
+    at_ = 0;
+  }
+  set(settings_);
+}
+
+void Drive::set(const Settings& settings) noexcept {
+  settings_ = settings;
+  settings_.sensitivity_g = std::max(settings.sensitivity_g, 1e-3);
+  delay_ = static_cast<std::size_t>(
+      std::lround(std::clamp(settings.delay_s, 0.0, kLongestDelay) * sample_rate_));
+}
+
+void Drive::reset() noexcept {
+  band_.reset();
+  equaliser_.reset();
+  heel_limit_.reset();
+  ball_limit_.reset();
+  std::fill(line_.begin(), line_.end(), 0.0);
+  share_ = 1;
+}
+
+Drive::Pair Drive::next(double felt, double heel_n, double ball_n) noexcept {
+  const double total = heel_n + ball_n;
+  if (total > 0)
+    share_ = std::clamp(heel_n / total, 0.0, 1.0);
+  double x = equaliser_.next(band_.next(settings_.gain * felt));
+  if (!line_.empty()) {
+    line_[at_] = x;
+    x = line_[at_ >= delay_ ? at_ - delay_ : at_ + line_.size() - delay_];
+    if (++at_ == line_.size())
+      at_ = 0;
+  }
+  const double limit = settings_.limit_g / settings_.sensitivity_g;
+  return {heel_limit_.next(x * share_, limit), ball_limit_.next(x * (1 - share_), limit)};
+}
+
+} // namespace tactus::footstep

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tactus::footstep {
+
+/// Band of the recoil actuators under a sandal, 50 to 500 Hz (-3 dB): elliptic, fourth order below
+/// (0.1 dB ripple, 40 dB) and sixth above (0.1 dB, 60 dB), bilinear with both edges in place. White
+/// noise leaves it with less than -37 dB of its power outside 40 to 600 Hz; its delay at 200 Hz is
+/// below 2 ms. Butterworth filters of fourth order leave -14 dB outside.
+class HapticBand {
+public:
+  void prepare(double sample_rate) noexcept;
+  void reset() noexcept {
+    state_ = {};
+    constant_ = 0;
+  }
+  double next(double x) noexcept;
+
+private:
+  static constexpr std::size_t kSections = 5;
+  struct Section {
+    double b0 = 0, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
+  };
+  struct State {
+    double s1 = 0, s2 = 0;
+  };
+  std::array<Section, kSections> section_{};
+  std::array<State, kSections> state_{};
+  double constant_ = 0, follow_ = 0; ///< what is constant is taken away before
+};
+
+/// Undoes an actuator's response: peaking filters an octave or so wide, at most 16.
+class DriveEqualiser {
+public:
+  static constexpr std::size_t kMost = 16;
+  void prepare(double sample_rate) noexcept;
+  /// Frequencies in Hz (20..2000, rising) and gains in dB (-24..24) in turn; the curve passes
+  /// through them. False, and nothing changes, when they are none of that. An empty list: flat.
+  bool set(std::span<const double> frequencies_and_gains) noexcept;
+  void reset() noexcept { state_ = {}; }
+  double next(double x) noexcept;
+
+private:
+  void work_out() noexcept;
+  struct Section {
+    double b0 = 1, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
+  };
+  struct State {
+    double s1 = 0, s2 = 0;
+  };
+  double sample_rate_ = 48000;
+  std::size_t count_ = 0;
+  std::array<double, kMost> frequency_hz_{}, wanted_db_{};
+  std::array<Section, kMost> section_{};
+  std::array<State, kMost> state_{};
+};
+
+/// Keeps an acceleration within a limit: gain falls at once, recovers within 50 ms. Never exceeded.
+class PeakLimit {
+public:
+  void prepare(double sample_rate) noexcept;
+  double next(double x, double limit) noexcept;
+  void reset() noexcept { gain_ = 1; }
+
+private:
+  double gain_ = 1, recover_ = 0.001;
+};
+
+/// The motion of the ground to the two actuators of one sandal: band, equaliser, delay, then by
+/// each part's share of the force, each within the limit.
+class Drive {
+public:
+  static constexpr double kLongestDelay = 0.2; ///< s
+  struct Settings {
+    double gain = 1;          ///< of the drive for the ground's motion
+    double sensitivity_g = 3; ///< acceleration (in g) at a drive of 1
+    double limit_g = 3;       ///< largest acceleration
+    double delay_s = 0;
+  };
+  void prepare(double sample_rate); ///< may allocate
+  void set(const Settings& settings) noexcept;
+  bool equalise(std::span<const double> table) noexcept { return equaliser_.set(table); }
+  void reset() noexcept;
+
+  struct Pair {
+    double heel = 0, ball = 0;
+  };
+  /// Forces decide the shares; without any the last shares stay.
+  Pair next(double felt, double heel_n, double ball_n) noexcept;
+
+private:
+  Settings settings_;
+  double sample_rate_ = 48000, share_ = 1;
+  HapticBand band_;
+  DriveEqualiser equaliser_;
+  PeakLimit heel_limit_, ball_limit_;
+  std::vector<double> line_;
+  std::size_t at_ = 0, delay_ = 0;
+};
+
+} // namespace tactus::footstep

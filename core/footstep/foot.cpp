@@ -1,0 +1,129 @@
+#include "core/footstep/foot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus::footstep {
+namespace {
+
+constexpr double kGlide = 0.02; // s, of a change of the mixture
+constexpr double kLeave = 0.3;  // s, of a ground that is left
+constexpr double kNothing = 1e-5;
+
+} // namespace
+
+Foot::Foot() { seed(1); }
+
+void Foot::prepare(double sample_rate) {
+  for (Stand& stand : stands_)
+    stand.ground.prepare(sample_rate);
+  drive_.prepare(sample_rate);
+  glide_ = 1 - std::exp(-1 / (kGlide * sample_rate));
+  leave_ = 1 - std::exp(-1 / (kLeave * sample_rate));
+}
+
+void Foot::seed(std::uint64_t value) noexcept {
+  for (std::size_t i = 0; i < kGrounds; ++i)
+    stands_[i].ground.seed(value * kGrounds + i);
+}
+
+void Foot::set_shoe(double shoe) noexcept {
+  if (shoe == shoe_)
+    return;
+  shoe_ = shoe;
+  for (Stand& stand : stands_)
+    if (stand.id)
+      stand.ground.set(stand.recipe, shoe);
+}
+
+void Foot::reset() noexcept {
+  for (Stand& stand : stands_) {
+    stand.ground.reset();
+    stand.part = stand.wanted;
+  }
+  drive_.reset();
+}
+
+Foot::Stand* Foot::take(std::uint64_t id, const Recipe& recipe, const Stand* keep) noexcept {
+  for (Stand& stand : stands_)
+    if (stand.id == id && &stand != keep)
+      return &stand;
+  // A free one, else the one that was left first.
+  Stand* chosen = nullptr;
+  for (Stand& stand : stands_) {
+    if (&stand == keep || &stand == a_ || &stand == b_)
+      continue;
+    if (!chosen || (stand.id == 0 && chosen->id != 0) ||
+        (stand.id != 0 && chosen->id != 0 && stand.since < chosen->since))
+      chosen = &stand;
+  }
+  if (!chosen)
+    return &stands_[0];
+  chosen->ground.reset();
+  chosen->ground.set(recipe, shoe_);
+  chosen->recipe = recipe;
+  chosen->id = id;
+  chosen->part = 0;
+  return chosen;
+}
+
+void Foot::stand_on(std::uint64_t a_id, const Recipe& a, std::uint64_t b_id, const Recipe& b,
+                    double mix) noexcept {
+  const bool first = a_ == nullptr;
+  Stand* next_a = take(a_id, a, nullptr);
+  Stand* next_b = b_id == a_id ? next_a : take(b_id, b, next_a);
+  a_ = next_a;
+  b_ = next_b;
+  ++clock_;
+  for (Stand& stand : stands_) {
+    if (&stand == a_ || &stand == b_)
+      stand.since = clock_;
+    else
+      stand.wanted = 0;
+  }
+  set_mix(mix);
+  if (first)
+    for (Stand& stand : stands_)
+      stand.part = stand.wanted;
+}
+
+void Foot::set_mix(double mix) noexcept {
+  mix_ = std::clamp(mix, 0.0, 1.0);
+  if (!a_)
+    return;
+  if (a_ == b_) {
+    a_->wanted = 1;
+    return;
+  }
+  // Two grounds are independent sounds: their powers add up to one.
+  a_->wanted = mix_ >= 1 ? 0 : std::cos(0.5 * std::numbers::pi * mix_);
+  b_->wanted = mix_ <= 0 ? 0 : std::sin(0.5 * std::numbers::pi * mix_);
+}
+
+Foot::Out Foot::next(const SoleState& sole) noexcept {
+  double felt = 0, heard = 0;
+  for (Stand& stand : stands_) {
+    if (stand.id == 0)
+      continue;
+    const bool current = &stand == a_ || &stand == b_;
+    if (stand.part != stand.wanted) {
+      stand.part += (current ? glide_ : leave_) * (stand.wanted - stand.part);
+      if (std::abs(stand.part - stand.wanted) < kNothing)
+        stand.part = stand.wanted;
+    }
+    if (stand.part == 0 && stand.wanted == 0) {
+      if (!current)
+        stand.id = 0;
+      continue;
+    }
+    // Nothing steps on a ground that is left: it only rings out.
+    const Ground::Sound sound = stand.ground.next(current ? sole : SoleState{}, weight_n_);
+    felt += stand.part * sound.felt;
+    heard += stand.part * sound.heard;
+  }
+  const Drive::Pair pair = drive_.next(felt, sole.heel_n, sole.ball_n);
+  return {heard, pair.heel, pair.ball};
+}
+
+} // namespace tactus::footstep

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "core/footstep/drive.hpp"
+#include "core/footstep/ground.hpp"
+#include "core/footstep/recipe.hpp"
+#include "core/footstep/step_event.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace tactus::footstep {
+
+/// One foot: what its sole does in, sound and the two drives out. It stands on up to two grounds at
+/// once, mixed; a ground that it leaves goes on sounding and fades.
+class Foot {
+public:
+  Foot();
+  Foot(const Foot&) = delete; // it points at its own grounds
+  Foot& operator=(const Foot&) = delete;
+  void prepare(double sample_rate); ///< may allocate
+  void seed(std::uint64_t value) noexcept;
+  void set_shoe(double shoe) noexcept;
+  void set_weight(double weight_n) noexcept { weight_n_ = weight_n > 1e-6 ? weight_n : 1e-6; }
+  /// Grounds by identity: the same number again keeps what sounds. mix 0: all a, 1: all b.
+  void stand_on(std::uint64_t a_id, const Recipe& a, std::uint64_t b_id, const Recipe& b,
+                double mix) noexcept;
+  void set_mix(double mix) noexcept;
+  Drive& drive() noexcept { return drive_; }
+  void reset() noexcept;
+
+  struct Out {
+    double heard = 0, heel_drive = 0, ball_drive = 0;
+  };
+  Out next(const SoleState& sole) noexcept;
+
+private:
+  static constexpr std::size_t kGrounds = 4;
+  struct Stand {
+    Ground ground;
+    Recipe recipe;
+    std::uint64_t id = 0;        ///< 0: none
+    double part = 0, wanted = 0; ///< of the sound, now and soon
+    std::uint64_t since = 0;
+  };
+  Stand* take(std::uint64_t id, const Recipe& recipe, const Stand* keep) noexcept;
+
+  std::array<Stand, kGrounds> stands_;
+  Stand *a_ = nullptr, *b_ = nullptr;
+  double mix_ = 0, weight_n_ = 700, shoe_ = 0.4, glide_ = 0.001, leave_ = 0.0001;
+  std::uint64_t clock_ = 0;
+  Drive drive_;
+};
+
+} // namespace tactus::footstep

@@ -1,0 +1,169 @@
+#include "core/footstep/recipe.hpp"
+
+namespace tactus::footstep {
+namespace {
+
+CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
+
+#define PLACE(member) [](Recipe& r) -> double& { return r.member; }
+#define IN_CLOUD(member) [](Recipe& r) -> double& { return last(r).member; }
+#define SCATTER(section, part)                                                                     \
+  RecipeKey{section,                                                                               \
+            "vary_frequency",                                                                      \
+            "",                                                                                    \
+            0,                                                                                     \
+            2,                                                                                     \
+            "of each step: its frequencies",                                                       \
+            PLACE(part.scatter.frequency)},                                                        \
+      RecipeKey{section,                                                                           \
+                "vary_decay",                                                                      \
+                "",                                                                                \
+                0,                                                                                 \
+                2,                                                                                 \
+                "of each step: its decay times",                                                   \
+                PLACE(part.scatter.decay)},                                                        \
+      RecipeKey {                                                                                  \
+    section, "vary_level", "", 0, 2, "of each step: its strength", PLACE(part.scatter.level)       \
+  }
+#define MODES(section, part)                                                                       \
+  RecipeKey{section, "modes", "", 1, kMostModes, "number of modes", PLACE(part.modes.count)},      \
+      RecipeKey{section,                                                                           \
+                "frequency",                                                                       \
+                "Hz",                                                                              \
+                20,                                                                                \
+                12000,                                                                             \
+                "of the lowest mode",                                                              \
+                PLACE(part.modes.frequency_hz)},                                                   \
+      RecipeKey{section, "ratio", "", 1.01, 4, "from mode to mode", PLACE(part.modes.ratio)},      \
+      RecipeKey{section, "detune", "", 0, 1, "how irregular they are", PLACE(part.modes.detune)},  \
+      RecipeKey{section,                                                                           \
+                "t60",                                                                             \
+                "s",                                                                               \
+                0.001,                                                                             \
+                20,                                                                                \
+                "decay time of the lowest mode",                                                   \
+                PLACE(part.modes.t60_s)},                                                          \
+      RecipeKey{section, "t60_tilt", "", -2, 3, "T60 ~ f^-this", PLACE(part.modes.t60_tilt)},      \
+      RecipeKey{section, "tilt", "", -3, 4, "loudness ~ f^-this", PLACE(part.modes.tilt)},         \
+      RecipeKey{section, "mass", "kg", 0.001, 1000, "of each mode", PLACE(part.modes.mass_kg)},    \
+      RecipeKey {                                                                                  \
+    section, "place", "", 0, 2, "how the place of the step changes the modes' shares",             \
+        PLACE(part.modes.place)                                                                    \
+  }
+#define CLOUD(section)                                                                             \
+  RecipeKey{                                                                                       \
+      section, "count", "", 0, 50000, "events for each unit of energy", IN_CLOUD(settings.count)}, \
+      RecipeKey{section,                                                                           \
+                "attack",                                                                          \
+                "s",                                                                               \
+                1e-4,                                                                              \
+                5,                                                                                 \
+                "in which a landing's energy arrives",                                             \
+                IN_CLOUD(settings.attack_s)},                                                      \
+      RecipeKey{                                                                                   \
+          section, "decay", "s", 1e-4, 10, "in which it dies down", IN_CLOUD(settings.decay_s)},   \
+      RecipeKey{section,                                                                           \
+                "exponent",                                                                        \
+                "",                                                                                \
+                0.05,                                                                              \
+                20,                                                                                \
+                "of the event energies' power law",                                                \
+                IN_CLOUD(settings.exponent)},                                                      \
+      RecipeKey{section,                                                                           \
+                "largest",                                                                         \
+                "",                                                                                \
+                1.001,                                                                             \
+                1e6,                                                                               \
+                "event over the smallest, in energy",                                              \
+                IN_CLOUD(settings.largest)},                                                       \
+      RecipeKey{section, "frequency", "Hz", 20, 20000, "median", IN_CLOUD(settings.frequency_hz)}, \
+      RecipeKey{section,                                                                           \
+                "spread",                                                                          \
+                "",                                                                                \
+                0,                                                                                 \
+                3,                                                                                 \
+                "standard deviation of its logarithm",                                             \
+                IN_CLOUD(settings.spread)},                                                        \
+      RecipeKey{section,                                                                           \
+                "lower_by_size",                                                                   \
+                "",                                                                                \
+                0,                                                                                 \
+                2,                                                                                 \
+                "frequency ~ event energy^-this",                                                  \
+                IN_CLOUD(settings.lower_by_size)},                                                 \
+      RecipeKey{section, "level", "", 0, 1e4, "strength of the sound", IN_CLOUD(settings.level)},  \
+      RecipeKey{section,       "heel", "", 0, 100, "energy of the heel's landing at 0.5 m/s",      \
+                IN_CLOUD(heel)},                                                                   \
+      RecipeKey{section,       "ball", "", 0, 100, "energy of the ball's landing at 0.5 m/s",      \
+                IN_CLOUD(ball)},                                                                   \
+      RecipeKey{section,       "load", "", 0, 100, "energy for each body weight that comes",       \
+                IN_CLOUD(load)},                                                                   \
+      RecipeKey{section,          "release", "", 0, 100, "energy for each body weight that goes",  \
+                IN_CLOUD(release)},                                                                \
+      RecipeKey{section,                                                                           \
+                "vary_frequency",                                                                  \
+                "",                                                                                \
+                0,                                                                                 \
+                2,                                                                                 \
+                "of each step: its frequencies",                                                   \
+                IN_CLOUD(scatter.frequency)},                                                      \
+      RecipeKey{                                                                                   \
+          section, "vary_decay", "", 0, 2, "of each step: its decay", IN_CLOUD(scatter.decay)},    \
+      RecipeKey {                                                                                  \
+    section, "vary_level", "", 0, 2, "of each step: its strength", IN_CLOUD(scatter.level)         \
+  }
+
+constexpr RecipeKey kKeys[] = {
+    {"", "level", "", 0, 1e4, "loudness of the whole", PLACE(level)},
+    {"", "radiation", "Hz", 1, 8000, "below, less and less is heard", PLACE(radiation_hz)},
+    MODES("solid", solid),
+    {"solid", "stiffness", "N/m^exponent", 1, 1e15, "of the contact", PLACE(solid.law.stiffness)},
+    {"solid", "exponent", "", 1, 6, "of the contact", PLACE(solid.law.exponent)},
+    {"solid", "dissipation", "s/m", 0, 100, "of the contact", PLACE(solid.law.dissipation_s_per_m)},
+    {"solid", "heel", "kg", 1e-4, 100, "mass that lands with the heel", PLACE(solid.heel_kg)},
+    {"solid", "ball_mass", "kg", 1e-4, 100, "mass that lands with the ball", PLACE(solid.ball_kg)},
+    {"solid", "ball", "", 0, 10, "times the ball's landing speed", PLACE(solid.ball)},
+    {"solid", "level", "", 0, 1e4, "strength of the sound", PLACE(solid.level)},
+    SCATTER("solid", solid),
+    MODES("friction", friction),
+    {"friction", "mu_s", "", 0.01, 10, "static coefficient",
+     PLACE(friction.law.static_coefficient)},
+    {"friction", "mu_d", "", 0.01, 10, "dynamic coefficient",
+     PLACE(friction.law.dynamic_coefficient)},
+    {"friction", "stribeck", "m/s", 1e-4, 10, "speed at which it lets go",
+     PLACE(friction.law.stribeck_m_per_s)},
+    {"friction", "breakaway", "", 0.01, 0.99, "elastic share", PLACE(friction.law.breakaway)},
+    {"friction", "stiffness", "N/m", 1, 1e9, "of the bristles",
+     PLACE(friction.law.stiffness_n_per_m)},
+    {"friction", "damping", "N s/m", 0, 1e5, "of the bristles",
+     PLACE(friction.law.damping_ns_per_m)},
+    {"friction", "viscosity", "N s/m", 0, 1e4, "between the surfaces",
+     PLACE(friction.law.viscosity_ns_per_m)},
+    {"friction", "roughness", "N^.5 s^.5/m^.5", 0, 1e3, "of the surfaces",
+     PLACE(friction.law.roughness)},
+    {"friction", "pressed", "N", 0, 1e4, "in the joint without load", PLACE(friction.pressed_n)},
+    {"friction", "load", "N", 0, 1e4, "more under one body weight", PLACE(friction.load_n)},
+    {"friction", "slip", "m/s", 0, 10, "while the load grows by 10 weights a second",
+     PLACE(friction.slip_m_per_s)},
+    {"friction", "wobble", "", 0, 2, "slow unevenness of pressure and slip",
+     PLACE(friction.wobble)},
+    {"friction", "level", "", 0, 1e4, "strength of the sound", PLACE(friction.level)},
+    SCATTER("friction", friction),
+    CLOUD("grains"),
+    {"grains", "quality", "", 0.1, 200, "Q of a grain's band-pass", IN_CLOUD(settings.quality)},
+    {"grains", "length", "s", 1e-5, 1, "median of a grain's decay", IN_CLOUD(settings.length_s)},
+    CLOUD("bubbles"),
+    {"bubbles", "rise", "", 0, 1, "of a bubble's pitch", IN_CLOUD(settings.rise)},
+};
+
+#undef PLACE
+#undef IN_CLOUD
+#undef SCATTER
+#undef MODES
+#undef CLOUD
+
+} // namespace
+
+std::span<const RecipeKey> recipe_keys() noexcept { return kKeys; }
+
+} // namespace tactus::footstep

@@ -1,0 +1,89 @@
+#pragma once
+
+#include "core/declaration.hpp"
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+/// What [footstep~] says of itself.
+namespace tactus::footstep {
+
+inline constexpr std::array<std::string_view, 2> kSources{"gait", "sensors"};
+inline constexpr std::array<std::string_view, 2> kUnits{"newton", "weight"};
+
+enum ParameterIndex : std::size_t {
+  kSource,
+  kWalk,
+  kSpeed,
+  kRun,
+  kWeight,
+  kShoe,
+  kFeet,
+  kVariation,
+  kUnit,
+  kMix,
+  kGain,
+  kDriveGain,
+  kSensitivity,
+  kLimit,
+  kDelay,
+  kSeed,
+};
+inline constexpr std::array kParameters{
+    Parameter{"source", "", 0, 0, 1, "whose steps: a walker's, made here, or the inlets' forces",
+              kSources},
+    Parameter{"walk", "", 0, 0, 1, "1: the walker walks on; 0: stops after this step"},
+    Parameter{"speed", "m/s", 1.4, 0.3, 8, "of the walker"},
+    Parameter{"run", "", 0, 0, 1, "1: runs, at 1.5 m/s or more; 0: walks, at 2.5 m/s or less"},
+    Parameter{"weight", "N", 700, 1, 10000, "of the body; forces count relative to it"},
+    Parameter{"shoe", "", 0.4, 0, 1, "hardness of the sole: 0 soft or barefoot, 1 hard"},
+    Parameter{"feet", "", 1, 1, 2, "feet that sound"},
+    Parameter{"variation", "", 0.04, 0, 0.5,
+              "of the walker from step to step (3 to 5 % in people)"},
+    Parameter{"unit", "", 0, 0, 1, "of the inlets: newtons, or body weights", kUnits},
+    Parameter{"mix", "", 0, 0, 1, "0: the first surface, 1: the second"},
+    Parameter{"gain", "", 1, 0, 1000, "of the sound"},
+    Parameter{"drive_gain", "", 1, 0, 1000, "of the drives"},
+    Parameter{"sensitivity", "g", 3, 0.01, 100, "acceleration of the actuator at a drive of 1"},
+    Parameter{"limit", "g", 3, 0, 3, "largest acceleration"},
+    Parameter{"delay", "ms", 0, 0, 200, "of the drives, to wait for a slower path"},
+    Parameter{"seed", "", 1, 0, 16777215, "of everything that is left to chance"},
+};
+
+enum MessageIndex : std::size_t { kSurface, kStep, kCalibrate, kEqualise, kSurfaces, kReset };
+inline constexpr std::array kMessages{
+    Message{"surface",
+            "wood|creak|underbrush|snow|frozensnow|sand|gravel|metal|highgrass|dryleaves|concrete|"
+            "dirt|puddle|water|carpet|file.txt [another [mix]]",
+            1, 3, "the ground, or two and how much of the second"},
+    Message{"step", "[left|right]", 0, 1, "one step"},
+    Message{"calibrate", "heel|ball [reading N reading N ...]", 1, 65,
+            "at least five rising points from what the sensor reads to newtons; none: as it is"},
+    Message{"equalise", "[f1 dB1 f2 dB2 ...]", 0, 32,
+            "undoes the actuator's response at these Hz; none: flat"},
+    Message{"surfaces", "", 0, 0, "names of the fifteen, out of the info outlet"},
+    Message{"reset", "", 0, 0, "silence, both feet in the air"},
+};
+
+inline constexpr std::array kArguments{CreationArgument{"surface"}};
+inline constexpr std::array kInlets{
+    Port{Port::Kind::kSignal, "heel", "N", "source sensors: force under the (left) heel"},
+    Port{Port::Kind::kSignal, "ball", "N", "force under the ball of the (left) foot"},
+    Port{Port::Kind::kSignal, "heel_2", "N", "feet 2: right heel"},
+    Port{Port::Kind::kSignal, "ball_2", "N", "feet 2: ball of the right foot"},
+};
+inline constexpr std::array kOutlets{
+    Port{Port::Kind::kSignal, "sound", "", "of the (left) foot, within +-1"},
+    Port{Port::Kind::kSignal, "heel_drive", "", "to the actuator under the heel"},
+    Port{Port::Kind::kSignal, "ball_drive", "", "to the actuator under the ball"},
+    Port{Port::Kind::kSignal, "force", "N", "under the foot"},
+    Port{Port::Kind::kSignal, "sound_2", "", "feet 2: of the right foot"},
+    Port{Port::Kind::kSignal, "heel_drive_2", "", "feet 2: right heel"},
+    Port{Port::Kind::kSignal, "ball_drive_2", "", "feet 2: right ball"},
+    Port{Port::Kind::kSignal, "force_2", "N", "feet 2: under the right foot"},
+    Port{Port::Kind::kControl, "info", "",
+         "step left|right heel|ball (with m/s) or heel_up|toe_off, and answers"},
+};
+
+} // namespace tactus::footstep

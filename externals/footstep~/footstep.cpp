@@ -1,0 +1,218 @@
+#include "core/words.hpp"
+#include "externals/footstep~/footstep~.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace tactus::footstep {
+namespace {
+
+constexpr std::array<std::string_view, 4> kPhases{"heel", "ball", "heel_up", "toe_off"};
+constexpr std::array<std::string_view, 2> kSides{"left", "right"};
+
+/// Straight up to 0.7, then bent so that it never passes 1.
+double rounded(double x) noexcept {
+  constexpr double kKnee = 0.7;
+  const double size = std::abs(x);
+  if (size <= kKnee)
+    return x;
+  const double over = (size - kKnee) / (1 - kKnee);
+  return std::copysign(kKnee + (1 - kKnee) * over / (1 + over), x);
+}
+
+/// False unless all words are finite numbers.
+bool numbers_of(std::span<const Atom> words, std::vector<double>& numbers) {
+  for (const Atom& word : words) {
+    if (word.is_word || !std::isfinite(word.number))
+      return false;
+    numbers.push_back(word.number);
+  }
+  return true;
+}
+
+} // namespace
+
+Footstep::Footstep() : sides_(std::make_unique<std::array<Side, Gait::kFeet>>()) {
+  for (std::size_t i = 0; i < value_.size(); ++i)
+    value_[i] = kParameters[i].initial;
+  first_ = second_ = store_.built_in("wood");
+  prepare(48000, 64);
+  set(kSeed, value_[kSeed]);
+  stand();
+}
+
+void Footstep::prepare(double sample_rate, std::size_t) {
+  gait_.prepare(sample_rate);
+  for (Side& side : *sides_) {
+    side.foot.prepare(sample_rate);
+    side.sensor.prepare(sample_rate);
+  }
+  apply();
+}
+
+void Footstep::apply() noexcept {
+  gait_.set({value_[kSpeed], value_[kWeight], value_[kShoe], value_[kRun] >= 0.5},
+            value_[kVariation]);
+  const Drive::Settings drive{value_[kDriveGain], value_[kSensitivity], value_[kLimit],
+                              value_[kDelay] / 1000};
+  for (Side& side : *sides_) {
+    side.foot.set_weight(value_[kWeight]);
+    side.foot.set_shoe(value_[kShoe]);
+    side.foot.set_mix(value_[kMix]);
+    side.foot.drive().set(drive);
+    side.sensor.set(value_[kWeight]);
+  }
+}
+
+void Footstep::set(std::size_t parameter, double value) noexcept {
+  value_[parameter] = value;
+  if (parameter == kWalk)
+    return gait_.walk(value >= 0.5);
+  if (parameter == kSeed) {
+    const auto seed = static_cast<std::uint64_t>(value);
+    gait_.seed(seed);
+    for (std::size_t i = 0; i < Gait::kFeet; ++i)
+      (*sides_)[i].foot.seed(2 * seed + i);
+    return;
+  }
+  apply();
+}
+
+void Footstep::stand() noexcept {
+  for (Side& side : *sides_)
+    side.foot.stand_on(first_->id, first_->recipe, second_->id, second_->recipe, value_[kMix]);
+}
+
+void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+  switch (index) {
+  case kSurface:
+    return set_surface(arguments, host);
+  case kStep:
+    if (!arguments.empty() && !(arguments[0].is_word &&
+                                (arguments[0].word == kSides[0] || arguments[0].word == kSides[1])))
+      return host.error("step: expected left or right");
+    return gait_.step(!arguments.empty() && arguments[0].word == kSides[1] ? 1 : 0);
+  case kCalibrate:
+    return calibrate(arguments, host);
+  case kEqualise:
+    return equalise(arguments, host);
+  case kSurfaces: {
+    std::vector<Atom> names{"surfaces"};
+    for (const BuiltInSurface& surface : built_in_surfaces())
+      names.emplace_back(surface.name);
+    return host.info(std::span<const Atom>(names));
+  }
+  case kReset:
+    gait_.reset();
+    for (Side& side : *sides_) {
+      side.foot.reset();
+      side.sensor.reset();
+    }
+    return;
+  default:
+    return;
+  }
+}
+
+void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {
+  std::array<std::shared_ptr<const Surface>, 2> found{};
+  const std::size_t names = std::min<std::size_t>(arguments.size(), 2);
+  for (std::size_t i = 0; i < names; ++i) {
+    if (!arguments[i].is_word)
+      return host.error("surface: expected one name or two, and how much of the second");
+    found[i] = store_.find(arguments[i].word, host);
+    if (!found[i])
+      return;
+  }
+  double mix = names == 2 ? value_[kMix] : 0;
+  if (arguments.size() == 3) {
+    mix = arguments[2].number;
+    if (arguments[2].is_word || !(mix >= 0 && mix <= 1))
+      return host.error("surface: expected a mix in 0..1");
+  }
+  value_[kMix] = mix;
+  first_ = found[0];
+  second_ = names == 2 ? found[1] : found[0];
+  stand();
+}
+
+void Footstep::calibrate(std::span<const Atom> arguments, Host& host) {
+  const bool ball = arguments[0].is_word && arguments[0].word == "ball";
+  std::vector<double> numbers;
+  if (!arguments[0].is_word || (!ball && arguments[0].word != "heel") ||
+      !numbers_of(arguments.subspan(1), numbers))
+    return host.error("calibrate: expected heel or ball, then readings and newtons in turn");
+  Calibration table;
+  if (!numbers.empty() && !table.set(numbers))
+    return host.error("calibrate: expected 5 to 32 points that rise, reading and newtons in turn");
+  for (Side& side : *sides_)
+    (ball ? side.sensor.ball_calibration() : side.sensor.heel_calibration()) = table;
+}
+
+void Footstep::equalise(std::span<const Atom> arguments, Host& host) {
+  std::vector<double> numbers;
+  DriveEqualiser trial;
+  if (!numbers_of(arguments, numbers) || !trial.set(numbers))
+    return host.error("equalise: expected up to 16 pairs, rising Hz in 20..2000 and dB in -24..24");
+  for (Side& side : *sides_)
+    static_cast<void>(side.foot.drive().equalise(numbers));
+}
+
+void Footstep::note(std::size_t foot, const SoleState& sole) noexcept {
+  const auto add = [&](Phase phase, double speed) {
+    if (event_count_ < kMostEvents)
+      events_[event_count_++] = {foot, phase, speed};
+  };
+  if (sole.heel_landing > 0)
+    add(Phase::kHeelDown, sole.heel_landing);
+  if (sole.ball_landing > 0)
+    add(Phase::kBallDown, sole.ball_landing);
+  if (sole.heel_up)
+    add(Phase::kHeelUp, 0);
+  if (sole.toe_off)
+    add(Phase::kToeOff, 0);
+}
+
+std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
+  std::array<SoleState, Gait::kFeet> soles{};
+  const std::size_t feet = value_[kFeet] >= 1.5 ? 2 : 1;
+  if (value_[kSource] < 0.5) {
+    gait_.next(soles);
+  } else {
+    const double unit = value_[kUnit] < 0.5 ? 1 : value_[kWeight];
+    for (std::size_t i = 0; i < feet; ++i)
+      soles[i] = (*sides_)[i].sensor.next(in[2 * i] * unit, in[2 * i + 1] * unit);
+  }
+  std::array<double, 8> out{};
+  for (std::size_t i = 0; i < feet; ++i) {
+    const SoleState& sole = soles[i];
+    note(i, sole);
+    const Foot::Out made = (*sides_)[i].foot.next(sole);
+    out[4 * i] = rounded(value_[kGain] * made.heard);
+    out[4 * i + 1] = made.heel_drive;
+    out[4 * i + 2] = made.ball_drive;
+    out[4 * i + 3] = sole.heel_n + sole.ball_n;
+  }
+  return out;
+}
+
+void Footstep::report(Host& host) {
+  for (std::size_t i = 0; i < event_count_; ++i) {
+    const Event& event = events_[i];
+    const auto phase = kPhases[static_cast<std::size_t>(event.phase)];
+    if (event.speed > 0)
+      host.info({"step", kSides[event.foot], phase, event.speed});
+    else
+      host.info({"step", kSides[event.foot], phase});
+  }
+  event_count_ = 0;
+}
+
+void Footstep::dump(Host& host) {
+  host.info(
+      {"surface", std::string_view(first_->name), std::string_view(second_->name), value_[kMix]});
+}
+
+} // namespace tactus::footstep

@@ -1,0 +1,83 @@
+#pragma once
+
+#include "core/footstep/foot.hpp"
+#include "core/footstep/gait.hpp"
+#include "core/footstep/sole_sensor.hpp"
+#include "core/object.hpp"
+#include "externals/footstep~/declaration.hpp"
+#include "externals/footstep~/surface_store.hpp"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+
+namespace tactus::footstep {
+
+/// [footstep~]: steps on any ground, heard and felt, from the force under the sole.
+/// docs/footstep.md.
+class Footstep {
+public:
+  static constexpr Declaration declaration{
+      "footstep~",
+      "steps on any ground, heard and felt",
+      "The force under heel and ball, from sensors, a recording or a walker made here, meets a "
+      "ground made of a readable recipe: masses that strike, boards that rub, grains and bubbles. "
+      "Sound for the ears and drives for actuators under heel and ball come from the same motion.",
+      "footsteps walking gait ground surface haptic vibrotactile physical model",
+      kInlets,
+      kOutlets,
+      kParameters,
+      kMessages,
+      kArguments};
+
+  Footstep();
+  void prepare(double sample_rate, std::size_t max_block);
+  void set(std::size_t parameter, double value) noexcept;
+  [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
+  void message(std::size_t index, std::span<const Atom> arguments, Host& host);
+  void report(Host& host);
+  void dump(Host& host);
+
+  template <class S> void process(const Block<S>& block) noexcept {
+    for (std::size_t n = 0; n < block.frames; ++n) {
+      // Inputs may be the same memory as outputs: all are read first.
+      std::array<double, 4> in{};
+      for (std::size_t i = 0; i < in.size(); ++i)
+        in[i] = static_cast<double>(block.inputs[i][n]);
+      const std::array<double, 8> out = next(in);
+      for (std::size_t i = 0; i < out.size(); ++i)
+        block.outputs[i][n] = static_cast<S>(out[i]);
+    }
+  }
+
+private:
+  static constexpr std::size_t kMostEvents = 64; ///< between two reports
+  struct Event {
+    std::size_t foot;
+    Phase phase;
+    double speed;
+  };
+  struct Side {
+    Foot foot;
+    SoleSensor sensor;
+  };
+
+  std::array<double, 8> next(const std::array<double, 4>& in) noexcept;
+  void note(std::size_t foot, const SoleState& sole) noexcept;
+  void apply() noexcept;
+  void stand() noexcept;
+  void set_surface(std::span<const Atom> arguments, Host& host);
+  void calibrate(std::span<const Atom> arguments, Host& host);
+  void equalise(std::span<const Atom> arguments, Host& host);
+
+  std::array<double, kParameters.size()> value_{};
+  Gait gait_;
+  std::unique_ptr<std::array<Side, Gait::kFeet>> sides_;
+  SurfaceStore store_;
+  std::shared_ptr<const Surface> first_, second_;
+  std::array<Event, kMostEvents> events_{};
+  std::size_t event_count_ = 0;
+};
+
+} // namespace tactus::footstep

@@ -1,0 +1,156 @@
+#include "core/footstep/drive.hpp"
+#include "core/footstep/gait.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+using namespace tactus::footstep;
+
+namespace {
+
+/// Spectrum of the filter's impulse response at f.
+std::complex<double> response(const std::vector<double>& impulse, double f, double rate) {
+  std::complex<double> sum = 0;
+  for (std::size_t n = 0; n < impulse.size(); ++n)
+    sum += impulse[n] * std::polar(1.0, -2 * std::numbers::pi * f * static_cast<double>(n) / rate);
+  return sum;
+}
+
+std::vector<double> impulse_of_band(double rate) {
+  HapticBand band;
+  band.prepare(rate);
+  std::vector<double> impulse(static_cast<std::size_t>(rate));
+  for (std::size_t n = 0; n < impulse.size(); ++n)
+    impulse[n] = band.next(n == 0 ? 1 : 0);
+  return impulse;
+}
+
+double db(double ratio) { return 20 * std::log10(ratio); }
+
+} // namespace
+
+TEST_CASE("the drive's band is 50 to 500 Hz within 5 %, 40 dB down at 12 Hz and 2 kHz, and quick") {
+  for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
+    const auto impulse = impulse_of_band(rate);
+    const auto level = [&](double f) { return db(std::abs(response(impulse, f, rate))); };
+    CHECK(level(0) < -80);
+    CHECK(level(50 / 1.05) < -3);
+    CHECK(level(50 * 1.05) > -3);
+    CHECK(level(500 / 1.05) > -3);
+    CHECK(level(500 * 1.05) < -3);
+    CHECK(level(12) < -40);
+    CHECK(level(2000) < -40);
+    for (double f = 60; f < 450; f += 10)
+      CHECK(std::abs(level(f)) < 0.5);
+    const double turn = std::arg(response(impulse, 201, rate) / response(impulse, 199, rate));
+    CHECK(-turn / (2 * std::numbers::pi * 2) < 0.002);
+  }
+}
+
+TEST_CASE("of white noise less than -30 dB of the drive's power lies outside 40 to 600 Hz") {
+  const double rate = 48000;
+  const auto impulse = impulse_of_band(rate);
+  double outside = 0, whole = 0;
+  for (double f = 2; f < 6000; f += 2) {
+    const double power = std::norm(response(impulse, f, rate));
+    whole += power;
+    if (f < 40 || f > 600)
+      outside += power;
+  }
+  // Above 6 kHz the stop band holds on: count it as wide as the rest of the spectrum.
+  outside += std::norm(response(impulse, 6001, rate)) * (rate / 2 - 6000) / 2;
+  MESSAGE("outside: " << 10 * std::log10(outside / whole) << " dB");
+  CHECK(10 * std::log10(outside / whole) < -30);
+}
+
+TEST_CASE("three g are never exceeded, for any sensitivity and however loud the ground") {
+  for (const double sensitivity : {0.5, 3.0, 12.0}) {
+    Drive drive;
+    drive.prepare(48000);
+    drive.set({50, sensitivity, 3, 0});
+    double worst = 0;
+    for (int n = 0; n < 96000; ++n) {
+      const double x = 100 * std::sin(0.02 * n) * (n % 9000 < 4000 ? 1 : 1e-3);
+      const Drive::Pair pair = drive.next(x, n % 3, 1);
+      worst = std::max({worst, std::abs(pair.heel), std::abs(pair.ball)});
+    }
+    CHECK(worst * sensitivity <= 3 + 1e-12);
+    CHECK(worst * sensitivity > 2.9);
+  }
+}
+
+TEST_CASE("the heel's drive gives way to the ball's where the force does, at 46 % of the stance") {
+  Gait gait;
+  gait.prepare(48000);
+  gait.set({1.4, 700, 0, false}, 0);
+  gait.walk(true);
+  Drive drive;
+  drive.prepare(48000);
+  drive.set({1, 3, 30, 0});
+  GroundReaction reaction;
+  reaction.set({1.4, 700, 0, false});
+  std::array<SoleState, Gait::kFeet> feet{};
+  double heel = 0, ball = 0, crossing = 0;
+  for (int n = 0; n < static_cast<int>(0.98 * reaction.stance_s() * 48000); ++n) {
+    gait.next(feet);
+    const auto pair = drive.next(std::sin(2 * std::numbers::pi * 200 * n / 48000), feet[0].heel_n,
+                                 feet[0].ball_n);
+    heel += 0.002 * (std::abs(pair.heel) - heel);
+    ball += 0.002 * (std::abs(pair.ball) - ball);
+    if (crossing == 0 && n > 4800 && ball > heel)
+      crossing = n / 48000.0 / reaction.stance_s();
+  }
+  CHECK(std::abs(crossing - 0.46) < 0.02);
+}
+
+TEST_CASE("a constant motion of the ground makes no constant drive") {
+  Drive drive;
+  drive.prepare(48000);
+  drive.set({1, 3, 3, 0});
+  double last = 1;
+  for (int n = 0; n < 144000; ++n)
+    last = drive.next(1, 1, 0).heel;
+  CHECK(db(std::abs(last) + 1e-12) < -80);
+}
+
+TEST_CASE("the equaliser passes through its table and refuses one that is none") {
+  const std::array<double, 8> table{60, 6, 120, -3, 250, 4, 450, -8};
+  for (const double rate : {22050.0, 48000.0, 192000.0}) {
+    DriveEqualiser equaliser;
+    equaliser.prepare(rate);
+    REQUIRE(equaliser.set(table));
+    std::vector<double> impulse(static_cast<std::size_t>(rate));
+    for (std::size_t n = 0; n < impulse.size(); ++n)
+      impulse[n] = equaliser.next(n == 0 ? 1 : 0);
+    for (std::size_t i = 0; i < table.size(); i += 2)
+      CHECK(std::abs(db(std::abs(response(impulse, table[i], rate))) - table[i + 1]) < 0.2);
+  }
+  DriveEqualiser equaliser;
+  equaliser.prepare(48000);
+  CHECK_FALSE(equaliser.set(std::array<double, 4>{100, 3, 90, 3}));
+  CHECK_FALSE(equaliser.set(std::array<double, 2>{100, 300}));
+  CHECK_FALSE(equaliser.set(std::array<double, 2>{std::nan(""), 3}));
+  CHECK(equaliser.set({}));
+}
+
+TEST_CASE("the drive can wait for a slower path") {
+  Drive straight, late;
+  for (Drive* drive : {&straight, &late})
+    drive->prepare(48000);
+  straight.set({1, 3, 3, 0});
+  late.set({1, 3, 3, 0.01});
+  std::vector<double> a, b;
+  for (int n = 0; n < 4800; ++n) {
+    a.push_back(straight.next(n == 0, 1, 0).heel);
+    b.push_back(late.next(n == 0, 1, 0).heel);
+  }
+  for (std::size_t n = 0; n + 480 < a.size(); ++n)
+    REQUIRE(b[n + 480] == a[n]);
+}

@@ -1,0 +1,178 @@
+#include "core/footstep/foot.hpp"
+#include "core/footstep/gait.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+using namespace tactus::footstep;
+
+namespace {
+
+const std::filesystem::path kSurfaces =
+    std::filesystem::path(__FILE__).parent_path() / "../../../data/surfaces";
+
+constexpr const char* kMaterials[] = {"wood",     "creak",  "underbrush", "snow",      "frozensnow",
+                                      "sand",     "gravel", "metal",      "highgrass", "dryleaves",
+                                      "concrete", "dirt",   "puddle",     "water",     "carpet"};
+
+Recipe recipe_of(const std::string& name) {
+  std::ifstream file(kSurfaces / (name + ".txt"));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  Recipe recipe;
+  INFO(name);
+  REQUIRE(read_recipe(text, recipe) == "");
+  return recipe;
+}
+
+std::vector<double> walk(const Recipe& recipe, double rate, double seconds,
+                         std::uint64_t seed = 1) {
+  const auto foot = std::make_unique<Foot>();
+  foot->prepare(rate);
+  foot->seed(seed);
+  foot->stand_on(1, recipe, 1, recipe, 0);
+  Gait gait;
+  gait.prepare(rate);
+  gait.seed(seed);
+  gait.walk(true);
+  std::array<SoleState, Gait::kFeet> feet{};
+  std::vector<double> sound;
+  for (long n = 0; n < static_cast<long>(seconds * rate); ++n) {
+    gait.next(feet);
+    sound.push_back(foot->next(feet[0]).heard);
+  }
+  return sound;
+}
+
+double rms(const std::vector<double>& sound) {
+  double sum = 0;
+  for (const double x : sound)
+    sum += x * x;
+  return std::sqrt(sum / static_cast<double>(sound.size()));
+}
+
+} // namespace
+
+TEST_CASE("all fifteen grounds sound when walked on, stay bounded and end in silence") {
+  for (const char* name : kMaterials) {
+    INFO(name);
+    const auto foot = std::make_unique<Foot>();
+    foot->prepare(48000);
+    const Recipe recipe = recipe_of(name);
+    foot->stand_on(1, recipe, 1, recipe, 0);
+    Gait gait;
+    gait.prepare(48000);
+    gait.walk(true);
+    std::array<SoleState, Gait::kFeet> feet{};
+    double loudest = 0;
+    for (int n = 0; n < 48000 * 4; ++n) {
+      gait.next(feet);
+      const Foot::Out out = foot->next(feet[0]);
+      REQUIRE(std::isfinite(out.heard + out.heel_drive + out.ball_drive));
+      loudest = std::max(loudest, std::abs(out.heard));
+    }
+    CHECK(loudest > 0.01);
+    CHECK(loudest < 30);
+    gait.walk(false);
+    double last = 1;
+    for (int n = 0; n < 48000 * 8; ++n) {
+      gait.next(feet);
+      last = foot->next(feet[0]).heard;
+    }
+    CHECK(std::abs(last) < 1e-9);
+  }
+}
+
+TEST_CASE("the same seed repeats bit for bit and another one does not") {
+  const Recipe recipe = recipe_of("gravel");
+  const auto a = walk(recipe, 48000, 2), b = walk(recipe, 48000, 2), c = walk(recipe, 48000, 2, 2);
+  CHECK(a == b);
+  CHECK(a != c);
+}
+
+TEST_CASE("a ground's level over many steps is the same at every sample rate") {
+  for (const char* name : {"wood", "sand"}) {
+    const Recipe recipe = recipe_of(name);
+    const double reference = rms(walk(recipe, 48000, 120));
+    // Steps vary by chance: the random numbers of one rate fall otherwise at another.
+    for (const double rate : {22050.0, 96000.0})
+      CHECK(20 * std::log10(rms(walk(recipe, rate, 120)) / reference) ==
+            doctest::Approx(0).scale(1).epsilon(1.2));
+  }
+}
+
+TEST_CASE("a mixture holds both grounds at equal power, and a crossfade does not click") {
+  const Recipe a = recipe_of("sand"), b = recipe_of("gravel");
+  const auto foot = std::make_unique<Foot>();
+  foot->prepare(48000);
+  foot->stand_on(1, a, 2, b, 0);
+  Gait gait;
+  gait.prepare(48000);
+  gait.walk(true);
+  std::array<SoleState, Gait::kFeet> feet{};
+  for (int n = 0; n < 48000 * 10; ++n) {
+    if (n % 64 == 0)
+      foot->set_mix(n / 480000.0);
+    gait.next(feet);
+    REQUIRE(std::isfinite(foot->next(feet[0]).heard));
+  }
+  // Many grounds in turn, faster than any can fade.
+  for (std::uint64_t id = 3; id < 200; ++id) {
+    foot->stand_on(id, id % 2 ? a : b, id + 1, b, 0.3);
+    for (int n = 0; n < 100; ++n) {
+      gait.next(feet);
+      REQUIRE(std::isfinite(foot->next(feet[0]).heard));
+    }
+  }
+}
+
+TEST_CASE("nonsense from a sole stays finite and the foot is itself again within a second") {
+  const double odd[] = {std::numeric_limits<double>::infinity(), 1e300, -1e300, 1e-310, 3};
+  for (const char* name : kMaterials) {
+    const Recipe recipe = recipe_of(name);
+    const auto foot = std::make_unique<Foot>();
+    foot->prepare(44100);
+    foot->stand_on(1, recipe, 1, recipe, 0);
+    for (int n = 0; n < 4000; ++n) {
+      SoleState sole;
+      sole.heel_n = n % 5 == 0 ? std::nan("") : odd[n % 5];
+      sole.ball_n = odd[(n / 3) % 5];
+      sole.heel_slope = odd[(n / 5) % 5];
+      sole.ball_slope = n % 7 == 0 ? std::nan("") : odd[(n / 11) % 5];
+      sole.heel_landing = n % 100 == 0 ? odd[(n / 100) % 5] : 0;
+      sole.ball_landing = n % 130 == 0 ? odd[(n / 130) % 5] : 0;
+      const Foot::Out out = foot->next(sole);
+      REQUIRE(std::isfinite(out.heard + out.heel_drive + out.ball_drive));
+    }
+    Foot::Out out;
+    for (int n = 0; n < 44100 * 6; ++n)
+      out = foot->next({});
+    CHECK(std::abs(out.heard) < 1e-3);
+  }
+}
+
+TEST_CASE("a recipe's mistakes are named with their line") {
+  Recipe recipe;
+  CHECK(read_recipe("", recipe) == "it has no section that sounds");
+  CHECK(read_recipe("[solid]\nfrequency 300000\n", recipe) ==
+        "line 2: frequency 300000 Hz: expected 20..12000");
+  CHECK(read_recipe("# a\n[soild]\n", recipe) ==
+        "line 2: [soild]: expected [solid], [friction], [grains] or [bubbles]");
+  CHECK(read_recipe("[grains]\ncolour 3", recipe) == "line 2: there is no 'colour' in [grains]");
+  CHECK(read_recipe("[grains]\nlevel", recipe) == "line 2: level: expected one number");
+  CHECK(read_recipe("[solid]\ngains 1 2 x", recipe) == "line 2: gains x dB: expected -120..120");
+  CHECK(read_recipe("[grains]\n[grains]\n[grains]\n[bubbles]\n[grains]", recipe) ==
+        "line 5: more than 4 sections of grains and bubbles");
+  CHECK(read_recipe("level 2\n[solid] # boards\nfrequency 300 # Hz\r\n", recipe) == "");
+  CHECK(recipe.solid.modes.frequency_hz == 300);
+  CHECK(recipe.level == 2);
+}
