@@ -42,6 +42,25 @@ struct Foresight {
   double base = 0; ///< and in the one after it, without the force of the next
 };
 
+/// Samples of one exciter in a row, as long as nothing but the steps themselves has to be done:
+/// inputs, outputs, and what ends it early.
+struct Stretch {
+  const double* drive;  ///< force on the mass, N, or velocity of the rubbing surface, m/s
+  const double* normal; ///< of friction, N
+  double* heard;        ///< velocity at the ear; null: not wanted
+  double* force;        ///< mean of each sample; null: not wanted
+  const double* ear;
+  std::size_t count;
+};
+
+/// From outside only numbers of a size that a body survives.
+[[nodiscard, gnu::always_inline]] inline double bounded(double x, double size) noexcept {
+  return x > size ? size : (x < -size ? -size : (x == x ? x : 0));
+}
+inline constexpr double kMostForce = 1e7;  ///< N, from outside
+inline constexpr double kFastest = 1e4;    ///< m/s
+inline constexpr double kMostState = 1e60; ///< sqrt(J), N; beyond it all starts anew
+
 /// Every instruction set gives the same bits: the same operations in the same order.
 class BodyKernel {
 public:
@@ -50,9 +69,10 @@ public:
   virtual void ring(const ModesView&, Steps) const noexcept = 0;
   /// Foresight from the state alone.
   [[nodiscard]] virtual Foresight foresee(const ModesView&, const PlaceView&) const noexcept = 0;
-  /// A sample with one exciter on the body; no outer forces.
-  virtual void touch(const ModesView&, const PlaceView&, Foresight&, Exciter&,
-                     Steps) const noexcept = 0;
+  /// Samples with one exciter on the body that is near; no outer forces. Returns how many: it ends
+  /// early after one that leaves the exciter in need of a look (TouchedBody::look_around).
+  virtual std::size_t touch(const ModesView&, const PlaceView&, Foresight&, Exciter&, Steps,
+                            const Stretch&) const noexcept = 0;
   /// mean[i] = the modes' mean velocity of a step without contact force.
   virtual void free_mean(const ModesView&, double* mean, double h) const noexcept = 0;
   /// One step on, with that mean velocity.

@@ -76,86 +76,144 @@ template <class Set> class BodyLanes final : public BodyKernel {
     next = {free, across(sums)};
   }
 
-  [[gnu::always_inline]] static void strike(const ModesView& m, const PlaceView& spot,
-                                            Foresight& next, Exciter& e, Steps steps) noexcept {
+  /// What an impulse does instead of steps that would be too long.
+  [[gnu::noinline, gnu::cold]] static double knock(const ModesView& m, const PlaceView& spot,
+                                                   Foresight& next, Exciter& e, double rate,
+                                                   double h) noexcept {
+    const double kept = restitution(e.impact.law().dissipation_s_per_m * rate);
+    const double impulse = (1 + kept) * rate * e.effective_mass_kg;
+    over(m.padded, [&](std::size_t i, std::size_t) {
+      store(m.velocity + i, load(m.velocity + i) + all(impulse) * load(spot.shape + i));
+    });
+    next = foreseen(m, spot);
+    e.book_impulse(impulse, h);
+    return impulse;
+  }
+
+  [[gnu::always_inline]] static std::size_t strike(const ModesView& m, const PlaceView& spot,
+                                                   Foresight& foresight, Exciter& e, Steps steps,
+                                                   const Stretch& stretch) noexcept {
     const double h = steps.length_s, half_step = 0.5 * h;
     const double own = half_step * e.per_mass, mobility = e.mobility[steps.level];
-    const double outer = own * e.outer_force_n;
-    double x = e.depth_m, rate = e.approach_m_per_s, impulse = 0;
-    double place = e.place_m, velocity = e.velocity_m_per_s;
-    for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
-      bool meets = Impact::meets(x, rate, h);
-      if (meets && e.impulsive && !e.impact.touching() && rate > 0) {
-        const double kept = restitution(e.impact.law().dissipation_s_per_m * rate);
-        const double knock = (1 + kept) * rate / e.quick_mobility;
-        over(m.padded, [&](std::size_t i, std::size_t) {
-          store(m.velocity + i, load(m.velocity + i) + all(knock) * load(spot.shape + i));
-        });
-        next = foreseen(m, spot);
-        velocity -= knock * e.per_mass;
-        rate -= knock * e.quick_mobility;
-        meets = Impact::meets(x, rate, h);
-        impulse += knock;
-        e.book_impulse(knock, h);
-      }
-      const double own_free = velocity + outer, free = own_free - next.free;
-      double force = 0, mean = free;
-      if (meets) {
-        const LinearForce law = e.impact.enter_step(x, rate, h);
-        const double under = 1 / (1 + mobility * law.slope_ns_per_m);
-        force = (law.offset_n + law.slope_ns_per_m * free) * under;
-        if (force > 0) {
-          mean = (free - mobility * law.offset_n) * under;
-          e.impact.pass_step(mean, h);
-        } else {
-          force = 0;
+    const double rate_of_samples = 1 / (h * static_cast<double>(std::size_t{1} << steps.level));
+    double x = e.depth_m, rate = e.approach_m_per_s, place = e.place_m,
+           velocity = e.velocity_m_per_s, impulse = 0, mean = e.mean_velocity_m_per_s;
+    Impact impact = e.impact;
+    Foresight next = foresight;
+    std::size_t done = 0;
+    for (bool goes_on = true; goes_on && done < stretch.count; ++done) {
+      const double outer = own * (e.outer_force_n = bounded(stretch.drive[done], kMostForce));
+      impulse = 0;
+      for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
+        bool meets = Impact::meets(x, rate, h);
+        if (meets && e.impulsive && !impact.touching() && rate > 0) {
+          const double jolt = knock(m, spot, next, e, rate, h);
+          velocity -= jolt * e.per_mass;
+          rate -= jolt * e.quick_mobility;
+          impulse += jolt;
+          meets = Impact::meets(x, rate, h);
         }
+        const double own_free = velocity + outer, free = own_free - next.free;
+        double force = 0;
+        mean = free;
+        if (meets) {
+          const LinearForce law = impact.enter_step(x, rate, h);
+          const double under = 1 / (1 + mobility * law.slope_ns_per_m);
+          force = (law.offset_n + law.slope_ns_per_m * free) * under;
+          if (force > 0) {
+            mean = (free - mobility * law.offset_n) * under;
+            impact.pass_step(mean, h);
+          } else {
+            force = 0;
+          }
+        }
+        const double before = x;
+        x += h * mean;
+        rate = 2 * mean - rate;
+        impact.leave_step(x);
+        go_on(m, spot, half_step * force, next);
+        const double own_mean = own_free - own * force;
+        place += h * own_mean;
+        velocity = 2 * own_mean - velocity;
+        e.book(before, x, force, h);
+        impulse += h * force;
       }
-      go_on(m, spot, half_step * force, next);
-      const double own_mean = own_free - own * force, before = x;
-      place += h * own_mean;
-      velocity = 2 * own_mean - velocity;
-      x += h * mean;
-      rate = 2 * mean - rate;
-      e.impact.leave_step(x);
-      e.book(before, x, force, h);
-      impulse += h * force;
-      e.mean_velocity_m_per_s = mean;
+      const double force = impulse * rate_of_samples;
+      if (stretch.force)
+        stretch.force[done] = force;
+      if (stretch.heard)
+        stretch.heard[done] = sum(stretch.ear, m.velocity, m.padded);
+      goes_on = impact.touching() &&
+                e.judged(0.5 * e.effective_mass_kg * rate * rate + impact.stored_j()) &&
+                std::abs(velocity) < kFastest && std::abs(force) < kMostState &&
+                std::abs(mean) < kMostState;
     }
+    e.impact = impact;
     e.place_m = place;
     e.velocity_m_per_s = velocity;
     e.depth_m = x;
     e.approach_m_per_s = rate;
-    e.impulse_ns = impulse;
+    e.mean_velocity_m_per_s = mean;
+    e.force_n = impulse * rate_of_samples;
+    foresight = next;
+    return done;
   }
 
-  [[gnu::always_inline]] static void rub(const ModesView& m, const PlaceView& spot, Foresight& next,
-                                         Exciter& e, Steps steps) noexcept {
+  template <bool rough>
+  [[gnu::always_inline]] static std::size_t rub(const ModesView& m, const PlaceView& spot,
+                                                Foresight& foresight, Exciter& e, Steps steps,
+                                                const Stretch& stretch) noexcept {
     const double h = steps.length_s, half_step = 0.5 * h;
     const double mobility = e.mobility[steps.level];
-    const bool rough = e.friction.law().roughness > 0;
-    double rate = e.approach_m_per_s, impulse = 0, dissipated = 0;
-    for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
-      const double free = e.rubbing_m_per_s - next.free;
-      e.friction.enter_step(e.normal_force_n, rate, rough ? e.noise.normal() : 0.0, h);
-      ScaledForce law = e.friction.stage();
-      e.friction.refine((law.scale * free - mobility * law.offset) /
-                        (law.scale + mobility * law.slope));
-      law = e.friction.stage();
-      const double under = 1 / (law.scale + mobility * law.slope);
-      const double mean = (law.scale * free - mobility * law.offset) * under;
-      const double force = (law.offset + law.slope * free) * under;
-      const double stored = e.friction.stored_j();
-      e.friction.pass_step(mean);
-      dissipated += h * force * mean + (stored - e.friction.stored_j());
-      go_on(m, spot, half_step * force, next);
-      rate = 2 * mean - rate;
-      impulse += h * force;
-      e.mean_velocity_m_per_s = mean;
+    const double rate_of_samples = 1 / (h * static_cast<double>(std::size_t{1} << steps.level));
+    double rate = e.approach_m_per_s, rubbing = e.rubbing_m_per_s, normal = e.normal_force_n,
+           impulse = 0, dissipated = 0, mean = e.mean_velocity_m_per_s;
+    Friction friction = e.friction;
+    Foresight next = foresight;
+    std::size_t done = 0;
+    for (bool goes_on = true; goes_on && done < stretch.count; ++done) {
+      const double speed = bounded(stretch.drive[done], kFastest);
+      normal = bounded(stretch.normal[done], kMostForce);
+      rate += speed - rubbing;
+      rubbing = speed;
+      if (!(normal > 0)) // it has let go
+        break;
+      impulse = dissipated = 0;
+      for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
+        const double free = rubbing - next.free;
+        friction.enter_step(normal, rate, rough ? e.noise.normal() : 0.0, h);
+        friction.refine(friction.mean(free, mobility));
+        mean = friction.mean(free, mobility);
+        const double force = friction.force(free, mobility);
+        const double stored = friction.stored_j();
+        friction.pass_step(mean);
+        dissipated += h * force * mean + (stored - friction.stored_j());
+        go_on(m, spot, half_step * force, next);
+        rate = 2 * mean - rate;
+        impulse += h * force;
+      }
+      const double force = impulse * rate_of_samples;
+      if (stretch.force)
+        stretch.force[done] = force;
+      if (stretch.heard)
+        stretch.heard[done] = sum(stretch.ear, m.velocity, m.padded);
+      goes_on = std::abs(force) < kMostState && std::abs(mean) < kMostState;
     }
+    e.friction = friction;
     e.approach_m_per_s = rate;
-    e.impulse_ns = impulse;
+    e.rubbing_m_per_s = rubbing;
+    e.normal_force_n = normal;
     e.dissipated_j = dissipated;
+    e.mean_velocity_m_per_s = mean;
+    e.force_n = impulse * rate_of_samples;
+    foresight = next;
+    return done;
+  }
+  [[gnu::always_inline]] static double sum(const double* a, const double* b,
+                                           std::size_t padded) noexcept {
+    V sums[kRegisters] = {};
+    over(padded, [&](std::size_t i, std::size_t r) { sums[r] += load(a + i) * load(b + i); });
+    return across(sums);
   }
   [[gnu::always_inline]] static Foresight foreseen(const ModesView& m,
                                                    const PlaceView& place) noexcept {
@@ -183,10 +241,12 @@ public:
   Foresight foresee(const ModesView& m, const PlaceView& place) const noexcept override {
     return foreseen(m, place);
   }
-  void touch(const ModesView& m, const PlaceView& place, Foresight& next, Exciter& e,
-             Steps steps) const noexcept override {
-    e.kind == Exciter::Kind::kFriction ? rub(m, place, next, e, steps)
-                                       : strike(m, place, next, e, steps);
+  std::size_t touch(const ModesView& m, const PlaceView& place, Foresight& next, Exciter& e,
+                    Steps steps, const Stretch& stretch) const noexcept override {
+    if (e.kind == Exciter::Kind::kImpact)
+      return strike(m, place, next, e, steps, stretch);
+    return e.friction.law().roughness > 0 ? rub<true>(m, place, next, e, steps, stretch)
+                                          : rub<false>(m, place, next, e, steps, stretch);
   }
   void free_mean(const ModesView& m, double* mean, double h) const noexcept override {
     const V half = all(0.5 * h);
@@ -216,9 +276,7 @@ public:
     });
   }
   double dot(const double* a, const double* b, std::size_t padded) const noexcept override {
-    V sums[kRegisters] = {};
-    over(padded, [&](std::size_t i, std::size_t r) { sums[r] += load(a + i) * load(b + i); });
-    return across(sums);
+    return sum(a, b, padded);
   }
   double dot(const double* a, const double* b, const double* c,
              std::size_t padded) const noexcept override {

@@ -60,6 +60,11 @@ struct Exciter {
     return kind == Kind::kFriction ? friction.stored_j() : 0.0;
   }
 
+  /// True where the energy in the contact is still what its steps were chosen for.
+  [[nodiscard, gnu::always_inline]] bool judged(double energy_j) const noexcept {
+    return energy_j <= 1.1 * judged_j && energy_j >= 0.5 * judged_j;
+  }
+
   /// Books what a step of an impact was.
   [[gnu::always_inline]] void book(double before_m, double after_m, double force,
                                    double h) noexcept {

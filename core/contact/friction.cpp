@@ -36,6 +36,7 @@ void Friction::set(const FrictionLaw& law) noexcept {
   const double softness = 1 / law_.stiffness_n_per_m;
   dynamic_over_stiffness_ = law_.dynamic_coefficient * softness;
   excess_over_stiffness_ = (law_.static_coefficient - law_.dynamic_coefficient) * softness;
+  ratio_ = kNowhere;
   over_stribeck_ = std::sqrt(std::numbers::log2e) / law_.stribeck_m_per_s;
 }
 

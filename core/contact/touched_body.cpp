@@ -7,11 +7,8 @@
 namespace tactus::contact {
 namespace {
 
-constexpr double kFastest = 1e4;   // m/s
-constexpr double kFarthest = 1e3;  // m
-constexpr double kMostForce = 1e7; // N, from outside
+constexpr double kFarthest = 1e3; // m
 constexpr double kMostShape = 1e3;
-constexpr double kMostState = 1e60;  // sqrt(J), N; beyond it all starts anew
 constexpr double kStepsFor = 0.15;   // most angle, rad, that a contact may turn in a step
 constexpr double kImpulseFrom = 0.5; // the same in the finest steps: an impulse instead
 constexpr double kReach = 2;         // samples ahead in which a mass may arrive
@@ -187,16 +184,16 @@ void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) no
 }
 
 void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {
-  exciters_[slot].outer_force_n = within(force_n, kMostForce);
+  exciters_[slot].outer_force_n = bounded(force_n, kMostForce);
   moved_ = true;
 }
 
 void TouchedBody::rub(std::size_t slot, double normal_force_n, double velocity) noexcept {
   Exciter& e = exciters_[slot];
-  const double next = within(velocity, kFastest);
+  const double next = bounded(velocity, kFastest);
   e.approach_m_per_s += next - e.rubbing_m_per_s;
   e.rubbing_m_per_s = next;
-  e.normal_force_n = within(normal_force_n, kMostForce);
+  e.normal_force_n = bounded(normal_force_n, kMostForce);
   moved_ = true;
 }
 
@@ -343,7 +340,7 @@ void TouchedBody::look_for_difference() noexcept {
 void TouchedBody::judge(Exciter& e) const noexcept {
   const double mass = e.effective_mass_kg;
   const double energy = 0.5 * mass * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
-  if (energy <= 1.1 * e.judged_j && energy >= 0.5 * e.judged_j)
+  if (e.judged(energy))
     return;
   e.judged_j = energy;
   const double angle = std::sqrt(e.impact.stiffest(energy, mass)) * step_s_[0];
@@ -457,14 +454,77 @@ void TouchedBody::touch_one() noexcept {
   sounds_ = true;
   if (!coupled_)
     focus(slot);
-  const PlaceView place{place_[slot].data(), push_.data(), state_a_.data(), state_p_.data(),
-                        answer_};
+  const PlaceView place = place_view(slot);
   const ModesView modes = view();
   if (!foreseen_)
     foresight_ = kernel_->foresee(modes, place);
-  kernel_->touch(modes, place, foresight_, e, {step_length(), level_});
   foreseen_ = true;
-  e.force_n = e.impulse_ns * body_.sample_rate();
+  const bool strikes = e.kind == Exciter::Kind::kImpact;
+  const double drive = strikes ? e.outer_force_n : e.rubbing_m_per_s, normal = e.normal_force_n;
+  kernel_->touch(modes, place, foresight_, e, {step_length(), level_},
+                 {&drive, &normal, nullptr, nullptr, nullptr, 1});
+}
+
+PlaceView TouchedBody::place_view(std::size_t slot) const noexcept {
+  return {place_[slot].data(), push_.data(), state_a_.data(), state_p_.data(), answer_};
+}
+
+/// True while a sample needs nothing but its steps (look_around() would change nothing).
+bool TouchedBody::steady(std::size_t slot) const noexcept {
+  const Exciter& e = exciters_[slot];
+  if (unsorted_ || order_.size() != 1 || near_ != 1 || close_[0] != slot || !e.fresh ||
+      !foreseen_ || !coupled_ || has_outer_ || clock_ % kLookEvery == 0)
+    return false;
+  if (e.kind == Exciter::Kind::kFriction)
+    return least_level_ == level_;
+  return e.impact.touching() && std::max(e.level, least_level_) == level_ &&
+         e.judged(0.5 * e.effective_mass_kg * e.approach_m_per_s * e.approach_m_per_s +
+                  e.impact.stored_j());
+}
+
+void TouchedBody::run(std::size_t slot, const Stretch& whole) noexcept {
+  Exciter& e = exciters_[slot];
+  for (std::size_t n = 0; n < whole.count;) {
+    const double normal = whole.normal ? whole.normal[n] : 0;
+    if (steady(slot)) {
+      const std::size_t room =
+          std::min<std::size_t>(whole.count - n, kLookEvery - clock_ % kLookEvery);
+      const std::size_t done =
+          kernel_->touch(view(), place_view(slot), foresight_, e, {step_length(), level_},
+                         {whole.drive + n, whole.normal ? whole.normal + n : nullptr,
+                          whole.heard + n, whole.force + n, whole.ear, room});
+      if (done > 0) {
+        quiet_ = 0;
+        clock_ += done;
+        n += done;
+        look_back();
+        continue;
+      }
+    }
+    if (e.kind == Exciter::Kind::kFriction)
+      rub(slot, normal, whole.drive[n]);
+    else
+      push_mass(slot, whole.drive[n]);
+    step();
+    whole.heard[n] = hear(0);
+    whole.force[n] = force(slot);
+    ++n;
+  }
+}
+
+void TouchedBody::run_mass(std::size_t slot, std::span<const double> force_n,
+                           std::span<double> heard, std::span<double> contact_n) noexcept {
+  run(slot, {force_n.data(), nullptr, heard.data(), contact_n.data(), ear_[0].data(),
+             std::min({force_n.size(), heard.size(), contact_n.size()})});
+}
+
+void TouchedBody::run_rub(std::size_t slot, std::span<const double> velocity_m_per_s,
+                          std::span<const double> normal_force_n, std::span<double> heard,
+                          std::span<double> friction_n) noexcept {
+  run(slot, {velocity_m_per_s.data(), normal_force_n.data(), heard.data(), friction_n.data(),
+             ear_[0].data(),
+             std::min({velocity_m_per_s.size(), normal_force_n.size(), heard.size(),
+                       friction_n.size()})});
 }
 
 void TouchedBody::step() noexcept {
@@ -486,6 +546,11 @@ void TouchedBody::step() noexcept {
     outer_.clear();
     has_outer_ = false;
   }
+  look_back();
+}
+
+/// After a sample: is everything still of this world?
+void TouchedBody::look_back() noexcept {
   bool sane = true;
   for (const std::size_t i : close_) {
     Exciter& e = exciters_[i];

@@ -67,6 +67,13 @@ public:
 
   /// One sample on.
   void step() noexcept;
+  /// As many samples as the spans hold: for each push_mass() or rub(), step(), hear() and force(),
+  /// with the same result, at less cost where the exciter is the only one.
+  void run_mass(std::size_t exciter, std::span<const double> force_n, std::span<double> heard,
+                std::span<double> contact_n) noexcept;
+  void run_rub(std::size_t exciter, std::span<const double> velocity_m_per_s,
+               std::span<const double> normal_force_n, std::span<double> heard,
+               std::span<double> friction_n) noexcept;
   /// Surface velocity at an ear, m/s.
   [[nodiscard]] double hear(std::size_t ear = 0) const noexcept;
   /// The exciter's mean force on the body in the last sample, N.
@@ -82,6 +89,8 @@ public:
   [[nodiscard]] double energy() const noexcept;
   /// True while modes ring or something is near.
   [[nodiscard]] bool active() const noexcept { return sounds_ || near_ > 0; }
+  /// Instructions that every processor has, for comparison.
+  void use_baseline() noexcept { kernel_ = &baseline_body_kernel(); }
   /// All at rest, masses 1 m away.
   void reset() noexcept;
 
@@ -105,6 +114,10 @@ private:
   void solve_by_contact() noexcept;
   void couple() noexcept;
   void touch_one() noexcept;
+  void run(std::size_t exciter, const Stretch& whole) noexcept;
+  [[nodiscard]] bool steady(std::size_t exciter) const noexcept;
+  [[nodiscard]] PlaceView place_view(std::size_t exciter) const noexcept;
+  void look_back() noexcept;
   void focus(std::size_t exciter) noexcept;
   void leave(std::size_t term, double h) noexcept;
   void solve_by_mode(double h) noexcept;

@@ -3,6 +3,7 @@
 #include "core/object.hpp"
 #include "externals/contact_impact~/sounding_body.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -122,11 +123,18 @@ public:
     const auto velocity = block.in(0), normal = block.in(1);
     const auto sound = block.out(0), friction = block.out(1);
     const double gain = value_[contact_friction::kGain];
-    for (std::size_t n = 0; n < block.frames; ++n) {
-      body_.rub(0, static_cast<double>(normal[n]), static_cast<double>(velocity[n]));
-      body_.step();
-      sound[n] = static_cast<S>(reed::soft_clip(gain * body_.hear()));
-      friction[n] = static_cast<S>(body_.force(0));
+    contact::Stage speed, pressure, heard, felt;
+    for (std::size_t from = 0; from < block.frames; from += speed.size()) {
+      const std::size_t count = std::min(speed.size(), block.frames - from);
+      for (std::size_t n = 0; n < count; ++n) {
+        speed[n] = static_cast<double>(velocity[from + n]);
+        pressure[n] = static_cast<double>(normal[from + n]);
+      }
+      body_.run_rub(0, std::span(speed).first(count), pressure, heard, felt);
+      for (std::size_t n = 0; n < count; ++n) {
+        sound[from + n] = static_cast<S>(reed::soft_clip(gain * heard[n]));
+        friction[from + n] = static_cast<S>(felt[n]);
+      }
     }
   }
   void dump(Host& host) { body_.tell(host); }

@@ -3,6 +3,7 @@
 #include "core/object.hpp"
 #include "externals/contact_impact~/sounding_body.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -122,11 +123,16 @@ public:
     const auto sound = block.out(0), contact = block.out(1);
     const double weight = value_[contact_impact::kMass] * value_[contact_impact::kGravity];
     const double gain = value_[contact_impact::kGain];
-    for (std::size_t n = 0; n < block.frames; ++n) {
-      body_.push_mass(0, static_cast<double>(force[n]) + weight);
-      body_.step();
-      sound[n] = static_cast<S>(reed::soft_clip(gain * body_.hear()));
-      contact[n] = static_cast<S>(body_.force(0));
+    contact::Stage drive, heard, felt;
+    for (std::size_t from = 0; from < block.frames; from += drive.size()) {
+      const std::size_t count = std::min(drive.size(), block.frames - from);
+      for (std::size_t n = 0; n < count; ++n)
+        drive[n] = static_cast<double>(force[from + n]) + weight;
+      body_.run_mass(0, std::span(drive).first(count), heard, felt);
+      for (std::size_t n = 0; n < count; ++n) {
+        sound[from + n] = static_cast<S>(reed::soft_clip(gain * heard[n]));
+        contact[from + n] = static_cast<S>(felt[n]);
+      }
     }
   }
   /// Of several contacts in a block, as of a chattering mass, the last is told.

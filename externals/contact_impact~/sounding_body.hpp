@@ -29,6 +29,9 @@ inline constexpr Message kPickupMessage{
     "pickup", "[g1 g2 ...]", 0, kMostModes,
     "gains of the modes where the body is heard; none: where it is touched"};
 
+/// Numbers of a part of a block, in the core's precision.
+using Stage = std::array<double, 64>;
+
 class SoundingBody : public TouchedBody {
 public:
   /// At first a wooden bar that lies on its nodes.

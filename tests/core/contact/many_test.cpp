@@ -377,3 +377,56 @@ TEST_CASE("no input leads to anything but numbers, and it recovers") {
     body.step();
   CHECK(body.exciter(0).blows > 0);
 }
+
+TEST_CASE("samples in a row give the same bits as one at a time, with any instructions") {
+  std::mt19937 source(4);
+  constexpr std::size_t kSamples = 6000;
+  for (const bool rubs : {false, true}) {
+    std::vector<double> drive, normal;
+    for (std::size_t n = 0; n < kSamples; ++n) {
+      const double t = static_cast<double>(n) / 6000;
+      drive.push_back(rubs ? 0.2 * std::sin(40 * t) : 20 * std::sin(60 * t) + 5);
+      normal.push_back(n % 1500 < 200 ? 0 : 10 + 5 * std::sin(30 * t));
+    }
+    std::vector<TouchedBody> bodies(3, TouchedBody(12, 1));
+    for (TouchedBody& body : bodies) {
+      body.prepare(48000);
+      body.set_modes(std::array{Mode{200, 1, .2}, Mode{731, .4, .3}, Mode{2600, .1, .3}});
+      if (rubs) {
+        body.set_friction(0, {.8, .3, .1, .5, 1e5, 40, .5, .1});
+      } else {
+        body.set_impact(0, {1e7, 2.3, .3}, .02);
+        body.throw_mass(0, 1e-4, 1);
+      }
+    }
+    bodies[2].use_baseline();
+    std::vector<double> heard(kSamples), force(kSamples);
+    std::size_t touched = 0;
+    for (std::size_t from = 0; from < kSamples;) {
+      const std::size_t count = std::min<std::size_t>(1 + source() % 100, kSamples - from);
+      const auto part = [&](std::vector<double>& all) {
+        return std::span(all).subspan(from, count);
+      };
+      for (TouchedBody* body : {&bodies[0], &bodies[2]}) {
+        if (rubs)
+          body->run_rub(0, part(drive), part(normal), part(heard), part(force));
+        else
+          body->run_mass(0, part(drive), part(heard), part(force));
+        if (body == &bodies[2])
+          break;
+        for (std::size_t n = from; n < from + count; ++n) {
+          rubs ? bodies[1].rub(0, normal[n], drive[n]) : bodies[1].push_mass(0, drive[n]);
+          bodies[1].step();
+          REQUIRE(heard[n] == bodies[1].hear());
+          REQUIRE(force[n] == bodies[1].force(0));
+          touched += force[n] != 0;
+        }
+      }
+      REQUIRE(heard[from + count - 1] == bodies[1].hear());
+      from += count;
+    }
+    CHECK(touched > kSamples / 10);
+    CHECK(bodies[0].energy() == bodies[1].energy());
+    CHECK(bodies[0].energy() == bodies[2].energy());
+  }
+}
