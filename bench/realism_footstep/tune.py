@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import targets
+from features import RATE
 from steps import measure, render
 
 warnings.filterwarnings("ignore")
@@ -127,7 +128,7 @@ def cost_of(text, aim, arguments, seed):
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
         file.write(text)
         file.flush()
-        return aim.cost(render(arguments.render, file.name, arguments.steps, seed))
+        return aim.cost(render(arguments.render, file.name, arguments.steps, seed, rate=RATE))
 
 
 def tune(path, aim, arguments):

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLowEdgeHz = 50, kHighEdgeHz = 500;
+constexpr double kRingsOut = 2;   // s, of band and equaliser: 60 dB take a tenth of that
 constexpr double kConstantHz = 2; // the elliptic band alone keeps a hundredth of a constant
 
 /// A pair of poles and of zeros of the analogue low-pass with its -3 dB point at 1.
@@ -142,6 +143,7 @@ double PeakLimit::next(double x, double limit) noexcept {
 void Drive::prepare(double sample_rate) {
   const bool changed = sample_rate != sample_rate_ || line_.empty();
   sample_rate_ = sample_rate;
+  rest_ = static_cast<std::size_t>((kRingsOut + kLongestDelay) * sample_rate);
   band_.prepare(sample_rate);
   equaliser_.prepare(sample_rate);
   heel_limit_.prepare(sample_rate);
@@ -173,6 +175,19 @@ Drive::Pair Drive::next(double felt, double heel_n, double ball_n) noexcept {
   const double total = heel_n + ball_n;
   if (total > 0)
     share_ = std::clamp(heel_n / total, 0.0, 1.0);
+  if (felt != 0) {
+    still_ = 0;
+  } else if (++still_ > rest_) {
+    still_ = rest_;
+    if (resting_)
+      return {};
+    resting_ = true;
+    const double share = share_;
+    reset();
+    share_ = share;
+    return {};
+  }
+  resting_ = false;
   double x = equaliser_.next(band_.next(settings_.gain * felt));
   if (!line_.empty()) {
     line_[at_] = x;

@@ -100,6 +100,8 @@ private:
   PeakLimit heel_limit_, ball_limit_;
   std::vector<double> line_;
   std::size_t at_ = 0, delay_ = 0;
+  std::size_t still_ = 0, rest_ = 48000; ///< samples without motion; after so many nothing is left
+  bool resting_ = false;
 };
 
 } // namespace tactus::footstep
