@@ -81,17 +81,24 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   mass_kg = table.mass_kg * heavier * volume;
   find_rates();
   const std::span<const std::complex<double>> all(rate);
-  bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, kMostListeners,
+  bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, settings.listeners,
                   settings.vector_set);
   solver = ContactSolver(all, settings.sample_rate, settings.voices + 1,
                          table.free && table.mass_kg > 0, settings.listeners, settings.vector_set);
   find_weights();
   for (std::size_t k = 0; k < heard; ++k)
-    loudness.push_back(std::max(std::abs(weight[0][k]), std::abs(weight[1][k])) * ear[k]);
+    loudness.push_back(ear[k] * loudest_weight(k));
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     bank.jump_to_weight(l, weight[l]);
     solver.set_weight(l, weight[l]);
   }
+}
+
+double BodyModel::loudest_weight(std::size_t k) const noexcept {
+  double most = 0;
+  for (std::size_t l = 0; l < settings.listeners; ++l)
+    most = std::max(most, std::abs(weight[l][k]));
+  return most;
 }
 
 double BodyModel::decay_rate(std::size_t k, double omega) const {

@@ -14,7 +14,7 @@
 
 namespace tactus::modal {
 
-inline constexpr std::size_t kMostListeners = 2;
+inline constexpr std::size_t kMostListeners = 4;
 inline constexpr std::size_t kMostContacts = 64;
 
 enum class Radiation { kModal, kRaw, kBody, kNone };
@@ -32,7 +32,9 @@ struct BodySettings {
   std::vector<std::array<double, 2>> loss_curve; ///< Hz, loss factor; ascending
   double choke_t60_s = 0; ///< above 0: damps every mode by this decay time besides
   Radiation radiation = Radiation::kModal;
-  std::array<Vec3, kMostListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5}}; ///< m
+  /// m; before the body, then behind it
+  std::array<Vec3, kMostListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5},
+                                            Vec3{-0.1, 0.2, -0.5}, Vec3{0.1, 0.2, -0.5}};
   std::size_t listeners = 2;
   std::size_t most_modes = 0; ///< 0: all that can be heard
   std::size_t voices = 8;     ///< contacts at once
@@ -87,7 +89,7 @@ struct BodyModel {
   std::vector<double> scratch;                     ///< as long as `mode`
   std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
   std::vector<double> ear;                         ///< A-weighting of the heard modes
-  std::vector<double> loudness; ///< of the heard modes: at the louder listener and to the ear
+  std::vector<double> loudness; ///< of the heard modes: at the loudest listener and to the ear
   std::array<std::vector<std::complex<double>>, kMostListeners> old_weight; ///< while a fade lasts
 
   static constexpr double kContactLimit = 60000; ///< Hz
@@ -101,6 +103,8 @@ struct BodyModel {
   rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept;
   /// Static compliance of the modes that the table leaves out, m/N.
   [[nodiscard]] double left_out(const SurfacePoint& place) const noexcept;
+  /// Of a mode at the listener that hears it most.
+  [[nodiscard]] double loudest_weight(std::size_t mode) const noexcept;
   /// The nearest place of the surface to a point in metres, in the body's present size.
   [[nodiscard]] SurfacePoint nearest(const Vec3& point) const noexcept;
   /// Lets this model go on where another of the same table was: modal displacement and velocity

@@ -222,9 +222,7 @@ std::vector<double> StruckBody::levels(std::size_t most) {
     return {};
   model_->bank.settle();
   for (std::size_t k = 0; k < model_->heard; ++k) {
-    double heard = 0;
-    for (const auto& weight : model_->weight)
-      heard = std::max(heard, std::abs(weight[k]));
+    const double heard = model_->loudest_weight(k);
     const double size = std::abs(coupled_now_ ? model_->solver.state(k) : model_->bank.state(k));
     found.emplace_back(std::abs(model_->rate[k]),
                        std::max(20 * std::log10(size * heard * options_.gain + 1e-12), -120.0));
@@ -377,9 +375,9 @@ void StruckBody::finish(std::size_t frames) noexcept {
       sound[n] = sound[n] - sound[n] == 0 ? sound[n] : 0; // what is not finite
     last_[l] = sound[frames - 1];
   }
-  for (std::size_t l = listeners; l < kMostListeners; ++l) { // one listener is heard on both sides
-    chunk_.heard[l] = chunk_.heard[0];
-    last_[l] = last_[0];
+  if (listeners == 1) { // is heard on both sides
+    chunk_.heard[1] = chunk_.heard[0];
+    last_[1] = last_[0];
   }
 }
 

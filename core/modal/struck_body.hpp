@@ -60,7 +60,7 @@ public:
   void set_point(const SurfacePoint& place, const Vec3& direction) noexcept;
   [[nodiscard]] const SurfacePoint& point() const noexcept { return point_; }
   void reset() noexcept;
-  /// Levels in dB from full scale at the louder listener, of the lowest modes by frequency; -120
+  /// Levels in dB from full scale at the loudest listener, of the lowest modes by frequency; -120
   /// for what is at rest. Allocates.
   [[nodiscard]] std::vector<double> levels(std::size_t most);
 

@@ -133,10 +133,7 @@ void StruckBody::strike_pulse(std::size_t slot, const Hit& hit) noexcept {
     const double part = std::abs(denominator) > 1e-6
                             ? std::cos(std::numbers::pi * turns) / denominator
                             : std::numbers::pi / 4;
-    double heard = 0;
-    for (const auto& weight : model_->weight)
-      heard = std::max(heard, std::abs(weight[k]));
-    return std::abs(gain[k] * part) * heard * model_->ear[k];
+    return std::abs(gain[k] * part) * model_->loudness[k];
   };
   for (std::size_t k = 0; k < model_->heard; ++k)
     loudest = std::max(loudest, level(k));

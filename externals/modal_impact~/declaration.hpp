@@ -50,7 +50,7 @@ inline constexpr std::array kParameters{
     Parameter{"pos", "", 0, 0, 1, "1: inlet 2 is the height of a led striker above the point"},
     Parameter{"doppler", "", 0, 0, 1, "1: a listener that moves hears the pitch bend"},
     Parameter{"voices", "", 8, 1, 64, "contacts at once; a blow more ends the oldest"},
-    Parameter{"out", "", 2, 1, 2, "listeners; 1 sounds on both sides at half the cost"},
+    Parameter{"out", "", 2, 1, 4, "listeners; 1 sounds on both sides at half the cost"},
     Parameter{"sync", "", 0, 0, 1,
               "1: tables and changes are worked out at once, so that renders repeat; 0: beside"},
 };
@@ -93,7 +93,7 @@ inline constexpr std::array kMessages{
     Message{"hardness", "k exponent loss", 1, 3,
             "contact law k d^exponent (1 + loss v) instead of Hertz'; 0: Hertz"},
     Message{"point", "x y z or vertex", 1, 3, "where inlets 1 and 2 meet the body, mm"},
-    Message{"listener", "i x y z", 4, 4, "places listener 1 or 2, mm"},
+    Message{"listener", "i x y z", 4, 4, "places listener i of 1 to 4, mm"},
     Message{"material", "E rho", 2, 2, "Pa and kg/m^3; 0: the table's"},
     Message{"preset",
             "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|"
@@ -118,6 +118,10 @@ inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "left", "", "pressure at listener 1 times gain"},
     Port{Port::Kind::kSignal, "right", "", "pressure at listener 2 times gain"},
     Port{Port::Kind::kSignal, "contact", "N", "force between strikers and body, impulses exact"},
+    Port{Port::Kind::kControl, kInfoOutlet, "", "answers to info, ring, get and dump"},
+    Port{Port::Kind::kSignal, "third", "",
+         "with -out 3 or more: pressure at listener 3 times gain"},
+    Port{Port::Kind::kSignal, "fourth", "", "with -out 4: pressure at listener 4 times gain"},
 };
 
 } // namespace tactus::modal_impact

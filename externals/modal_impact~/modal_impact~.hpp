@@ -41,7 +41,8 @@ public:
   void dump(Host& host);
 
   template <class S> void process(const Block<S>& block) noexcept {
-    const std::array<std::span<S>, 2> out{block.out(0), block.out(1)};
+    const std::array<std::span<S>, kMostListeners> out{block.out(0), block.out(1), block.out(3),
+                                                       block.out(4)};
     body_.process<S>(block.in(0), block.in(1), out, block.out(2));
   }
 

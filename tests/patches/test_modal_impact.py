@@ -63,6 +63,24 @@ def test_a_blow_rings_at_the_tables_frequencies_and_has_the_balls_impulse(tmp_pa
     assert not result["left"][:4700].any()
 
 
+def test_two_more_listeners_come_out_right_of_the_info_outlet(tmp_path):
+    def play(listeners):
+        patch, box = struck(tmp_path, "-radiation", "none", "-out", listeners)
+        patch.record("third", box[4])
+        patch.record("fourth", box[5])
+        # Listeners 2 and 4 at one place, where the even mode along x is still.
+        for i, place in enumerate(["30 40 100", "0 40 100", "-30 40 100", "0 40 100"]):
+            patch.at(10, box, f"listener {i + 1} {place}")
+        patch.at(100, box, "hit 30 40 0 1")
+        return patch.render(0.5, path=[tmp_path])
+    four, two = play(4), play(2)
+    assert abs(four["third"]).max() > 0
+    assert (four["fourth"] == four["right"]).all()
+    assert not (four["third"] == four["left"]).all()
+    assert (four["left"] == two["left"]).all()
+    assert not two["third"].any() and not two["fourth"].any()
+
+
 def test_a_render_repeats_to_the_bit_at_any_block_size(tmp_path):
     def play(block):
         patch, box = struck(tmp_path, block=block)
@@ -137,7 +155,7 @@ def test_numpys_other_layouts_are_read_and_compressed_ones_refused(tmp_path):
     ("hitf 0 0.7 0.7 1", "hitf: v 0.7: expected 0..0.3"),
     ("load nowhere.npz", "load nowhere.npz: there is no such file"),
     ("preset jelly", "preset jelly: expected aluminium"),
-    ("listener 3 0 0 0", "listener: i 3: expected 1..2"),
+    ("listener 5 0 0 0", "listener: i 5: expected 1..4"),
     ("losscurve 100 0.1 50 0.1", "losscurve: f 50"),
     ("striker 0 0 0 0", "striker: mass 0 kg"),
 ])

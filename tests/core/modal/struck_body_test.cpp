@@ -100,6 +100,44 @@ TEST_CASE("exchanging blow and pick-up changes nothing") {
   CHECK(difference < 1e-6F * largest);
 }
 
+TEST_CASE("four listeners hear what each would alone, in a contact and after it") {
+  const Vec3 places[] = {
+      {0.051, 0.043, 0.1}, {-0.037, 0.021, 0.1}, {0.011, -0.05, 0.2}, {-0.1, 0.02, 0.3}};
+  const auto play = [&](std::size_t listeners, const Vec3& first) {
+    Rig rig;
+    rig.settings.radiation = Radiation::kModal;
+    rig.settings.listeners = listeners;
+    std::copy(std::begin(places), std::end(places), rig.settings.listener.begin());
+    if (listeners == 1)
+      rig.settings.listener[0] = first;
+    rig.renew(false);
+    rig.hit({0.05, 0.03, 0}, 1);
+    std::array<std::vector<float>, 4> heard;
+    std::array<float, 64> silence{}, contact{};
+    std::array<std::array<float, 64>, 4> block{};
+    for (int n = 0; n < 40; ++n) {
+      const std::array<std::span<float>, 4> out{block[0], block[1], block[2], block[3]};
+      rig.body.process<float>(silence, silence, out, contact);
+      for (std::size_t l = 0; l < 4; ++l)
+        heard[l].insert(heard[l].end(), block[l].begin(), block[l].end());
+    }
+    return heard;
+  };
+  const auto together = play(4, {});
+  for (std::size_t l = 0; l < 4; ++l) {
+    const auto alone = play(1, places[l]);
+    float largest = 0, difference = 0;
+    for (std::size_t n = 0; n < alone[0].size(); ++n) {
+      largest = std::max(largest, std::abs(alone[0][n]));
+      difference = std::max(difference, std::abs(alone[0][n] - together[l][n]));
+    }
+    CHECK(largest > 0);
+    CHECK(difference <= 1e-5F * largest);
+    CHECK(alone[1] == alone[0]);
+    CHECK(alone[2] == std::vector<float>(alone[0].size(), 0.0F));
+  }
+}
+
 TEST_CASE("the sound of blows, pushes and a hand is the same to the bit however it is cut") {
   std::vector<float> force(6000, 0.0F), height(6000, 0.01F);
   for (std::size_t n = 1500; n < 1700; ++n)
