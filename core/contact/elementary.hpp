@@ -78,4 +78,35 @@ private:
   int quarters_ = -1;
 };
 
+/// x^e for x that moves little at a time: by its binomial series from where the power was last
+/// taken, as long as x stays within 1/16 of there. Relative error below 1e-9 for 0 <= e <= 5/2.
+class FollowedPower {
+public:
+  explicit FollowedPower(double exponent = 0) noexcept : power_(exponent) {
+    double factor = 1;
+    for (int k = 0; k < kTerms; ++k)
+      term_[k] = factor *= (exponent - k) / (k + 1);
+  }
+  /// Of x > 0.
+  [[nodiscard, gnu::always_inline]] double operator()(double x) noexcept {
+    if (power_.exponent() == 0)
+      return 1;
+    const double d = x * over_ - 1;
+    if (!(std::abs(d) < 0.0625)) {
+      value_ = power_(x);
+      over_ = 1 / x;
+      return value_;
+    }
+    const double d2 = d * d;
+    return value_ * (((1 + term_[0] * d) + d2 * (term_[1] + term_[2] * d)) +
+                     (d2 * d2) * ((term_[3] + term_[4] * d) + term_[5] * d2));
+  }
+
+private:
+  static constexpr int kTerms = 6;
+  Power power_;
+  double value_ = 0, over_ = 0; ///< where it was last taken: x^e and 1/x
+  double term_[kTerms];
+};
+
 } // namespace tactus::contact

@@ -51,7 +51,7 @@ double restitution(double y) noexcept {
 void Impact::set(const ImpactLaw& law) noexcept {
   law_ = law.within_range();
   const double k = law_.stiffness, a = law_.exponent;
-  power_ = Power(0.5 * (a - 1));
+  power_ = FollowedPower(0.5 * (a - 1));
   gamma_scale_ = std::sqrt(0.5 * k * (a + 1));
   psi_scale_ = std::sqrt(2 * k / (a + 1));
   loss_scale_ = k * law_.dissipation_s_per_m;

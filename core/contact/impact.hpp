@@ -145,7 +145,7 @@ private:
 
   double psi_ = 0, bank_j_ = 0, gamma_ = 0;
   bool touching_ = false;
-  Power power_{0.25};
+  FollowedPower power_{0.25};
   double gamma_scale_ = 0, psi_scale_ = 0, loss_scale_ = 0;
   Power rate_power_{0.2};
   double rate_scale_ = 0;
