@@ -3,6 +3,7 @@
 #include "fem/io/inp.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/gmsh_mesher.hpp"
+#include "fem/mesh/remesh.hpp"
 
 #include <filesystem>
 
@@ -23,6 +24,9 @@ Mesh load_body(const std::string& path, const LoadChoice& choice) {
     Triangles surface = read_triangles(path, unit(1e-3));
     try {
       close(surface);
+      if (const auto pair = crossing(surface))
+        throw Refusal("the surface crosses itself: " + place_of(surface, (*pair)[0]) + " cuts " +
+                      place_of(surface, (*pair)[1]));
     } catch (const Refusal& refusal) {
       throw Refusal(path + ": " + refusal.what());
     }

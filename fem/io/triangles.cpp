@@ -8,8 +8,8 @@
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <set>
 #include <sstream>
-#include <unordered_map>
 
 namespace tactus::fem {
 namespace {
@@ -69,46 +69,46 @@ Vector3 read_point(std::istringstream& words, const std::string& path, int line,
   return p;
 }
 
-void read_ascii_stl(const std::string& path, const std::string& bytes, double unit,
-                    Triangles& out) {
-  std::istringstream text(bytes);
-  Welder welder(out);
-  std::vector<int> corners;
+/// Calls use(number, first word, the words after it) for each line that is not blank.
+template <class Use> void each_line(const std::string& text, Use&& use) {
+  std::istringstream lines(text);
   int number = 0;
-  for (std::string line; std::getline(text, line);) {
+  for (std::string line; std::getline(lines, line);) {
     ++number;
     std::istringstream words(line);
-    std::string word;
-    words >> word;
-    word = lower(word);
-    if (word == "vertex")
-      corners.push_back(welder.put(read_point(words, path, number, unit)));
-    if (word == "endfacet") {
-      if (corners.size() != 3)
-        throw Refusal(path + " line " + std::to_string(number) + ": a facet with " +
-                      std::to_string(corners.size()) + " corners, expected 3");
-      out.triangles.push_back({corners[0], corners[1], corners[2]});
-      corners.clear();
-    }
+    if (std::string first; words >> first)
+      use(number, first, words);
   }
 }
 
+void read_ascii_stl(const std::string& path, const std::string& bytes, double unit,
+                    Triangles& out) {
+  Welder welder(out);
+  std::vector<int> corners;
+  each_line(bytes, [&](int number, const std::string& written, std::istringstream& words) {
+    const std::string word = lower(written);
+    if (word == "vertex")
+      corners.push_back(welder.put(read_point(words, path, number, unit)));
+    if (word != "endfacet")
+      return;
+    if (corners.size() != 3)
+      throw Refusal(path + " line " + std::to_string(number) + ": a facet with " +
+                    std::to_string(corners.size()) + " corners, expected 3");
+    out.triangles.push_back({corners[0], corners[1], corners[2]});
+    corners.clear();
+  });
+}
+
 void read_obj(const std::string& path, const std::string& bytes, double unit, Triangles& out) {
-  std::istringstream text(bytes);
   Welder welder(out);
   std::vector<int> vertices;
-  int number = 0;
-  for (std::string line; std::getline(text, line);) {
-    ++number;
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "v")
+  each_line(bytes, [&](int number, const std::string& kind, std::istringstream& words) {
+    if (kind == "v")
       vertices.push_back(welder.put(read_point(words, path, number, unit)));
-    if (word != "f")
-      continue;
+    if (kind != "f")
+      return;
     std::vector<int> corners;
-    while (words >> word) {
+    for (std::string word; words >> word;) {
       const auto index = to_integer(word.substr(0, word.find('/')));
       const int count = static_cast<int>(vertices.size());
       const int at = index ? (*index < 0 ? count + *index : *index - 1) : -1;
@@ -119,13 +119,7 @@ void read_obj(const std::string& path, const std::string& bytes, double unit, Tr
     }
     for (std::size_t k = 2; k < corners.size(); ++k)
       out.triangles.push_back({corners[0], corners[k - 1], corners[k]});
-  }
-}
-
-std::string where(const Triangles& t, std::size_t i) {
-  const Vector3& p = t.points[static_cast<std::size_t>(t.triangles[i][0])];
-  return "triangle " + std::to_string(i + 1) +
-         format(" near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
+  });
 }
 
 double signed_volume(const Triangles& t, int shell) {
@@ -151,6 +145,12 @@ Box shell_box(const Triangles& t, int shell) {
 }
 
 } // namespace
+
+std::string place_of(const Triangles& t, std::size_t i) {
+  const Vector3& p = t.points[static_cast<std::size_t>(t.triangles[i][0])];
+  return "triangle " + std::to_string(i + 1) +
+         format(" near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
+}
 
 Triangles read_triangles(const std::string& path, double unit) {
   std::ifstream file(path, std::ios::binary);
@@ -179,6 +179,11 @@ Triangles read_triangles(const std::string& path, double unit) {
 void close(Triangles& t) {
   std::erase_if(t.triangles,
                 [](const auto& c) { return c[0] == c[1] || c[1] == c[2] || c[2] == c[0]; });
+  std::set<std::array<int, 3>> seen;
+  std::erase_if(t.triangles, [&](auto c) { // written twice
+    std::sort(c.begin(), c.end());
+    return !seen.insert(c).second;
+  });
   // Every edge belongs to two triangles. Walk from neighbour to neighbour, turning those that run
   // along the shared edge the same way.
   std::map<std::array<int, 2>, std::vector<std::size_t>> edges;
@@ -187,12 +192,15 @@ void close(Triangles& t) {
       const int a = t.triangles[i][k], b = t.triangles[i][(k + 1) % 3];
       edges[{std::min(a, b), std::max(a, b)}].push_back(i);
     }
+  const auto open_edges =
+      std::count_if(edges.begin(), edges.end(), [](const auto& e) { return e.second.size() == 1; });
   for (const auto& [edge, owners] : edges) {
     if (owners.size() == 1)
-      throw Refusal("the surface is open at " + where(t, owners[0]) +
-                    ": an edge has one triangle, expected two");
+      throw Refusal("the surface is open at " + place_of(t, owners[0]) +
+                    ": an edge has one triangle, expected two (" + std::to_string(open_edges) +
+                    " such edges)");
     if (owners.size() > 2)
-      throw Refusal("the surface crosses itself at " + where(t, owners[0]) + ": an edge has " +
+      throw Refusal("the surface crosses itself at " + place_of(t, owners[0]) + ": an edge has " +
                     std::to_string(owners.size()) + " triangles, expected two");
   }
   t.shell.assign(t.triangles.size(), -1);
@@ -215,7 +223,7 @@ void close(Triangles& t) {
             same = same || (t.triangles[j][m] == a && t.triangles[j][(m + 1) % 3] == b);
           if (t.shell[j] >= 0) {
             if (same)
-              throw Refusal("the surface has one side only at " + where(t, j));
+              throw Refusal("the surface has one side only at " + place_of(t, j));
             continue;
           }
           if (same)

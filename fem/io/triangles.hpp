@@ -17,9 +17,13 @@ struct Triangles {
 /// file, naming line or byte.
 [[nodiscard]] Triangles read_triangles(const std::string& path, double unit);
 
-/// Removes triangles without area, finds the shells, turns them outward (inner ones inward).
-/// Refuses open and non-manifold surfaces and several bodies, naming a triangle and where it lies.
+/// Removes triangles without area or written twice, finds the shells, turns them outward (inner
+/// ones inward). Refuses open and non-manifold surfaces and several bodies, naming a triangle and
+/// where it lies.
 void close(Triangles&);
+
+/// "triangle 17 near (1, 2, 3) mm", counted from one, for refusals.
+[[nodiscard]] std::string place_of(const Triangles&, std::size_t triangle);
 
 /// Share of triangles with an angle below `degrees`.
 [[nodiscard]] double share_of_slivers(const Triangles&, double degrees);

@@ -1,6 +1,7 @@
 #include "fem/mesh/gmsh_mesher.hpp"
 
 #include "fem/io/words.hpp"
+#include "fem/mesh/remesh.hpp"
 
 #include <algorithm>
 #include <gmsh.h>
@@ -32,16 +33,21 @@ public:
     } catch (const Refusal&) {
       throw;
     } catch (const std::exception& error) {
-      std::string reason = error.what();
-      std::vector<std::string> log;
-      gmsh::logger::get(log);
-      for (const std::string& line : log)
-        if (line.starts_with("Error"))
-          reason = line;
-      throw Refusal(what + ": " + reason);
+      throw Refusal(what + ": " + complaint(error.what()));
     } catch (...) {
-      throw Refusal(what + ": gmsh failed");
+      throw Refusal(what + ": " + complaint("gmsh failed"));
     }
+  }
+
+private:
+  /// gmsh's last error, or what is known otherwise.
+  static std::string complaint(std::string reason) {
+    std::vector<std::string> log;
+    gmsh::logger::get(log);
+    for (const std::string& line : log)
+      if (line.starts_with("Error"))
+        reason = line;
+    return reason;
   }
 };
 
@@ -196,14 +202,17 @@ std::vector<double> concave_curves() {
   return concave;
 }
 
-/// Lengths from the bounding box and from the volume over the surface (half a wall's thickness).
-double natural_size(double largest, double wall) {
-  return std::min(largest / 12, std::max(wall / 1.5, largest / 40));
+/// A size for a body nobody gave one for, from its largest side, its volume over its skin (half a
+/// wall's thickness), and the skin: 6000 triangles or so, some 60 thousand unknowns, are enough.
+double natural_size(double largest, double volume, double skin) {
+  const double wall = 2 * std::abs(volume) / skin;
+  return std::max(std::min(largest / 12, std::max(wall / 1.5, largest / 40)),
+                  std::sqrt(4 / std::sqrt(3.0) * skin / 3000));
 }
 
 void set_sizes(double h, const std::vector<double>& concave) {
   gmsh::option::setNumber("Mesh.CharacteristicLengthMax", h);
-  gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 30);
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 6); // small fillets wait
   if (concave.empty())
     return;
   using namespace gmsh::model::mesh;
@@ -287,11 +296,10 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
     gmsh::model::getBoundingBox(-1, -1, box.low.x, box.low.y, box.low.z, box.high.x, box.high.y,
                                 box.high.z);
     const double unit = choice.unit > 0 ? choice.unit : 1e-3;
-    const double h =
-        choice.coarser *
-        (choice.h > 0 ? choice.h / unit : natural_size(box.largest(), 2 * solid / skin));
+    const double h = choice.coarser *
+                     (choice.h > 0 ? choice.h / unit : natural_size(box.largest(), solid, skin));
     gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
-    gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 20);
+    gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
     set_sizes(h, {});
     std::vector<double> concave;
     if (choice.grade_concave) {
@@ -363,58 +371,51 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
   }
   const double largest = bounding_box(surface.points).largest();
   const double wanted =
-      choice.coarser *
-      (choice.h > 0 ? choice.h : natural_size(largest, 2 * std::abs(solid) / skin));
+      choice.coarser * (choice.h > 0 ? choice.h : natural_size(largest, solid, skin));
   const double mean_edge = edges / (3 * static_cast<double>(surface.triangles.size()));
   const double slivers = share_of_slivers(surface, 8);
   const bool fine = choice.h > 0 ? mean_edge < .6 * wanted : surface.triangles.size() > 9000;
   const bool renew = choice.remesh || slivers > .01 || fine || mean_edge > 1.6 * wanted;
-  const auto say = [&](const std::string& sentence) {
-    if (choice.say)
-      choice.say(sentence);
-  };
-  const auto fill = [&](bool renewed) {
+  const auto fill = [&](const Triangles& triangles) {
     Session session;
     return session.run("the surface cannot be filled", [&] {
-      build_discrete(surface);
-      std::vector<std::vector<int>> faces_of_shell(static_cast<std::size_t>(surface.shells));
-      for (int s = 0; s < surface.shells; ++s)
-        faces_of_shell[static_cast<std::size_t>(s)] = {s + 1};
+      build_discrete(triangles);
+      std::vector<std::vector<int>> faces_of_shell;
+      for (int s = 0; s < triangles.shells; ++s)
+        faces_of_shell.push_back({s + 1});
       set_sizes(wanted, {});
-      if (renewed) {
-        if (surface.shells != 1)
-          throw Refusal("a surface with cavities keeps its triangles");
-        gmsh::model::mesh::classifySurfaces(40 * std::numbers::pi / 180, true, true,
-                                            std::numbers::pi);
-        gmsh::model::mesh::createGeometry();
-        gmsh::vectorpair faces;
-        gmsh::model::getEntities(faces, 2);
-        faces_of_shell[0].clear();
-        for (const auto& [dimension, tag] : faces)
-          faces_of_shell[0].push_back(tag);
-        gmsh::option::setNumber("Mesh.CharacteristicLengthMin", .3 * wanted);
-      }
       add_volume(faces_of_shell);
       gmsh::model::mesh::generate(3);
-      Mesh mesh = make_quadratic(renewed && choice.curved, 1);
+      Mesh mesh = make_quadratic(false, 1);
+      check(mesh);
       const double change = volume(mesh) / std::abs(solid) - 1;
       if (std::abs(change) > .05)
         throw Refusal(format("the volume changed by %.1f %%", 100 * change));
       return mesh;
     });
   };
-  if (renew) {
+  if (!renew)
+    return fill(surface);
+  const auto say = [&](const std::string& sentence) {
+    if (choice.say)
+      choice.say(sentence);
+  };
+  // Faces that lie close together leave less room for a coarser surface between them.
+  for (const double away : {.1, .03, .01}) {
+    const Triangles even = remeshed(surface, .85 * wanted, away * wanted);
+    if (crossing(even))
+      continue;
+    say(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
+               surface.triangles.size(), 1e3 * wanted, even.triangles.size(), 100 * slivers,
+               100 * share_of_slivers(even, 8)));
     try {
-      say(format("renewing %zu triangles at %.3g mm (%.1f %% are slivers)",
-                 surface.triangles.size(), 1e3 * wanted, 100 * slivers));
-      Mesh mesh = fill(true);
-      check(mesh);
-      return mesh;
+      return fill(even);
     } catch (const Refusal& refusal) {
-      say(std::string("the triangles are kept: ") + refusal.what());
+      say(refusal.what());
     }
   }
-  return fill(false);
+  say("the triangles are kept as they are");
+  return fill(surface);
 }
 
 } // namespace tactus::fem

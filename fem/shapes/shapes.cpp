@@ -101,7 +101,9 @@ Mesh tube_like(const char* who, double outer, double inner, double tall, const M
 Mesh box(double x, double y, double z, const MeshChoice& choice) {
   const double h = element_size(choice, std::max({x, y, z})), thinnest = std::min({x, y, z});
   const auto cut = [&](double size) {
-    const int least = size > thinnest ? 2 : layers_of(choice, 3);
+    // Twisting bends a section's width: two elements would be a hundredth too stiff.
+    const int across = choice.h > 0 ? 2 : std::max(2, static_cast<int>(4 / choice.coarser));
+    const int least = size > thinnest ? across : layers_of(choice, 3);
     return divide(-size / 2, size / 2, h, least);
   };
   return block(cut(x), cut(y), cut(z));

@@ -1,5 +1,6 @@
 """modal_fem as its user runs it: what it writes, what it refuses, what it leaves behind."""
 import csv
+import gzip
 import hashlib
 import json
 import os
@@ -200,6 +201,56 @@ def test_two_bodies_in_one_file_and_a_truncated_file_are_refused(tmp_path):
     assert "promises 24 triangles" in refusal("cut.stl", folder=tmp_path)
 
 
+def test_every_fault_of_a_surface_is_named_with_its_place(tmp_path):
+    write_stl(tmp_path / "hole.stl", cube_triangles(10)[1:-1])
+    said = refusal("hole.stl", folder=tmp_path)
+    assert "open at triangle" in said and "mm" in said and "6 such edges" in said
+    pushed = np.array(cube_triangles(10))
+    pushed[(pushed == 0).all(axis=2)] = (30, 4, 4)  # a corner, through the face opposite
+    write_stl(tmp_path / "crossed.stl", pushed)
+    said = refusal("crossed.stl", folder=tmp_path)
+    assert "crosses itself: triangle" in said and "cuts triangle" in said and "mm" in said
+    walled = cube_triangles(10) + cube_triangles(10)[:1]
+    walled[-1] = [walled[-1][0], walled[-1][1], np.array([5.0, 5.0, 5.0])]  # a fin inside
+    write_stl(tmp_path / "fin.stl", walled)
+    assert "triangle" in refusal("fin.stl", folder=tmp_path)
+
+
+def test_doubled_and_turned_triangles_are_put_right(tmp_path):
+    good = cube_triangles(20)
+    write_stl(tmp_path / "good.stl", good)
+    write_stl(tmp_path / "doubled.stl", good + good[3:5])
+    write_stl(tmp_path / "turned.stl", [t[::-1] if i % 3 else t for i, t in enumerate(good)])
+    found = []
+    for name in ("good", "doubled", "turned"):
+        run(f"{name}.stl", "--h", 6, "--modes", 3, "--quiet", "-o", f"{name}.modal.npz", folder=tmp_path)
+        found.append(np.load(tmp_path / f"{name}.modal.npz"))
+    for table in found:
+        assert np.allclose(table["freq"], found[0]["freq"], rtol=5e-3)
+        assert table["mass"] == pytest.approx(2700 * 0.02**3, rel=1e-6)
+
+
+def test_a_bar_of_slivers_rings_as_the_bar(tmp_path):
+    # 40 long wedges a side: no mesh of these triangles would do.
+    corners = np.array([(x, y, z) for z in (0, 6) for y in (0, 15) for x in (0, 120)], float)
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    triangles = []
+    for a, b, c, d in sides:
+        a, b, c, d = corners[[a, b, c, d]]
+        triangles += [[a, b, c], [a, c, d]]
+    fans = []
+    for t in triangles:  # each in slivers about its first corner would open the edges: about its middle
+        middle = np.mean(t, axis=0)
+        fans += [[middle, t[0], t[1]], [middle, t[1], t[2]], [middle, t[2], t[0]]]
+    write_stl(tmp_path / "bar.stl", fans)
+    begin = time.monotonic()
+    run("bar.stl", "--modes", 6, "-o", "stl.modal.npz", folder=tmp_path)
+    assert time.monotonic() - begin < 30
+    run("bar", "--length", 120, "--width", 15, "--thickness", 6, "--h", 3, "--modes", 6, "-o", "bar.modal.npz", folder=tmp_path)
+    found, exact = (np.load(tmp_path / f"{name}.modal.npz")["freq"] for name in ("stl", "bar"))
+    assert np.allclose(found, exact, rtol=5e-3)
+
+
 def test_a_cube_from_stl_obj_and_inp_is_the_cube_of_the_plate(tmp_path):
     words = ["--modes", "4", "--quiet"]
     run("plate", "--length", 20, "--width", 20, "--thickness", 20, "--h", 3, "-o", "a.modal.npz", *words, folder=tmp_path)
@@ -210,8 +261,8 @@ def test_a_cube_from_stl_obj_and_inp_is_the_cube_of_the_plate(tmp_path):
             for x, y, z in t:
                 file.write(f"v {x} {y} {z}\n")
             file.write("f -3 -2 -1\n")
-    run("cube.stl", "--h", 5, "-o", "b.modal.npz", *words, folder=tmp_path)
-    run("cube.obj", "--h", 5, "-o", "c.modal.npz", *words, folder=tmp_path)
+    run("cube.stl", "--h", 4, "-o", "b.modal.npz", *words, folder=tmp_path)
+    run("cube.obj", "--h", 4, "-o", "c.modal.npz", *words, folder=tmp_path)
     run("plate", "--length", 20, "--width", 20, "--thickness", 20, "--h", 5, "--export-inp", "cube.inp", folder=tmp_path)
     run("cube.inp", "-o", "d.modal.npz", *words, folder=tmp_path)
     for name in "bcd":
@@ -284,19 +335,55 @@ def test_modes_of_another_solver_come_back_as_the_same_table(tmp_path):
     assert "7 entries" in refusal(*body, "--import-modes", "values.bin", "vectors.bin", "-o", "x.modal.npz", folder=tmp_path)
 
 
-def test_a_concave_edge_of_a_cad_body_is_found_and_graded(tmp_path):
-    # An L by gmsh's own kernel; without gmsh's program there is nothing to import.
+def write_step(folder, geometry):
+    """body.step by gmsh's own kernel, in millimetres."""
     import shutil
     if not shutil.which("gmsh"):
         pytest.skip("gmsh's program is not installed")
-    (tmp_path / "l.geo").write_text('SetFactory("OpenCASCADE");\nBox(1) = {0,0,0, 60,20,10};\nBox(2) = {0,0,10, 12,20,30};\n'
-                                    'BooleanUnion(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};\n')
-    subprocess.run(["gmsh", "-0", "l.geo", "-format", "step", "-o", "l.step"], cwd=tmp_path, check=True, capture_output=True)
-    said = run("l.step", "--modes", 3, "-o", "l.modal.npz", folder=tmp_path).stderr
-    if "STEP" in (tmp_path / "l.step").read_text(errors="replace")[:200]:
-        assert "1 concave edges" in said
+    (folder / "body.geo").write_text(f'SetFactory("OpenCASCADE");\n{geometry}\nSave "body.step";\n')
+    subprocess.run(["gmsh", "-0", "body.geo"], cwd=folder, check=True, capture_output=True)
+    text = (folder / "body.step").read_text()
+    assert text.startswith("ISO-10303-21") and text.count("SI_UNIT(.MILLI.,.METRE.)") == 1
+    return text
+
+
+def test_a_concave_edge_of_a_step_file_is_found_and_graded(tmp_path):
+    write_step(tmp_path, "Box(1) = {0,0,0, 60,20,10}; Box(2) = {0,0,10, 12,20,30};"
+                         "BooleanUnion(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};")
+    said = run("body.step", "--modes", 3, "-o", "l.modal.npz", folder=tmp_path).stderr
+    assert "1 concave edges" in said
     mass = float(np.load(tmp_path / "l.modal.npz")["mass"])
-    assert mass == pytest.approx(2700 * (60 * 20 * 10 + 12 * 20 * 30) * 1e-9, rel=1e-3)
+    assert mass == pytest.approx(2700 * (60 * 20 * 10 + 12 * 20 * 30) * 1e-9, rel=1e-6)
+
+
+def test_a_step_file_tells_its_own_unit_of_length(tmp_path):
+    text = write_step(tmp_path, "Cylinder(1) = {0,0,0, 0,0,12, 50};")
+    (tmp_path / "metres.step").write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
+    words = ["--modes", 3, "--quiet"]
+    run("body.step", "--h", 8, "-o", "a.modal.npz", *words, folder=tmp_path)
+    run("metres.step", "--h", 8000, "-o", "b.modal.npz", *words, folder=tmp_path)
+    small, large = np.load(tmp_path / "a.modal.npz"), np.load(tmp_path / "b.modal.npz")
+    assert np.allclose(small["freq"], [5890.390, 5890.390, 9992.755], rtol=8e-3)
+    assert small["mass"] == pytest.approx(0.254469, rel=1e-3)
+    assert np.allclose(large["freq"], small["freq"] / 1000, rtol=1e-3)
+
+
+PARTS = {"t20_data.step": "/usr/share/doc/gmsh-doc/doc/gmsh/tutorial/t20_data.step.gz",  # gmsh-doc
+         "screw.step": "/usr/share/opencascade/data/step/screw.step"}  # occt-misc
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_machine_part_of_a_debian_package_rings(name, tmp_path):
+    if not os.path.isfile(PARTS[name]):
+        pytest.skip("its package is not installed")
+    raw = open(PARTS[name], "rb").read()
+    (tmp_path / name).write_bytes(gzip.decompress(raw) if PARTS[name].endswith(".gz") else raw)
+    run(name, "--modes", 6, "--material", "steel", "-o", "part.modal.npz", folder=tmp_path)
+    table = np.load(tmp_path / "part.modal.npz")
+    size = np.ptp(table["xyz"], axis=0)
+    assert 0.02 < size.max() < 0.06  # both are some centimetres long, in files that speak of millimetres
+    bar = np.sqrt(200e9 / 7850) / (2 * size.max())  # a bar of that length: the scale of a compact body
+    assert 0.1 * bar < table["freq"][0] < 2 * bar
 
 
 def test_springs_and_supports_are_written_into_the_table(tmp_path):

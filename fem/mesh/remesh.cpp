@@ -1,0 +1,427 @@
+#include "fem/mesh/remesh.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+namespace tactus::fem {
+namespace {
+
+using Edge = std::pair<int, int>;
+using Corners = std::array<int, 3>;
+
+constexpr double kFeature = 30 * std::numbers::pi / 180; ///< a sharper edge stays
+constexpr double kCorner = 45 * std::numbers::pi / 180;  ///< where a line of such edges turns more
+
+class Remesher {
+public:
+  Remesher(const Triangles& surface, double edge, double away)
+      : point_(surface.points), triangle_(surface.triangles), shell_(surface.shell),
+        around_(surface.points.size()), plane_(surface.points.size()),
+        corner_(surface.points.size(), false), edge_(edge), away_(away) {
+    for (std::size_t t = 0; t < triangle_.size(); ++t)
+      for (const int v : triangle_[t])
+        around_[at(v)].push_back(static_cast<int>(t));
+    for (std::size_t v = 0; v < point_.size(); ++v)
+      for (const int t : around_[v])
+        remember_plane(static_cast<int>(v), triangle_[at(t)]);
+    find_features();
+  }
+
+  Triangles run() {
+    collapse_short();
+    for (int round = 0; round < 6; ++round) {
+      split_long();
+      turn_edges();
+      collapse_short();
+      turn_edges();
+      smooth_flat();
+    }
+    Triangles out;
+    std::vector<int> name(point_.size(), -1);
+    int shells = 0;
+    for (std::size_t t = 0; t < triangle_.size(); ++t) {
+      if (triangle_[t][0] < 0)
+        continue;
+      Corners corners = triangle_[t];
+      for (int& v : corners) {
+        int& known = name[at(v)];
+        if (known < 0) {
+          known = static_cast<int>(out.points.size());
+          out.points.push_back(point_[at(v)]);
+        }
+        v = known;
+      }
+      out.triangles.push_back(corners);
+      out.shell.push_back(shell_[t]);
+      shells = std::max(shells, shell_[t] + 1);
+    }
+    out.shells = shells;
+    return out;
+  }
+
+private:
+  using Plane = std::pair<Vector3, double>;
+
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  static Edge sorted(int a, int b) { return std::minmax(a, b); }
+  const Vector3& point(int v) const { return point_[at(v)]; }
+  Vector3 normal(const Corners& t) const { // its length is twice the area
+    return cross(point(t[1]) - point(t[0]), point(t[2]) - point(t[0]));
+  }
+  double span(int a, int b) const { return length(point(b) - point(a)); }
+
+  /// 1 for an equilateral triangle, 0 for a line.
+  double quality(const Corners& t) const {
+    const double a = span(t[0], t[1]), b = span(t[1], t[2]), c = span(t[2], t[0]);
+    const double sides = a * a + b * b + c * c;
+    return sides > 0 ? 2 * std::sqrt(3.0) * length(normal(t)) / sides : 0;
+  }
+
+  /// The triangle that runs along a to b, or -1.
+  int beside(int a, int b) const {
+    for (const int t : around_[at(a)])
+      for (std::size_t k = 0; k < 3; ++k)
+        if (triangle_[at(t)][k] == a && triangle_[at(t)][(k + 1) % 3] == b)
+          return t;
+    return -1;
+  }
+  int third(int t, int a, int b) const {
+    for (const int v : triangle_[at(t)])
+      if (v != a && v != b)
+        return v;
+    return -1;
+  }
+  std::vector<int> neighbours(int v) const {
+    std::vector<int> out;
+    for (const int t : around_[at(v)])
+      for (const int w : triangle_[at(t)])
+        if (w != v)
+          out.push_back(w);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+
+  void remember_plane(int v, const Corners& t) {
+    const Vector3 n = normal(t);
+    const double size = length(n);
+    if (size > 0)
+      plane_[at(v)].push_back({(1 / size) * n, dot((1 / size) * n, point(t[0]))});
+  }
+  /// The largest distance of a place from the planes that met in v, and in what v took over.
+  double away(int v, const Vector3& place) const {
+    double most = 0;
+    for (const auto& [n, level] : plane_[at(v)])
+      most = std::max(most, std::abs(dot(n, place) - level));
+    return most;
+  }
+
+  /// Whether a normal lies near that of some plane that v stands for.
+  bool faces_as_before(int v, const Vector3& n) const {
+    return std::any_of(plane_[at(v)].begin(), plane_[at(v)].end(),
+                       [&](const Plane& p) { return dot(p.first, n) > .8 * length(n); });
+  }
+
+  void find_features() {
+    for (const auto& [a, b] : edges()) {
+      const int left = beside(a, b), right = beside(b, a);
+      const Vector3 n = normal(triangle_[at(left)]), m = normal(triangle_[at(right)]);
+      if (dot(n, m) < std::cos(kFeature) * length(n) * length(m))
+        feature_.insert({a, b});
+    }
+    std::vector<std::vector<int>> along(point_.size());
+    for (const auto& [a, b] : feature_) {
+      along[at(a)].push_back(b);
+      along[at(b)].push_back(a);
+    }
+    for (std::size_t v = 0; v < along.size(); ++v) {
+      if (along[v].size() == 2) {
+        const Vector3 in = point_[v] - point(along[v][0]), out = point(along[v][1]) - point_[v];
+        corner_[v] = dot(in, out) < std::cos(kCorner) * length(in) * length(out);
+      } else {
+        corner_[v] = !along[v].empty();
+      }
+    }
+  }
+  bool on_feature(int v) const {
+    for (const int w : neighbours(v))
+      if (feature_.contains(sorted(v, w)))
+        return true;
+    return false;
+  }
+
+  std::vector<Edge> edges() const {
+    std::vector<Edge> all;
+    for (const auto& t : triangle_)
+      if (t[0] >= 0)
+        for (std::size_t k = 0; k < 3; ++k)
+          if (t[k] < t[(k + 1) % 3])
+            all.push_back({t[k], t[(k + 1) % 3]});
+    return all;
+  }
+  /// Edges shorter or longer than a limit, the most extreme first.
+  std::vector<Edge> edges_by_length(double limit, bool longer) const {
+    std::vector<std::tuple<double, int, int>> found;
+    for (const auto& [a, b] : edges())
+      if (const double size = span(a, b); longer ? size > limit : size < limit)
+        found.emplace_back(longer ? -size : size, a, b);
+    std::sort(found.begin(), found.end());
+    std::vector<Edge> out;
+    for (const auto& [size, a, b] : found)
+      out.push_back({a, b});
+    return out;
+  }
+
+  void replace(int t, const Corners& corners) {
+    for (const int v : triangle_[at(t)])
+      if (v >= 0)
+        std::erase(around_[at(v)], t);
+    triangle_[at(t)] = corners;
+    for (const int v : corners)
+      if (v >= 0)
+        around_[at(v)].push_back(t);
+  }
+
+  void split_long() {
+    for (int pass = 0; pass < 20; ++pass) {
+      const auto all = edges_by_length(4. / 3 * edge_, true);
+      if (all.empty())
+        return;
+      for (const auto& [a, b] : all)
+        split(a, b);
+    }
+  }
+  void split(int a, int b) {
+    const int left = beside(a, b), right = beside(b, a);
+    if (left < 0 || right < 0)
+      return;
+    const int m = static_cast<int>(point_.size());
+    point_.push_back(.5 * (point(a) + point(b)));
+    around_.emplace_back();
+    plane_.emplace_back();
+    corner_.push_back(false);
+    remember_plane(m, triangle_[at(left)]);
+    remember_plane(m, triangle_[at(right)]);
+    if (feature_.erase(sorted(a, b)) > 0) {
+      feature_.insert(sorted(a, m));
+      feature_.insert(sorted(m, b));
+    }
+    for (const auto& [t, from, to] : {std::tuple(left, a, b), {right, b, a}}) {
+      const int c = third(t, a, b), fresh = static_cast<int>(triangle_.size());
+      triangle_.push_back({-1, -1, -1});
+      shell_.push_back(shell_[at(t)]);
+      replace(t, {from, m, c});
+      replace(fresh, {m, to, c});
+    }
+  }
+
+  void collapse_short() {
+    for (int pass = 0; pass < 12; ++pass) {
+      std::size_t done = 0;
+      for (const auto& [a, b] : edges_by_length(.8 * edge_, false))
+        done += collapse(a, b) || collapse(b, a);
+      if (done == 0)
+        return;
+    }
+  }
+  bool collapse(int from, int onto) {
+    const bool along = feature_.contains(sorted(from, onto));
+    if (corner_[at(from)] || (!along && on_feature(from)))
+      return false;
+    const auto a = neighbours(from), b = neighbours(onto);
+    if (!std::binary_search(a.begin(), a.end(), onto) || away(from, point(onto)) > away_)
+      return false;
+    std::vector<int> common;
+    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+    if (common.size() != 2)
+      return false; // more would pinch the surface
+    for (const int t : around_[at(from)]) {
+      Corners corners = triangle_[at(t)];
+      if (std::find(corners.begin(), corners.end(), onto) != corners.end())
+        continue;
+      const Vector3 before = normal(corners);
+      const double shape = quality(corners);
+      std::replace(corners.begin(), corners.end(), from, onto);
+      const Vector3 after = normal(corners);
+      for (const int v : corners)
+        if (v != onto && span(v, onto) > 4. / 3 * edge_ && span(v, onto) > span(v, from))
+          return false;
+      if (shape > .02 ? dot(before, after) <= .8 * length(before) * length(after)
+                      : !faces_as_before(from, after)) // a sliver's own normal says little
+        return false;
+      if (quality(corners) < std::min(.2, .8 * shape))
+        return false;
+    }
+    for (const int t : std::vector<int>(around_[at(from)])) {
+      Corners corners = triangle_[at(t)];
+      if (std::find(corners.begin(), corners.end(), onto) != corners.end()) {
+        replace(t, {-1, -1, -1});
+        continue;
+      }
+      std::replace(corners.begin(), corners.end(), from, onto);
+      replace(t, corners);
+    }
+    for (const int w : a)
+      if (feature_.erase(sorted(from, w)) > 0 && w != onto)
+        feature_.insert(sorted(onto, w));
+    plane_[at(onto)].insert(plane_[at(onto)].end(), plane_[at(from)].begin(),
+                            plane_[at(from)].end());
+    plane_[at(from)].clear();
+    thin_out(plane_[at(onto)]);
+    return true;
+  }
+  /// Of planes that are the same but for rounding, one.
+  void thin_out(std::vector<Plane>& planes) const {
+    std::vector<Plane> kept;
+    for (const Plane& p : planes)
+      if (std::none_of(kept.begin(), kept.end(), [&](const Plane& q) {
+            return dot(p.first, q.first) > 1 - 1e-6 && std::abs(p.second - q.second) < 1e-3 * edge_;
+          }))
+        kept.push_back(p);
+    planes = std::move(kept);
+  }
+
+  /// Edges between flat neighbours turn where that makes the worse of two triangles better.
+  void turn_edges() {
+    for (int pass = 0; pass < 10; ++pass) {
+      std::size_t done = 0;
+      for (const auto& [a, b] : edges())
+        done += turn(a, b);
+      if (done == 0)
+        return;
+    }
+  }
+  bool turn(int a, int b) {
+    if (feature_.contains(sorted(a, b)))
+      return false;
+    const int left = beside(a, b), right = beside(b, a);
+    if (left < 0 || right < 0)
+      return false;
+    const int c = third(left, a, b), d = third(right, a, b);
+    if (c == d || beside(c, d) >= 0 || beside(d, c) >= 0)
+      return false;
+    const Corners first{c, d, b}, second{d, c, a};
+    const double now = std::min(quality(triangle_[at(left)]), quality(triangle_[at(right)]));
+    if (std::min(quality(first), quality(second)) < now + 1e-3)
+      return false;
+    const Vector3 whole = normal(triangle_[at(left)]) + normal(triangle_[at(right)]);
+    const double size = length(whole);
+    if (!(size > 0))
+      return false;
+    const double bend = std::abs(dot(whole, point(d) - point(c))) +
+                        std::abs(dot(whole, point(b) - point(a))) +
+                        std::abs(dot(whole, point(c) - point(a)));
+    const Vector3 n = normal(first), m = normal(second);
+    if (bend > away_ * size || dot(n, whole) <= .9 * length(n) * size ||
+        dot(m, whole) <= .9 * length(m) * size)
+      return false;
+    replace(left, first);
+    replace(right, second);
+    return true;
+  }
+
+  /// Points whose triangles lie in one plane go to the middle of their neighbours.
+  void smooth_flat() {
+    for (int pass = 0; pass < 3; ++pass)
+      for (int v = 0; v < static_cast<int>(point_.size()); ++v) {
+        if (around_[at(v)].empty() || on_feature(v))
+          continue;
+        Vector3 whole, middle;
+        for (const int t : around_[at(v)])
+          whole += normal(triangle_[at(t)]);
+        const double size = length(whole);
+        const auto ring = neighbours(v);
+        for (const int w : ring)
+          middle += (1. / static_cast<double>(ring.size())) * point(w);
+        double worst = 1, bend = 0;
+        for (const int t : around_[at(v)])
+          worst = std::min(worst, quality(triangle_[at(t)]));
+        for (const int w : ring)
+          bend = std::max(bend, std::abs(dot(whole, point(w) - point(v))));
+        if (!(size > 0) || bend > 1e-4 * edge_ * size)
+          continue;
+        const Vector3 before = point(v);
+        point_[at(v)] = middle - (dot(whole, middle - before) / (size * size)) * whole;
+        for (const int t : around_[at(v)])
+          if (quality(triangle_[at(t)]) < worst || dot(normal(triangle_[at(t)]), whole) <= 0) {
+            point_[at(v)] = before;
+            break;
+          }
+      }
+  }
+
+  std::vector<Vector3> point_;
+  std::vector<Corners> triangle_; ///< -1: gone
+  std::vector<int> shell_;
+  std::vector<std::vector<int>> around_;
+  std::vector<std::vector<Plane>> plane_; ///< unit normal and level of what a point stands for
+  std::vector<bool> corner_;
+  std::set<Edge> feature_;
+  double edge_, away_;
+};
+
+/// Whether the segment p q cuts the triangle a b c in their insides. Triangles that lie in one
+/// plane but for rounding do not.
+bool cuts(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b,
+          const Vector3& c) {
+  const double size = std::max({length(q - p), length(b - a), length(c - a)});
+  const double nothing = 1e-9 * size * size * size;
+  const auto side = [&](const Vector3& x, const Vector3& y, const Vector3& z, const Vector3& w) {
+    const double volume = dot(cross(y - x, z - x), w - x); // six times the tetrahedron's
+    return volume > nothing ? 1 : volume < -nothing ? -1 : 0;
+  };
+  if (side(a, b, c, p) * side(a, b, c, q) >= 0)
+    return false;
+  const int turn = side(p, q, a, b);
+  return turn != 0 && turn == side(p, q, b, c) && turn == side(p, q, c, a);
+}
+
+} // namespace
+
+Triangles remeshed(const Triangles& surface, double edge, double away) {
+  return Remesher(surface, edge, away).run();
+}
+
+std::optional<std::array<std::size_t, 2>> crossing(const Triangles& t) {
+  struct Reach {
+    Box box;
+    std::size_t triangle;
+  };
+  std::vector<Reach> all;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    std::vector<Vector3> corners;
+    for (const int v : t.triangles[i])
+      corners.push_back(t.points[static_cast<std::size_t>(v)]);
+    all.push_back({bounding_box(corners), i});
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Reach& a, const Reach& b) { return a.box.low.x < b.box.low.x; });
+  const auto place = [&](std::size_t i, std::size_t k) -> const Vector3& {
+    return t.points[static_cast<std::size_t>(t.triangles[i][k % 3])];
+  };
+  const auto pierces = [&](std::size_t i, std::size_t j) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (cuts(place(i, k), place(i, k + 1), place(j, 0), place(j, 1), place(j, 2)))
+        return true;
+    return false;
+  };
+  for (std::size_t a = 0; a < all.size(); ++a)
+    for (std::size_t b = a + 1; b < all.size() && all[b].box.low.x <= all[a].box.high.x; ++b) {
+      const Box &p = all[a].box, &q = all[b].box;
+      if (p.low.y > q.high.y || q.low.y > p.high.y || p.low.z > q.high.z || q.low.z > p.high.z)
+        continue;
+      const std::size_t i = all[a].triangle, j = all[b].triangle;
+      const Corners &c = t.triangles[i], &d = t.triangles[j];
+      if (std::count_if(c.begin(), c.end(),
+                        [&](int v) { return std::find(d.begin(), d.end(), v) != d.end(); }) > 1)
+        continue; // neighbours
+      if (pierces(i, j) || pierces(j, i))
+        return std::array{i, j};
+    }
+  return std::nullopt;
+}
+
+} // namespace tactus::fem

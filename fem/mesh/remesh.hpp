@@ -1,0 +1,17 @@
+#pragma once
+#include "fem/io/triangles.hpp"
+
+#include <optional>
+
+namespace tactus::fem {
+
+/// The same closed surface in triangles of about `edge` (m) on a side: long edges are halved, short
+/// ones collapse, the others turn to where angles are best, and points within flat parts even out
+/// (Botsch & Kobbelt 2004). Edges of more than 30 degrees stay, and so do details that would move
+/// by more than `away` (m), however small. Shells keep their numbers.
+[[nodiscard]] Triangles remeshed(const Triangles&, double edge, double away);
+
+/// Two triangles without a common edge that cut each other, or nothing.
+[[nodiscard]] std::optional<std::array<std::size_t, 2>> crossing(const Triangles&);
+
+} // namespace tactus::fem
