@@ -78,6 +78,10 @@ private:
     const std::size_t to_end = std::min(count, line_.size() - (write_ & mask_));
     std::copy_n(sound, to_end, line_.data() + (write_ & mask_));
     std::copy_n(sound + to_end, count - to_end, line_.data());
+    if (delay_ == 0) {
+      write_ += count;
+      return;
+    }
     const auto whole = static_cast<std::size_t>(delay_);
     const float x = static_cast<float>(delay_ - static_cast<double>(whole));
     std::array<float, kPart + 3> piece;

@@ -329,9 +329,10 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
 
 void StruckBody::run(std::size_t frames) noexcept {
   chunk_.contact.fill(0);
-  for (auto& heard : chunk_.heard)
-    heard.fill(0);
-  if (model_ && model_->settings.sample_rate == sample_rate_) {
+  const bool sounds = model_ && model_->settings.sample_rate == sample_rate_;
+  for (std::size_t l = sounds ? model_->settings.listeners : 0; l < kMostListeners; ++l)
+    chunk_.heard[l].fill(0); // all others are overwritten
+  if (sounds) {
     model_->bank.set_floor(kQuietest / std::max(options_.gain, 1e-6));
     make_pulses(frames);
     for (std::size_t n = 0; n < frames;)
@@ -389,7 +390,10 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
   for (std::size_t begin = 0; begin < frames; begin += kChunk) {
     const std::size_t count = std::min(kChunk, frames - begin);
     make_sane(force.subspan(begin, count), kMostForce, chunk_.force.data());
-    make_sane(height.subspan(begin, count), kMostHeight, chunk_.height.data());
+    if (options_.led)
+      make_sane(height.subspan(begin, count), kMostHeight, chunk_.height.data());
+    else
+      chunk_.height.fill(0); // a hand that begins to lead begins at the surface
     run(count);
     const auto pass_on = [&](const auto& from, std::span<S> to) {
       for (std::size_t n = 0; n < count; ++n)
