@@ -38,8 +38,8 @@ class Classifier:
     def project(self, vectors):
         return self.standardised(vectors) @ self.projection
 
-    def ranked(self, vectors):
-        """Per sound all classes, likeliest first."""
+    def far(self, vectors):
+        """Distance of each sound (row) from each class (column)."""
         points = self.project(vectors)
         far = np.empty((len(points), len(self.classes)))
         for i, c in enumerate(self.classes):
@@ -47,6 +47,11 @@ class Classifier:
             count = min(NEIGHBOURS, max(1, near.shape[1] // 2))
             to_centre = np.linalg.norm(points - self.centres[i], axis=1)
             far[:, i] = 0.5 * near[:, :count].mean(axis=1) + 0.5 * to_centre
+        return far
+
+    def ranked(self, vectors):
+        """Per sound all classes, likeliest first."""
+        far = self.far(vectors)
         return [[self.classes[k] for k in row] for row in np.argsort(far, axis=1)]
 
 

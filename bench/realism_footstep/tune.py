@@ -2,6 +2,7 @@
 """Fits a recipe's numbers to what recordings measure, by CMA-ES (Hansen; Debian: python3-cmaes).
 
     tune.py --render render_footstep RECIPE... [--label NAME] [--rounds 60] [--steps 16]
+    tune.py --render render_footstep RECIPE... --recordings   also near Debian's recordings (realism.py)
     tune.py --render render_footstep RECIPE --sounds FOLDER     your own recordings, .wav or .ogg
 
 A recipe of a known name is fitted to the tables of targets.py: for each feature how far its median
@@ -17,8 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
+import judge
 import targets
 from features import RATE
+from recordings import recordings
 from steps import measure, render
 
 warnings.filterwarnings("ignore")
@@ -88,6 +91,15 @@ class Aim:
 
     def __init__(self, features, profile, bands):
         self.features, self.profile, self.bands = features, np.array(profile, float), bands
+        self.classifier, self.label = None, ""
+
+    def also_near_recordings(self, label):
+        """Adds how surely a classifier of the installed recordings takes a step for its material."""
+        taken = recordings()
+        labels = np.array([r.label for r in taken])
+        if label in labels:
+            vectors, _, _ = measure([r.sound() for r in taken])
+            self.classifier, self.label = judge.Classifier(vectors, labels), label
 
     @classmethod
     def of_label(cls, label):
@@ -107,7 +119,7 @@ class Aim:
         return cls(rows, profiles.mean(axis=0), slice(None))
 
     def cost(self, steps):
-        _, named, profiles = measure(steps)
+        vectors, named, profiles = measure(steps)
         total = 0.0
         for name, (median, low, high) in self.features.items():
             logs = np.log(named[name] + 1e-5)
@@ -121,7 +133,16 @@ class Aim:
             total += min(off * off, 25) + 2 * min(outside, 5) + 0.5 * min(ratio * ratio, 9)
         profile = profiles.mean(axis=0)[self.bands]
         rms = np.sqrt(np.mean((profile - self.profile) ** 2))
-        return total / len(self.features) + (rms / 3) ** 2
+        return total / len(self.features) + (rms / 3) ** 2 + self.doubt(vectors)
+
+    def doubt(self, vectors):
+        """Mean negative log probability of the right name, distances read as log probabilities."""
+        if self.classifier is None:
+            return 0.0
+        far = self.classifier.far(vectors)
+        own = far[:, self.classifier.classes.index(self.label)]
+        likelihood = np.log(np.exp(own[:, None] - far).sum(axis=1))
+        return 0.3 * float(np.minimum(likelihood, 8).mean())
 
 
 def cost_of(text, aim, arguments, seed):
@@ -173,6 +194,7 @@ def main():
     parser.add_argument("--render", required=True)
     parser.add_argument("--label")
     parser.add_argument("--sounds")
+    parser.add_argument("--recordings", action="store_true")
     parser.add_argument("--rounds", type=int, default=60)
     parser.add_argument("--steps", type=int, default=16)
     parser.add_argument("--sigma", type=float, default=0.12)
@@ -183,6 +205,8 @@ def main():
         if not arguments.sounds and label not in targets.FEATURES:
             sys.exit(f"{label}: known are {', '.join(targets.MATERIALS)}; or give --sounds FOLDER")
         aim = Aim.of_sounds(arguments.sounds) if arguments.sounds else Aim.of_label(label)
+        if arguments.recordings:
+            aim.also_near_recordings(label)
         tune(path, aim, arguments)
         bring_to_level(path, arguments.render)
 

@@ -152,7 +152,8 @@ Ground::Sound Ground::next(const SoleState& sole, double weight_n) noexcept {
       solid_.throw_mass(kHeel, 0, sole.heel_landing * speed_factor_);
     if (ball_lands && recipe_.solid.ball > 0)
       solid_.throw_mass(kBall, 0, sole.ball_landing * speed_factor_ * recipe_.solid.ball);
-    if (solid_.active()) {
+    // What was thrown just now is near only once a step has looked.
+    if (heel_lands || ball_lands || solid_.active()) {
       solid_.step();
       felt += recipe_.solid.level * solid_.hear(0);
       silent = false;

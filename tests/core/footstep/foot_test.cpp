@@ -1,5 +1,6 @@
 #include "core/footstep/foot.hpp"
 #include "core/footstep/gait.hpp"
+#include "core/footstep/ground.hpp"
 
 #include <doctest/doctest.h>
 
@@ -158,6 +159,48 @@ TEST_CASE("nonsense from a sole stays finite and the foot is itself again within
       out = foot->next({});
     CHECK(std::abs(out.heard) < 1e-3);
   }
+}
+
+TEST_CASE("a ground with nothing but a board sounds, and louder under a harder blow") {
+  Recipe recipe;
+  REQUIRE(read_recipe("[solid]\nfrequency 300\nvary_level 0\n", recipe) == "");
+  double before = 0;
+  for (const double speed : {0.1, 0.3, 1.0}) {
+    const auto ground = std::make_unique<Ground>();
+    ground->prepare(48000);
+    ground->set(recipe, 0.4);
+    double loudest = 0;
+    for (int n = 0; n < 24000; ++n) {
+      SoleState sole;
+      sole.heel_landing = n == 10 ? speed : 0;
+      loudest = std::max(loudest, std::abs(ground->next(sole, 700).heard));
+    }
+    CHECK(loudest > 2 * before);
+    CHECK(loudest > 1e-3);
+    before = loudest;
+  }
+}
+
+TEST_CASE("boards that rub sound while the weight moves onto them, and only then") {
+  Recipe recipe;
+  REQUIRE(read_recipe("[friction]\nfrequency 300\nmodes 3\nt60 0.1\n", recipe) == "");
+  const auto ground = std::make_unique<Ground>();
+  ground->prepare(48000);
+  ground->set(recipe, 0.4);
+  double loaded = 0, rested = 0;
+  for (int n = 0; n < 96000; ++n) {
+    SoleState sole;
+    const bool growing = n < 9600;
+    sole.heel_n = growing ? 700.0 * n / 9600 : 700;
+    sole.heel_slope = growing ? 700.0 * 5 : 0;
+    const double x = std::abs(ground->next(sole, 700).heard);
+    if (growing)
+      loaded = std::max(loaded, x);
+    else if (n > 48000)
+      rested = std::max(rested, x);
+  }
+  CHECK(loaded > 1e-3);
+  CHECK(rested < 0.02 * loaded);
 }
 
 TEST_CASE("a recipe's mistakes are named with their line") {

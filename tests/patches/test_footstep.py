@@ -1,0 +1,178 @@
+"""[footstep~] in Pd: a walker, sensors with a published force curve, surfaces and their mistakes."""
+import numpy
+import pytest
+from harness import Patch
+
+RATE = 48000
+ALL = ("wood", "creak", "underbrush", "snow", "frozensnow", "sand", "gravel", "metal", "highgrass",
+       "dryleaves", "concrete", "dirt", "puddle", "water", "carpet")
+OUTLETS = ("sound", "heel", "ball", "force", "sound_2", "heel_2", "ball_2", "force_2")
+
+
+def foot(*words, block=64, inputs=()):
+    patch = Patch(block=block)
+    box = patch.obj("footstep~", *words)
+    for i, samples in enumerate(inputs):
+        patch.signal(samples) >> box[i]
+    for i, name in enumerate(OUTLETS):
+        patch.record(name, box[i])
+    patch.log("info", box[8])
+    return patch, box
+
+
+def events(result, phase, side="left"):
+    """Times in s."""
+    return [ms / 1000 for ms, atoms in result.logs["info"] if atoms[:3] == ["step", side, phase]]
+
+
+def curve(seconds, stride=1.1, stance=0.68):
+    """Heel and ball forces of a walk at 1.3 m/s as force plates show it (peaks 1.1 and 1.08 of a
+    weight of 700 N at 23 and 77 % of the stance, valley 0.74, heel transient), with the contact
+    times: straight lines between published points, not the object's own formula."""
+    x = [0, .015, .03, .045, .1, .16, .23, .35, .48, .62, .77, .88, .95, 1]
+    weights = [0, .25, .45, .38, .72, 1.0, 1.1, .9, .74, .92, 1.08, .7, .22, 0]
+    t = numpy.arange(int(seconds * RATE)) / RATE
+    phase = numpy.mod(t - 0.2, stride) / stance
+    force = 700 * numpy.interp(phase, x, weights, right=0) * (t > 0.2)
+    share = 1 / (1 + numpy.exp((phase - 0.46) / 0.07))
+    return force * share, force * (1 - share), numpy.arange(0.2, seconds - stance, stride)
+
+
+def test_a_walker_puts_down_heel_and_ball_of_both_feet_in_turn():
+    patch, box = foot("gravel", "-feet", 2)
+    patch.at(100, box, "walk 1")
+    result = patch.render(8)
+    left, right = events(result, "heel"), events(result, "heel", "right")
+    assert 6 <= len(left) <= 8 and 6 <= len(right) <= 8
+    assert all(a < b for a, b in zip(left, right))
+    assert len(events(result, "toe_off")) >= len(left) - 1
+    for name in OUTLETS:
+        assert abs(result[name]).max() > 0, name
+    assert abs(result["sound"]).max() <= 1
+    assert not result["sound"][:4700].any()
+
+
+def test_the_first_foot_alone_sounds_unless_asked_for_two():
+    patch, box = foot("snow")
+    patch.at(100, box, "walk 1")
+    result = patch.render(3)
+    assert abs(result["sound"]).max() > 0.05
+    assert not result["sound_2"].any() and not result["force_2"].any()
+
+
+@pytest.mark.parametrize("surface", ALL)
+def test_every_ground_by_name_sounds_and_is_felt_within_3_g(surface):
+    patch, box = foot(surface, "-drive_gain", 20)
+    patch.at(100, box, "walk 1")
+    result = patch.render(4)
+    assert 0.05 < abs(result["sound"]).max() <= 1
+    for drive in ("heel", "ball"):
+        assert 0 < abs(result[drive]).max() <= 1 + 1e-6  # 3 g at a sensitivity of 3 g
+        assert abs(result[drive].mean()) < 0.005  # the limit works hard here
+
+
+def test_a_render_repeats_to_the_bit_and_another_block_size_gives_the_same_sound():
+    def play(block, seed=1):
+        patch, box = foot("underbrush", "-seed", seed, block=block)
+        patch.at(64 * 64000 / RATE, box, "walk 1")
+        return patch.render(3)["sound"]
+    first = play(64)
+    assert (first == play(64)).all()
+    assert (first == play(1024)).all()
+    assert (first != play(64, 2)).any()
+
+
+def test_a_published_force_curve_through_worn_sensors_gives_every_step_in_time():
+    heel, ball, contacts = curve(20)
+    random = numpy.random.RandomState(1)
+    t = numpy.arange(len(heel)) / RATE
+
+    def sensor(force):
+        """Reads conductance: hysteresis of 10 % on the way down, 1 % noise, drift of 5 %."""
+        falling = numpy.gradient(force) < 0
+        felt = force * (1 + 0.1 * falling) * (1 + 0.05 * numpy.log10(1 + t))
+        return (felt / 1000) ** 0.9 * (1 + 0.01 * random.randn(len(force)))
+    patch, box = foot("wood", "-source", "sensors", inputs=[sensor(heel), sensor(ball)])
+    points = " ".join(f"{(f / 1000) ** 0.9:.6f} {f}" for f in (0, 20, 60, 150, 400, 800, 1500))
+    patch.at(1, box, f"calibrate heel {points}")
+    patch.at(1, box, f"calibrate ball {points}")
+    result = patch.render(20)
+    found = events(result, "heel")
+    assert len(found) == len(contacts) + (1 if len(found) > len(contacts) else 0)
+    for mine, true in zip(found, contacts):
+        assert -0.002 < mine - true < 0.0065  # 5 ms and a block of Pd's
+    offs = events(result, "toe_off")
+    for off, true in zip(offs, contacts):
+        assert abs((off - true) / 0.68 - 1) < 0.03
+    peak = abs(result["sound"]).max()
+    assert peak > 0.05
+    # The force comes out as it went in, within what hysteresis and drift make of it.
+    assert result["force"].max() == pytest.approx(770, rel=0.2)
+
+
+def test_forces_in_body_weights_are_the_same_steps():
+    heel, ball, _ = curve(3)
+    a, _ = foot("sand", "-source", "sensors", inputs=[heel, ball])
+    b, _ = foot("sand", "-source", "sensors", "-unit", "weight", inputs=[heel / 700, ball / 700])
+    assert numpy.allclose(a.render(3)["force"], b.render(3)["force"], atol=0.5)
+
+
+def test_a_crossfade_keeps_the_walk_going_and_ends_on_the_other_ground():
+    patch, box = foot("metal")
+    patch.at(100, box, "walk 1")
+    patch.at(2000, box, "surface metal dryleaves 0")
+    for i in range(41):
+        patch.at(2000 + 50 * i, box, f"mix {i / 40}")
+    patch.at(5500, box, "surface dryleaves")
+    patch.at(7900, box, "dump")
+    result = patch.render(8)
+
+    def centroid(x):
+        power = abs(numpy.fft.rfft(x)) ** 2
+        return (power * numpy.fft.rfftfreq(len(x), 1 / RATE)).sum() / power.sum()
+    sound = result["sound"]
+    assert centroid(sound[5 * RATE:]) > 2 * centroid(sound[:2 * RATE])
+    assert [atoms for _, atoms in result.logs["info"] if atoms[0] == "surface"][0][1] == "dryleaves"
+
+
+def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_path):
+    (tmp_path / "glass.txt").write_text("# mine\n[solid]\nfrequency 900\nt60 0.8\nlevel 3\n")
+    (tmp_path / "bad.txt").write_text("[solid]\nfrequency 900000\n")
+    patch, box = foot()
+    patch.at(10, box, "surface glass.txt")
+    patch.at(20, box, "surface bad.txt")
+    patch.at(30, box, "surface nowhere")
+    patch.at(100, box, "step")
+    result = patch.render(1.5, path=[tmp_path], expect_errors=[
+        "footstep~: surface bad.txt: line 2: frequency 900000 Hz: expected 20..12000",
+        "footstep~: surface nowhere: no file, and none of carpet concrete"])
+    assert abs(result["sound"]).max() > 0
+    assert len(result.errors) == 2
+
+
+@pytest.mark.parametrize("message, sentence", [
+    ("step middle", "step: expected left or right"),
+    ("calibrate toe 1 2", "calibrate: expected heel or ball"),
+    ("calibrate heel 0 0 1 1", "calibrate: expected 5 to 32 points"),
+    ("equalise 100", "equalise: expected up to 16 pairs"),
+    ("surface wood sand 2", "surface: expected a mix in 0..1"),
+    ("surface 3", "surface: expected one name or two"),
+    ("speed 100", "speed 100 m/s: expected 0.3..8"),
+])
+def test_a_mistake_is_answered_with_one_sentence(message, sentence):
+    patch, box = foot()
+    patch.at(10, box, message)
+    result = patch.render(0.1, expect_errors=[f"footstep~: {sentence}"])
+    assert len(result.errors) == 1
+
+
+def test_nonsense_at_the_inlets_stays_finite_and_it_walks_again_afterwards():
+    bad = numpy.tile(numpy.array([numpy.nan, numpy.inf, -numpy.inf, 1e30, -1e30, 1e-40], "f4"), 4000)
+    heel, ball, _ = curve(4)
+    late = numpy.concatenate([bad, numpy.zeros(RATE), heel])
+    late_ball = numpy.concatenate([bad[::-1], numpy.zeros(RATE), ball])
+    patch, box = foot("concrete", "-source", "sensors", inputs=[late, late_ball])
+    result = patch.render(5)
+    for name in OUTLETS:
+        assert abs(result[name]).max() < 1e6, name
+    assert any(t > 1.6 for t in events(result, "heel"))
