@@ -15,8 +15,7 @@ namespace tactus::modal {
 /// A step's force enters the state in the pass over all modes that makes the next step, so that a
 /// step reads and writes every mode once; bodies of so many modes that reading them is what takes
 /// the time make two steps in a pass. Up to kMostInDouble modes are kept in double precision,
-/// larger bodies in single: their energy is then true to rounding in float, about 1e-7 of what is
-/// exchanged.
+/// larger bodies in single: their energy is then true to rounding in float.
 class ContactModes {
 public:
   static constexpr std::size_t kMostAhead = 2; ///< steps in a pass

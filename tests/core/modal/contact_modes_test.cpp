@@ -207,7 +207,9 @@ TEST_CASE("every instruction set makes the same pass, but for rounding") {
 
 TEST_CASE(
     "a blow on a body of a thousand modes makes no energy, and is the same as with few steps") {
-  const Body body(1000);
+  Body body(1000);
+  for (Complex& s : body.rate)
+    s = {-1e-6, s.imag()}; // nothing but rounding takes energy or gives it
   std::vector<double> rebound;
   for (const double rate : {44100.0, 96000.0}) {
     ContactSolver solver(body.rate, rate, 1, true);
@@ -219,7 +221,7 @@ TEST_CASE(
     solver.begin(0, contact, body.gain, {2, 0, 0, 0.3, 0, 0});
     for (int n = 0; n < 20000 && solver.touching(); ++n) {
       static_cast<void>(solver.step());
-      CHECK(solver.energy() < before * (1 + 1e-5));
+      CHECK(solver.energy() < before * (1 + 1e-6));
     }
     CHECK(!solver.touching());
     rebound.push_back(-solver.contact(0).speed_m_per_s);
