@@ -302,17 +302,25 @@ std::complex<double> same_motion(std::complex<double> z, std::complex<double> be
 } // namespace
 
 void BodyModel::continue_from(BodyModel& before) noexcept {
-  before.bank.settle();
-  for (std::size_t i = 0; i < heard; ++i)
-    if (const std::size_t j = before.place_of[mode[i]]; j < before.heard)
-      bank.set_state(i, same_motion(before.bank.state(j), before.rate[j], rate[i]));
+  before.bank.read_states(std::span(before.scratch_state).first(before.heard));
+  for (std::size_t i = 0; i < heard; ++i) {
+    const std::size_t j = before.place_of[mode[i]];
+    scratch_state[i] =
+        j < before.heard ? same_motion(before.scratch_state[j], before.rate[j], rate[i]) : 0.0;
+  }
+  bank.write_states(std::span(scratch_state).first(heard));
   fade_from(before);
 }
 
 void BodyModel::continue_touched(BodyModel& before) noexcept {
-  for (std::size_t i = 0; i < mode.size(); ++i)
-    if (const std::size_t j = before.place_of[mode[i]]; j < before.mode.size())
-      solver.set_state(i, same_motion(before.solver.state(j), before.rate[j], rate[i]));
+  before.solver.read_states(before.scratch_state);
+  for (std::size_t i = 0; i < mode.size(); ++i) {
+    const std::size_t j = before.place_of[mode[i]];
+    scratch_state[i] = j < before.mode.size()
+                           ? same_motion(before.scratch_state[j], before.rate[j], rate[i])
+                           : 0.0;
+  }
+  solver.write_states(scratch_state);
   const double longer = settings.size / before.settings.size;
   solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1, longer);
   fade_from(before);
