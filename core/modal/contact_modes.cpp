@@ -181,10 +181,16 @@ public:
   }
 
   void kick(std::span<const float> gain, double impulse) noexcept override {
-    settle();
-    heard_ = false;
-    for (std::size_t k = 0; k < std::min(gain.size(), modes_); ++k)
-      state_.real[k] += static_cast<T>(static_cast<double>(gain[k]) * impulse);
+    if (pass_.pushes > 1) // one force that is still to come in is added to the same state
+      settle();
+    const std::size_t count = std::min(gain.size(), modes_);
+    const T size = static_cast<T>(impulse);
+    for (std::size_t k = 0; k < count; ++k)
+      state_.real[k] += static_cast<T>(gain[k]) * size;
+    for (std::size_t l = 0; l < ears_.size() && heard_; ++l)
+      pass_.heard[l] += impulse * apart(count, [&](std::size_t k) {
+                          return static_cast<T>(gain[k]) * ears_[l].imaginary[k];
+                        });
   }
 
   [[nodiscard]] std::complex<double> state(std::size_t k) const noexcept override {
@@ -275,6 +281,22 @@ private:
   };
   /// What a listener hears at once of 1 N in the last step, and of 1 N in the one before.
   using Echo = std::array<double, kMostAhead>;
+
+  /// Sum of part(k), in several sums that do not wait for each other.
+  template <class Part> static double apart(std::size_t count, const Part& part) noexcept {
+    constexpr std::size_t kSums = 16;
+    std::array<T, kSums> sums{};
+    std::size_t k = 0;
+    for (; k + kSums <= count; k += kSums)
+      for (std::size_t i = 0; i < kSums; ++i)
+        sums[i] += part(k + i);
+    for (; k < count; ++k)
+      sums[k % kSums] += part(k);
+    double sum = 0;
+    for (const T x : sums)
+      sum += static_cast<double>(x);
+    return sum;
+  }
 
   void make_push(std::size_t slot) noexcept {
     Slot& s = slots_[slot];
