@@ -122,6 +122,8 @@ void write_table(const std::string& path, const ModalTable& t) {
   npz.add("inertia", t.body.inertia, {3, 3});
   if (!t.poisson_slope.empty())
     npz.add("dlnf_dnu", t.poisson_slope, {modes});
+  if (!t.residual.empty())
+    npz.add("resid", t.residual, {vertices});
   if (const ModeRadiation& r = t.radiation; !r.empty()) {
     const std::array<double, 3> middle{r.centre.x, r.centre.y, r.centre.z};
     npz.add("alpha_rad", r.decay_rate, {modes});

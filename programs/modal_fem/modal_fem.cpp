@@ -95,7 +95,8 @@ int run(const std::vector<std::string>& words) {
       order.output.empty() ? std::vector<double>{}
                            : poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
       notes,
-      body.radiation};
+      body.radiation,
+      body.residual};
   print(table);
   if (!order.output.empty())
     write_table(order.output, table);

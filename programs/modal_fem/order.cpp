@@ -166,6 +166,8 @@ Order read_order(const std::vector<std::string>& words) {
       order.sound_speed = number(option, cells[1], 10, 1e4);
     } else if (option == "--verify") {
       order.verify = true;
+    } else if (option == "--residual") {
+      order.residual = true;
     } else if (option == "--multi") {
       order.several_parts = true;
     } else if (option == "--remesh") {
@@ -217,6 +219,7 @@ Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or 
 Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
               --remesh (renew an STL's triangles)  --straight  (no curved sides)
 Modes         --modes N (40)  --threads N (1)  --verify  (each mode's error from coarser meshes)
+              --residual  also how far the skin yields beyond these modes, for contacts
 Sound         --radiation body         outgoing waves of each mode (boundary elements) and the
                                        damping that sound takes from it
               --acoustic-triangles N (2000)  --air DENSITY,SPEED (1.184,346.1)

@@ -4,6 +4,7 @@
 #include "fem/io/load.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/surface.hpp"
+#include "fem/modes/residual_compliance.hpp"
 #include "programs/modal_fem/progress.hpp"
 
 #include <algorithm>
@@ -210,6 +211,13 @@ Solved solve(const Order& order) {
   body.solved = true;
   if (order.verify)
     body.relative_error = verify(order, body.modes, progress);
+  if (order.residual) {
+    if (!body.materials[0].isotropic())
+      throw Refusal("--residual needs an isotropic material, " + body.materials[0].name +
+                    " is orthotropic");
+    progress.stage("compliance beyond the modes", 0);
+    body.residual = residual_compliance(body.mesh, body.materials, *body.matrices, body.modes);
+  }
   if (order.radiation) {
     RadiationSettings sound{.triangles = order.acoustic_triangles,
                             .ratios = order.ratios,

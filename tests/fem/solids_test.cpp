@@ -1,4 +1,5 @@
 // Bodies whose frequencies are known in closed form, or agreed between programs.
+#include "fem/modes/residual_compliance.hpp"
 #include "fem/shapes/block.hpp"
 #include "fem/shapes/section.hpp"
 #include "solve.hpp"
@@ -248,4 +249,37 @@ TEST_CASE("the error of tet10 shrinks faster than the third power of the size") 
   const double order = std::log2((three - exact) / (six - exact));
   CAPTURE(order);
   CHECK(order > 3); // four in the limit
+}
+
+TEST_CASE("what a push yields beyond six modes is what the next ten add, and the rest") {
+  // Compact and coarse: the half space under the patch is a small part.
+  const auto mesh =
+      make_shape("plate", {{"length", .2}, {"width", .16}, {"thickness", .004}}, {}, {});
+  const Material steel = find_material("steel");
+  const Answer few = answer(mesh, steel, 6), many = answer(mesh, steel, 60);
+  const std::vector<Material> materials{steel};
+  const Surface skin = surface_of(mesh);
+  const auto beyond_few = residual_compliance(mesh, materials, few.matrices, few.modes, 1)[0];
+  const auto beyond_many = residual_compliance(mesh, materials, many.matrices, many.modes, 1)[0];
+  double edge = 0;
+  for (const auto& t : skin.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      edge +=
+          length(mesh.nodes[static_cast<std::size_t>(skin.node[static_cast<std::size_t>(t[k])])] -
+                 mesh.nodes[static_cast<std::size_t>(
+                     skin.node[static_cast<std::size_t>(t[(k + 1) % 3])])]);
+  const PushPatch patch =
+      push_patch(mesh, skin, 0, edge / static_cast<double>(skin.triangles.size()));
+  double added = 0;
+  for (std::size_t k = 6; k < 60; ++k) {
+    double along = 0;
+    for (std::size_t i = 0; i < patch.node.size(); ++i) {
+      const double* u = &many.modes.shapes[k * mesh.dofs() + 3 * patch.node[i]];
+      along += dot(patch.force[i], {u[0], u[1], u[2]});
+    }
+    added += std::pow(along / (2 * std::numbers::pi * many.modes.frequency_hz[k]), 2);
+  }
+  CHECK(beyond_many > 0);
+  CHECK(beyond_few > 1.5 * beyond_many); // bending goes mostly into the first sixty
+  CHECK(double(beyond_few - beyond_many) == doctest::Approx(added).epsilon(2e-3));
 }

@@ -399,3 +399,19 @@ def test_springs_and_supports_are_written_into_the_table(tmp_path):
     # On springs of 1 MN/m in all the disk bounces as a whole, near sqrt(k/m) / 2 pi.
     bounce = np.sqrt(1e6 / float(table["mass"])) / (2 * np.pi)
     assert abs(table["freq"] / bounce - 1).min() < 0.05
+
+
+def test_what_the_skin_yields_beyond_the_modes_is_written_on_request(tmp_path):
+    plate = ["plate", "--length", 200, "--width", 160, "--thickness", 4, "--material", "steel", "--modes", 6, "--quiet"]
+    run(*plate, "-o", "plain.modal.npz", folder=tmp_path)
+    assert "resid" not in np.load(tmp_path / "plain.modal.npz")
+    run(*plate, "--residual", "-o", "more.modal.npz", folder=tmp_path)
+    table = np.load(tmp_path / "more.modal.npz")
+    assert table["resid"].dtype == np.float32 and table["resid"].shape == (len(table["xyz"]),)
+    assert np.all(np.isfinite(table["resid"])) and table["resid"].min() >= 0
+    # A corner is softer than the middle, and six modes do not hold all of a thin plate's bending.
+    from_middle = np.linalg.norm(table["xyz"], axis=1)
+    corner, middle = table["resid"][np.argmax(from_middle)], table["resid"][np.argmin(from_middle)]
+    assert corner > 2 * middle > 0
+    assert "orthotropic" in refusal("board", "--length", 200, "--width", 100, "--thickness", 4, "--residual",
+                                    "--modes", 3, "-o", "b.modal.npz", folder=tmp_path)
