@@ -22,16 +22,19 @@ struct Body {
   Answer solved = answer(make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, {}),
                          find_material("aluminium"), 5);
   ModeRadiation sound = radiate(solved.mesh, solved.modes, {.triangles = 1500});
+  std::vector<float> yields;
   modal::ModalTable table;
 
   Body() {
+    for (std::size_t v = 0; v < surface_of(solved.mesh).node.size(); ++v)
+      yields.push_back(1e-9f * static_cast<float>(v));
     const Material material = find_material("aluminium");
     const std::string path = "raw_test.modal.npz";
     write_table(path, {solved.mesh, std::span(&material, 1), solved.modes,
                        mass_properties(solved.mesh, std::span(&material, 1)),
                        loss_factors(solved.mesh, std::span(&material, 1), solved.matrices,
                                     solved.modes),
-                       {}, {}, sound});
+                       {}, {}, sound, yields});
     std::ifstream file(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     CHECK(modal::read_modal_table(std::as_bytes(std::span(text)), table) == "");
@@ -47,6 +50,10 @@ const Body& body() {
 double decibels(double ratio) { return 20 * std::log10(ratio); }
 
 } // namespace
+
+TEST_CASE("the player reads how far the skin yields beyond the modes") {
+  CHECK(body().table.residual_compliance == body().yields);
+}
 
 TEST_CASE("the player hears from the table what the boundary elements compute") {
   const Body& b = body();
