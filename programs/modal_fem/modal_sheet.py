@@ -29,6 +29,22 @@ def face_normals(points, triangles):
     return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
 
 
+def outer(points, triangles):
+    """The triangles of shells that enclose matter; those around cavities enclose less than nothing."""
+    shell = np.arange(len(points))
+    while True:  # each triangle's corners take the least name among them, until all agree
+        least = shell[triangles].min(axis=1)
+        before = shell.copy()
+        for k in range(3):
+            np.minimum.at(shell, triangles[:, k], least)
+        shell = shell[shell]
+        if np.array_equal(shell, before):
+            break
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    volume = np.bincount(shell[triangles[:, 0]], np.einsum("ij,ij->i", a, np.cross(b, c)), len(points))
+    return triangles[volume[shell[triangles[:, 0]]] > 0]
+
+
 def on_paper(points):
     return points @ np.stack([RIGHT, UP], axis=1)
 
@@ -51,7 +67,8 @@ def draw(axes, points, triangles, colours, low, high):
 def main(table_path, picture_path, count=11):
     table = np.load(table_path)
     meta = json.loads(bytes(table["meta"]))
-    points, triangles = table["xyz"].astype(float), table["tri"]
+    points = table["xyz"].astype(float)
+    triangles = outer(points, table["tri"])
     frequency, phi, eta = table["freq"], table["phi"].astype(float), table["eta"]
     by_sound = table["alpha_rad"] if "alpha_rad" in table else np.zeros(len(frequency))
     count = min(count, len(frequency))
