@@ -2,6 +2,7 @@
 """How near footstep~ comes to recorded footsteps.
 
     realism.py --render build/bench/realism_footstep/render_footstep [--steps 30] [--out FOLDER]
+               [--fetch FOLDER]     recordings unpacked there when they are not installed
 
 Against the tables of targets.py: of 11 features how many medians lie within the recordings' 10 to 90 %,
 and how many dB the mean band profile is off. Against the recordings of Debian's minetest-data and
@@ -17,7 +18,7 @@ import numpy as np
 import judge
 import targets
 from features import RATE
-from recordings import recordings
+from recordings import fetch, recordings
 from steps import measure, render
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,8 +46,8 @@ def against_tables(measured):
     return rows
 
 
-def against_recordings(measured):
-    taken = recordings()
+def against_recordings(measured, root):
+    taken = recordings(root)
     if not taken:
         return None
     vectors, _, _ = measure([r.sound() for r in taken])
@@ -111,11 +112,13 @@ def main():
     parser.add_argument("--recipes", type=Path, default=ROOT / "data" / "surfaces")
     parser.add_argument("--steps", type=int, default=30)
     parser.add_argument("--out", type=Path, default=Path("."))
+    parser.add_argument("--fetch", type=Path)
     arguments = parser.parse_args()
+    root = fetch(arguments.fetch) if arguments.fetch and not recordings() else None
     arguments.out.mkdir(parents=True, exist_ok=True)
     measured = {label: measure(render(arguments.render, arguments.recipes / f"{label}.txt",
                                       arguments.steps, 11)) for label in targets.MATERIALS}
-    write_report(arguments.out, against_tables(measured), against_recordings(measured))
+    write_report(arguments.out, against_tables(measured), against_recordings(measured, root))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 """Recorded footsteps that two of Debian's games bring: minetest-data and ardentryst.
 
-They are read where they are installed and never copied. Who made them, and their licences:
+They are read where they are installed, or where fetch() has unpacked them, and never copied. Who made them, and their licences:
 minetest_game's README (dirt, grass, gravel, wood: Mito551, CC BY-SA 3.0; metal: mypantsfelldown,
 CC0; water: AGFX, CC BY 3.0; snow: Ryding, CC0; hard: Erdie, CC BY 3.0; sand: worthahep88, CC0; ice:
 InspectorJ, CC BY 3.0) and ardentryst's (CC BY-SA 3.0). Ice stands for frozen snow, "hard" for concrete.
 """
 import os
+import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,10 +35,23 @@ class Recording:
         return to_rate(samples, rate)
 
 
-def recordings():
+def fetch(folder):
+    """Unpacks the two packages there, by Debian's own tools, without installing them."""
+    folder = Path(folder).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / MINETEST).is_dir() or not (folder / ARDENTRYST).is_dir():
+        subprocess.run(["apt-get", "download", *PACKAGES], cwd=folder, check=True)
+        for package in folder.glob("*.deb"):
+            subprocess.run(["dpkg", "-x", package, folder], check=True)
+            package.unlink()
+    return folder
+
+
+def recordings(root=None):
+    root = Path(root) if root else ROOT
     found = [Recording("minetest", label, path) for name, label in LABELS.items()
-             for path in sorted((ROOT / MINETEST).glob(f"default_{name}_footstep*.ogg"))]
+             for path in sorted((root / MINETEST).glob(f"default_{name}_footstep*.ogg"))]
     found += [Recording("ardentryst", "highgrass" if name == "GRASS" else name.lower(), path)
               for name in ("CONCRETE", "DIRT", "GRASS", "SNOW")
-              for path in sorted((ROOT / ARDENTRYST).glob(f"NYX_STEP_{name}[1-4].ogg"))]
+              for path in sorted((root / ARDENTRYST).glob(f"NYX_STEP_{name}[1-4].ogg"))]
     return found

@@ -122,7 +122,7 @@ class Aim:
         vectors, named, profiles = measure(steps)
         total = 0.0
         for name, (median, low, high) in self.features.items():
-            logs = np.log(named[name] + 1e-5)
+            logs = np.log(np.maximum(named[name], 0) + 1e-5)
             # Features of few recordings, or hardly varying ones, are not pinned beyond 5 %.
             spread = max(np.log((high + 1e-5) / (low + 1e-5)) / 2.56, 0.05)
             m = np.median(logs)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace tactus::footstep {
@@ -46,20 +47,23 @@ void Foot::reset() noexcept {
 }
 
 Foot::Stand* Foot::take(std::uint64_t id, const Recipe& recipe, const Stand* keep) noexcept {
-  for (Stand& stand : stands_)
-    if (stand.id == id && &stand != keep)
-      return &stand;
-  // A free one, else the one that was left first.
-  Stand* chosen = nullptr;
-  for (Stand& stand : stands_) {
-    if (&stand == keep || &stand == a_ || &stand == b_)
+  // One that has it, else a free one, else the one that was left first; there are more than the two
+  // in use and the one to keep.
+  std::size_t best = 0;
+  std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
+  for (std::size_t i = 0; i < kGrounds; ++i) {
+    const Stand& stand = stands_[i];
+    if (&stand == keep)
       continue;
-    if (!chosen || (stand.id == 0 && chosen->id != 0) ||
-        (stand.id != 0 && chosen->id != 0 && stand.since < chosen->since))
-      chosen = &stand;
+    if (stand.id == id)
+      return &stands_[i];
+    const std::uint64_t since = stand.id == 0 ? 0 : stand.since;
+    if (&stand != a_ && &stand != b_ && since < oldest) {
+      oldest = since;
+      best = i;
+    }
   }
-  if (!chosen)
-    return &stands_[0];
+  Stand* const chosen = &stands_[best];
   chosen->ground.reset();
   chosen->ground.set(recipe, shoe_);
   chosen->recipe = recipe;

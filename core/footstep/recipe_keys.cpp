@@ -5,6 +5,8 @@ namespace {
 
 CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
 
+// Members of a recipe and string literals: parentheses around them would be no C++.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define PLACE(member) [](Recipe& r) -> double& { return r.member; }
 #define IN_CLOUD(member) [](Recipe& r) -> double& { return last(r).member; }
 #define SCATTER(section, part)                                                                     \
@@ -112,6 +114,8 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
       RecipeKey {                                                                                  \
     section, "vary_level", "", 0, 2, "of each step: its strength", IN_CLOUD(scatter.level)         \
   }
+
+// NOLINTEND(bugprone-macro-parentheses)
 
 constexpr RecipeKey kKeys[] = {
     {"", "level", "", 0, 1e4, "loudness of the whole", PLACE(level)},
