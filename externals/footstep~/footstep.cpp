@@ -186,6 +186,7 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
       soles[i] = (*sides_)[i].sensor.next(in[2 * i] * unit, in[2 * i + 1] * unit);
   }
   std::array<double, 8> out{};
+  measured_ += 1;
   for (std::size_t i = 0; i < feet; ++i) {
     const SoleState& sole = soles[i];
     note(i, sole);
@@ -193,6 +194,8 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
     out[4 * i] = rounded(value_[kGain] * made.heard);
     out[4 * i + 1] = made.heel_drive;
     out[4 * i + 2] = made.ball_drive;
+    (*sides_)[i].heel_squares += made.heel_drive * made.heel_drive;
+    (*sides_)[i].ball_squares += made.ball_drive * made.ball_drive;
     out[4 * i + 3] = sole.heel_n + sole.ball_n;
   }
   return out;

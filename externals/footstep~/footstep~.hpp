@@ -61,6 +61,7 @@ private:
   struct Side {
     Foot foot;
     SoleSensor sensor;
+    double heel_squares = 0, ball_squares = 0; ///< of the drives since the last dump
   };
 
   std::array<double, 8> next(const std::array<double, 4>& in) noexcept;
@@ -78,6 +79,7 @@ private:
   std::shared_ptr<const Surface> first_, second_;
   std::array<Event, kMostEvents> events_{};
   std::size_t event_count_ = 0;
+  double measured_ = 0; ///< samples since the last dump
 };
 
 } // namespace tactus::footstep
