@@ -1,4 +1,6 @@
 """[footstep~] in Pd: a walker, sensors with a published force curve, surfaces and their mistakes."""
+import pathlib
+
 import numpy
 import pytest
 from harness import Patch
@@ -176,3 +178,18 @@ def test_nonsense_at_the_inlets_stays_finite_and_it_walks_again_afterwards():
     for name in OUTLETS:
         assert abs(result[name]).max() < 1e6, name
     assert any(t > 1.6 for t in events(result, "heel"))
+
+
+def test_on_the_map_one_walks_to_another_ground_by_a_click():
+    path = pathlib.Path(__file__).resolve().parents[2] / "patches/footsteps/footstep_map.pd"
+    patch = Patch(opens=path)
+    patch.record("sound", patch.dac(1))
+    patch.send(10, "help-play", "bang")
+    patch.send(2500, "footstep-map-dryleaves", "bang")
+    sound = patch.render(7, RATE)["sound"]
+
+    def centroid(x):
+        power = abs(numpy.fft.rfft(x)) ** 2
+        return (power * numpy.fft.rfftfreq(len(x), 1 / RATE)).sum() / power.sum()
+    assert 0 < abs(sound).max() <= 1
+    assert centroid(sound[int(4.5 * RATE):]) > 2 * centroid(sound[:2 * RATE])
