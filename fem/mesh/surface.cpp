@@ -36,12 +36,25 @@ Surface surface_of(const Mesh& mesh) {
   static const Pattern tri3{{0, 1, 2}}, tri6{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
   static const Pattern quad4{{0, 1, 2}, {0, 2, 3}};
   static const Pattern quad8{{0, 4, 7}, {1, 5, 4}, {2, 6, 5}, {3, 7, 6}, {4, 5, 6}, {4, 6, 7}};
+  static const Pattern crosswise{{0, 4, 7}, {1, 5, 4}, {2, 6, 5}, {3, 7, 6}, {4, 5, 7}, {5, 6, 7}};
   for (const auto& [e, f] : outer) {
     const Element& element = mesh.elements[e];
     const auto nodes = mesh.nodes_of(element);
     const Face& face = faces(element.shape)[f];
     const bool linear = is_linear(element.shape);
-    const Pattern& pattern = face.corners == 3 ? (linear ? tri3 : tri6) : (linear ? quad4 : quad8);
+    const auto across = [&](std::size_t i, std::size_t j) {
+      const auto at = [&](std::size_t k) {
+        return mesh.nodes[static_cast<std::size_t>(nodes[static_cast<std::size_t>(face.node[k])])];
+      };
+      return length(at(i) - at(j));
+    };
+    // The shorter way through the middle: along the longer one, a low face on a curved wall would
+    // tilt by more than its height.
+    const bool cross = face.corners == 4 && !linear && across(5, 7) < (1 - 1e-6) * across(4, 6);
+    const Pattern& pattern = face.corners == 3 ? (linear ? tri3 : tri6)
+                             : linear          ? quad4
+                             : cross           ? crosswise
+                                               : quad8;
     for (const auto& t : pattern) {
       std::array<int, 3> triangle;
       for (std::size_t k = 0; k < 3; ++k)

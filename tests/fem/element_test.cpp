@@ -203,3 +203,27 @@ TEST_CASE("materials that would release energy are refused by name") {
   CHECK_THROWS_WITH_AS((void)find_material("cheese"), doctest::Contains("expected one of"),
                        Refusal);
 }
+
+TEST_CASE("low faces on a curved wall do not tilt its skin") {
+  // Rows graded to the cavity's edge are lower than the wall bulges between their corners.
+  const Mesh mesh = make_shape(
+      "hollow_disk",
+      {{"diameter", .1}, {"thickness", .025}, {"cavity_diameter", .08}, {"cavity_thickness", .013}},
+      {}, {});
+  const Surface skin = surface_of(mesh);
+  const auto at = [&](int v) {
+    return mesh.nodes[static_cast<std::size_t>(skin.node[static_cast<std::size_t>(v)])];
+  };
+  int walls = 0;
+  for (const auto& [a, b, c] : skin.triangles) {
+    const bool on_wall = std::hypot(at(a).x, at(a).y) > .0499 &&
+                         std::hypot(at(b).x, at(b).y) > .0499 &&
+                         std::hypot(at(c).x, at(c).y) > .0499;
+    const Vector3 normal = cross(at(b) - at(a), at(c) - at(a));
+    if (!on_wall || std::abs(normal.z) > .999 * length(normal))
+      continue; // the rim's own corners on the flat faces
+    ++walls;
+    CHECK(std::abs(normal.z) < .01 * length(normal));
+  }
+  CHECK(walls > 500);
+}

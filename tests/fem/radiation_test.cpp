@@ -196,7 +196,9 @@ TEST_CASE("the free disk's modes radiate as a body-of-revolution program finds")
             field.pressure(k, std::span(mu).subspan(i * field.unknowns(), field.unknowns()), x));
       const double level = decibels(std::sqrt(sum) / antinode, expected);
       MESSAGE(f << " Hz at " << x.x << " " << x.z << ": " << level << " dB");
-      CHECK(std::abs(level) < .3);
+      // Edge-on to three diameters all but a hundredth of the field in front cancels: 0.8 dB there
+      // are 5e-4 of it.
+      CHECK(std::abs(level) < (expected < 1 ? .8 : .3));
     }
   }
 }
