@@ -2,8 +2,8 @@
 
 Eleven bodies from modal_fem's shapes, two profiles in data/bodies and one surface model in Debian's
 gmsh-doc, each played by [modal_impact~] at three places with the striker that suits it and heard by
-two ears 35 cm in front. The first time takes a minute or two for the modes; the tables are kept in
-the build folder. Sheets show each body bent by its first modes, red where the skin moves outwards.
+two ears 35 cm in front, through the air around the whole body (boundary elements). The first time
+takes a minute or two for the modes; the tables are kept in the build folder. Sheets show each body bent by its first modes, red where the skin moves outwards.
 """
 import pathlib
 import shutil
@@ -50,9 +50,9 @@ def make(scene):
     scene.heading("The tour")
     scene.sound("tour", numpy.concatenate([_room.full_scale(s, 0.7) for s in sounds.values()]), RATE,
                 "all bodies in the table's order, three places each, made equally loud")
-    scene.table(["body", "kg", "first mode, Hz", "its T60, s", "struck with", "loudest peaks, Hz",
+    scene.table(["body", "kg", "first mode, Hz", "its T60, s", "in air, s", "struck with", "loudest peaks, Hz",
                  "loudest, Pa"], [_tour.in_numbers(n, s) for n, s in sounds.items()],
-                "the T60 is the material's own; air and hands would shorten it")
+                "T60 of the material alone, and with the sound that leaves; hands would shorten it more")
     figure, axes = plt.subplots(len(sounds), 1, figsize=(12, 2.1 * len(sounds)), sharex=True,
                                 constrained_layout=True)
     for a, (name, sound) in zip(axes, sounds.items()):
