@@ -53,12 +53,10 @@ struct Stretch {
   std::size_t count;
 };
 
-/// From outside only numbers of a size that a body survives.
-[[nodiscard, gnu::always_inline]] inline double bounded(double x, double size) noexcept {
-  return x > size ? size : (x < -size ? -size : (x == x ? x : 0));
-}
+/// What a body survives; numbers from outside are held within.
 inline constexpr double kMostForce = 1e7;  ///< N, from outside
 inline constexpr double kFastest = 1e4;    ///< m/s
+inline constexpr double kFarthest = 1e3;   ///< m
 inline constexpr double kMostState = 1e60; ///< sqrt(J), N; beyond it all starts anew
 
 /// Every instruction set gives the same bits: the same operations in the same order.

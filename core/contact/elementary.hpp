@@ -10,6 +10,16 @@
 /// since files compiled for newer processors use them too.
 namespace tactus::contact {
 
+/// x held within +-size, 0 for what is no number.
+[[nodiscard, gnu::always_inline]] inline double bounded(double x, double size) noexcept {
+  return x > size ? size : (x < -size ? -size : (x == x ? x : 0));
+}
+/// x held within low and high, `otherwise` for what is not finite.
+[[nodiscard, gnu::always_inline]] inline double within(double x, double low, double high,
+                                                       double otherwise) noexcept {
+  return std::isfinite(x) ? (x < low ? low : (x > high ? high : x)) : otherwise;
+}
+
 /// 2^y for |y| <= 1000, relative error below 1e-12; beyond, the value there.
 [[nodiscard, gnu::always_inline]] inline double power_of_two(double y) noexcept {
   y = y < -1000 ? -1000 : (y > 1000 ? 1000 : y);

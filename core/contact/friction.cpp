@@ -4,14 +4,6 @@
 #include <numbers>
 
 namespace tactus::contact {
-namespace {
-
-double within(double value, double low, double high, double otherwise) noexcept {
-  return std::isfinite(value) ? std::clamp(value, low, high) : otherwise;
-}
-
-} // namespace
-
 FrictionLaw FrictionLaw::within_range() const noexcept {
   const FrictionLaw usual;
   FrictionLaw law;

@@ -3,14 +3,6 @@
 #include <cmath>
 
 namespace tactus::contact {
-namespace {
-
-double within(double value, double low, double high, double otherwise) noexcept {
-  return std::isfinite(value) ? std::clamp(value, low, high) : otherwise;
-}
-
-} // namespace
-
 ImpactLaw ImpactLaw::within_range() const noexcept {
   const ImpactLaw usual;
   return {within(stiffness, 1e-3, 1e18, usual.stiffness), within(exponent, 1, 6, usual.exponent),

@@ -1,5 +1,7 @@
 #include "core/contact/modal_body.hpp"
 
+#include "core/contact/elementary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,10 +13,6 @@ constexpr double kHighest = 0.49;                    // of the sample rate
 constexpr double kStill = 1e-20;                     // sqrt(J); a mode below it comes to rest
 constexpr double kAbsurd = 1e60;                     // sqrt(J)
 constexpr double kSixtyDecibels = 6.907755278982137; // ln 1000
-
-double within(double value, double low, double high, double otherwise) noexcept {
-  return std::isfinite(value) ? std::clamp(value, low, high) : otherwise;
-}
 
 } // namespace
 

@@ -1,24 +1,12 @@
 #include "core/contact/touched_body.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace tactus::contact {
 namespace {
 
-constexpr double kFarthest = 1e3; // m
 constexpr double kMostShape = 1e3;
-constexpr double kStepsFor = 0.15;   // most angle, rad, that a contact may turn in a step
-constexpr double kImpulseFrom = 0.5; // the same in the finest steps: an impulse instead
-constexpr double kReach = 2;         // samples ahead in which a mass may arrive
-constexpr std::uint64_t kTidyEvery = 64, kLookEvery = 16;
-constexpr std::size_t kPatience = 8;                    // samples before coarser steps
-constexpr std::size_t kMostWork = std::size_t{1} << 17; // products in a sample with many contacts
-
-double within(double value, double size) noexcept {
-  return std::isfinite(value) ? std::clamp(value, -size, size) : 0.0;
-}
 
 } // namespace
 
@@ -68,7 +56,7 @@ void TouchedBody::set_place(std::size_t slot, std::span<const double> shape) noe
     return;
   measure_places();
   for (std::size_t i = 0; i < shape_[slot].size(); ++i)
-    shape_[slot][i] = i < shape.size() ? within(shape[i], kMostShape) : 0;
+    shape_[slot][i] = i < shape.size() ? bounded(shape[i], kMostShape) : 0;
   keep_places();
 }
 
@@ -76,7 +64,7 @@ void TouchedBody::set_ear(std::size_t ear, std::span<const double> shape) noexce
   if (ear >= ear_.size())
     return;
   for (std::size_t i = 0; i < ear_shape_[ear].size(); ++i) {
-    ear_shape_[ear][i] = i < shape.size() ? within(shape[i], kMostShape) : 0;
+    ear_shape_[ear][i] = i < shape.size() ? bounded(shape[i], kMostShape) : 0;
     ear_[ear][i] = ear_shape_[ear][i] * body_.per_root_mass(i);
   }
 }
@@ -177,18 +165,22 @@ void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) no
   Exciter& e = exciters_[slot];
   e.impact.release();
   e.open = {};
-  e.place_m = surface(slot) - within(gap_m, kFarthest);
-  e.velocity_m_per_s = within(velocity, kFastest);
+  e.place_m = surface(slot) - bounded(gap_m, kFarthest);
+  e.velocity_m_per_s = bounded(velocity, kFastest);
   e.fresh = e.near = false;
   unsorted_ = true;
 }
 
 void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {
+  if (slot >= exciters_.size())
+    return;
   exciters_[slot].outer_force_n = bounded(force_n, kMostForce);
   moved_ = true;
 }
 
 void TouchedBody::rub(std::size_t slot, double normal_force_n, double velocity) noexcept {
+  if (slot >= exciters_.size())
+    return;
   Exciter& e = exciters_[slot];
   const double next = bounded(velocity, kFastest);
   e.approach_m_per_s += next - e.rubbing_m_per_s;
@@ -203,7 +195,7 @@ void TouchedBody::seed(std::size_t slot, std::uint64_t seed) noexcept {
 }
 
 void TouchedBody::push_body(std::size_t slot, double force_n) noexcept {
-  const double force = within(force_n, kMostForce);
+  const double force = bounded(force_n, kMostForce);
   if (slot >= exciters_.size() || force == 0)
     return;
   kernel_->add(outer_.data(), place_[slot].data(), force, body_.padded());
@@ -211,7 +203,7 @@ void TouchedBody::push_body(std::size_t slot, double force_n) noexcept {
 }
 
 void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
-  const double impulse = within(impulse_ns, kMostForce);
+  const double impulse = bounded(impulse_ns, kMostForce);
   if (slot >= exciters_.size() || impulse == 0)
     return;
   kernel_->add(body_.velocity.data(), place_[slot].data(), impulse, body_.padded());
@@ -273,302 +265,6 @@ ModesView TouchedBody::view() noexcept {
   const ModalBody::Level& level = body_.level(level_);
   return {body_.velocity.data(), body_.potential.data(), level.mean.data(),
           level.turn.data(),     outer_.data(),          body_.padded()};
-}
-
-bool TouchedBody::goes_before(std::size_t a, std::size_t b) const noexcept {
-  const auto numbers = [](const Exciter& e) {
-    const ImpactLaw& i = e.impact.law();
-    const FrictionLaw& f = e.friction.law();
-    return std::array{static_cast<double>(e.kind),
-                      e.mass_kg,
-                      e.place_m,
-                      e.velocity_m_per_s,
-                      e.outer_force_n,
-                      e.normal_force_n,
-                      e.rubbing_m_per_s,
-                      e.depth_m,
-                      e.approach_m_per_s,
-                      e.impact.stored_j(),
-                      e.impact.bank_j(),
-                      e.friction.bend_m(),
-                      i.stiffness,
-                      i.exponent,
-                      i.dissipation_s_per_m,
-                      f.static_coefficient,
-                      f.dynamic_coefficient,
-                      f.stribeck_m_per_s,
-                      f.breakaway,
-                      f.stiffness_n_per_m,
-                      f.damping_ns_per_m,
-                      f.viscosity_ns_per_m,
-                      f.roughness};
-  };
-  const auto first = numbers(exciters_[a]), second = numbers(exciters_[b]);
-  if (first != second)
-    return first < second;
-  return shape_[a] < shape_[b];
-}
-
-void TouchedBody::sort() noexcept {
-  order_.clear();
-  for (std::size_t i = 0; i < exciters_.size(); ++i)
-    if (exciters_[i].kind != Exciter::Kind::kNone)
-      order_.push_back(i);
-  std::sort(order_.begin(), order_.end(),
-            [this](std::size_t a, std::size_t b) { return goes_before(a, b); });
-  tied_ = false;
-  like_the_one_before_.assign(order_.size(), 0);
-  for (std::size_t i = 1; i < order_.size(); ++i)
-    if (!goes_before(order_[i - 1], order_[i]))
-      like_the_one_before_[i] = tied_ = true;
-  unsorted_ = coupled_ = moved_ = false;
-}
-
-/// Exciters that were alike until now get an order when they are driven differently.
-void TouchedBody::look_for_difference() noexcept {
-  for (std::size_t i = 1; i < order_.size() && !unsorted_; ++i) {
-    const Exciter &a = exciters_[order_[i - 1]], &b = exciters_[order_[i]];
-    unsorted_ = like_the_one_before_[i] &&
-                (a.outer_force_n != b.outer_force_n || a.normal_force_n != b.normal_force_n ||
-                 a.rubbing_m_per_s != b.rubbing_m_per_s);
-  }
-  moved_ = false;
-}
-
-/// How fine the steps of a contact must be, from the energy that is in it. Only a new energy makes
-/// a new answer.
-void TouchedBody::judge(Exciter& e) const noexcept {
-  const double mass = e.effective_mass_kg;
-  const double energy = 0.5 * mass * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
-  if (e.judged(energy))
-    return;
-  e.judged_j = energy;
-  const double angle = std::sqrt(e.impact.stiffest(energy, mass)) * step_s_[0];
-  constexpr double kFinest = 1U << (kLevels - 1);
-  e.impulsive = angle / kFinest > kImpulseFrom;
-  e.level = 0;
-  for (double steps = 1; e.level + 1 < kLevels && angle > kStepsFor * steps; steps *= 2)
-    ++e.level;
-}
-
-/// A mass that is far from the body.
-void TouchedBody::fly(Exciter& e) const noexcept {
-  const double sample = step_s_[0], before = e.velocity_m_per_s;
-  e.velocity_m_per_s =
-      std::clamp(before + sample * e.outer_force_n * e.per_mass, -kFastest, kFastest);
-  e.place_m += 0.5 * sample * (before + e.velocity_m_per_s);
-  if (!(std::abs(e.place_m) < kFarthest)) {
-    e.place_m = std::clamp(e.place_m, -kFarthest, kFarthest);
-    e.velocity_m_per_s = 0;
-  }
-}
-
-/// Which exciters may touch within this sample, and how fine its steps must be.
-void TouchedBody::look_around() noexcept {
-  const double sample = step_s_[0];
-  const bool look = clock_ % kLookEvery == 0;
-  std::size_t wanted = least_level_, before = near_;
-  bool same = true;
-  near_ = 0;
-  for (const std::size_t i : order_) {
-    Exciter& e = exciters_[i];
-    if (e.kind == Exciter::Kind::kFriction) {
-      e.near = e.normal_force_n > 0;
-      if (!e.fresh)
-        e.approach_m_per_s = e.rubbing_m_per_s - surface_velocity(i);
-      if (!e.near)
-        e.friction.release();
-    } else {
-      if (!e.fresh || look) {
-        e.depth_m = e.place_m - surface(i);
-        e.approach_m_per_s = e.velocity_m_per_s - surface_velocity(i);
-      }
-      const double soon = e.approach_m_per_s + sample * e.outer_force_n * e.per_mass;
-      e.near = e.impact.touching() || e.depth_m + kReach * sample * std::max(soon, 0.0) > 0;
-      if (e.near)
-        judge(e);
-      else
-        fly(e);
-    }
-    e.fresh = e.near;
-    e.force_n = e.impulse_ns = e.dissipated_j = 0;
-    if (e.near) {
-      same = same && near_ < before && close_[near_] == i;
-      if (near_ < close_.size())
-        close_[near_] = i;
-      else
-        close_.push_back(i);
-      ++near_;
-      if (e.kind == Exciter::Kind::kImpact)
-        wanted = std::max(wanted, e.level);
-    }
-  }
-  close_.resize(near_);
-  coupled_ = coupled_ && same && near_ == before;
-  foreseen_ = foreseen_ && near_ == 1 && clock_ % kTidyEvery != 0;
-  if (near_ > 1) {
-    const std::size_t small = std::min(near_, body_.modes()), big = std::max(near_, body_.modes());
-    const std::size_t work = small * small * (big + small) / 2 + 4 * small * big;
-    while (wanted > 0 && (work << wanted) > kMostWork)
-      --wanted;
-  }
-  quiet_ = wanted < level_ ? quiet_ + 1 : 0;
-  if (wanted > level_ || (quiet_ > kPatience && (near_ == 0 || wanted + 1 < level_)) ||
-      (near_ > 1 && wanted < level_))
-    change_level(wanted);
-}
-
-/// Displacements are read differently in other steps: the masses keep their distance.
-void TouchedBody::change_level(std::size_t level) noexcept {
-  if (level == level_)
-    return;
-  level_ = level;
-  quiet_ = 0;
-  coupled_ = false;
-  for (const std::size_t i : close_)
-    if (exciters_[i].kind == Exciter::Kind::kImpact)
-      exciters_[i].place_m = exciters_[i].depth_m + surface(i);
-}
-
-/// What the kernel needs of the one place that is touched.
-void TouchedBody::focus(std::size_t slot) noexcept {
-  const ModalBody::Level& level = body_.level(level_);
-  const ModeArray& place = place_[slot];
-  answer_ = 0;
-  for (std::size_t i = 0; i < body_.padded(); ++i) {
-    const double b = level.mean[i], w = level.turn[i], bend = 2 - 2 * w * w;
-    push_[i] = b * place[i];
-    state_a_[i] = push_[i] * (bend * b - 1);
-    state_p_[i] = -push_[i] * w * (bend * b + 1);
-    answer_ += push_[i] * push_[i] * bend;
-  }
-  coupled_ = true;
-  foreseen_ = false;
-}
-
-void TouchedBody::touch_one() noexcept {
-  const std::size_t slot = close_[0];
-  Exciter& e = exciters_[slot];
-  if (has_outer_) // the general way knows of outer forces
-    return touch_many();
-  sounds_ = true;
-  if (!coupled_)
-    focus(slot);
-  const PlaceView place = place_view(slot);
-  const ModesView modes = view();
-  if (!foreseen_)
-    foresight_ = kernel_->foresee(modes, place);
-  foreseen_ = true;
-  const bool strikes = e.kind == Exciter::Kind::kImpact;
-  const double drive = strikes ? e.outer_force_n : e.rubbing_m_per_s, normal = e.normal_force_n;
-  kernel_->touch(modes, place, foresight_, e, {step_length(), level_},
-                 {&drive, &normal, nullptr, nullptr, nullptr, 1});
-}
-
-PlaceView TouchedBody::place_view(std::size_t slot) const noexcept {
-  return {place_[slot].data(), push_.data(), state_a_.data(), state_p_.data(), answer_};
-}
-
-/// True while a sample needs nothing but its steps (look_around() would change nothing).
-bool TouchedBody::steady(std::size_t slot) const noexcept {
-  const Exciter& e = exciters_[slot];
-  if (unsorted_ || order_.size() != 1 || near_ != 1 || close_[0] != slot || !e.fresh ||
-      !foreseen_ || !coupled_ || has_outer_ || clock_ % kLookEvery == 0)
-    return false;
-  if (e.kind == Exciter::Kind::kFriction)
-    return least_level_ == level_;
-  return e.impact.touching() && std::max(e.level, least_level_) == level_ &&
-         e.judged(0.5 * e.effective_mass_kg * e.approach_m_per_s * e.approach_m_per_s +
-                  e.impact.stored_j());
-}
-
-void TouchedBody::run(std::size_t slot, const Stretch& whole) noexcept {
-  Exciter& e = exciters_[slot];
-  for (std::size_t n = 0; n < whole.count;) {
-    const double normal = whole.normal ? whole.normal[n] : 0;
-    if (steady(slot)) {
-      const std::size_t room =
-          std::min<std::size_t>(whole.count - n, kLookEvery - clock_ % kLookEvery);
-      const std::size_t done =
-          kernel_->touch(view(), place_view(slot), foresight_, e, {step_length(), level_},
-                         {whole.drive + n, whole.normal ? whole.normal + n : nullptr,
-                          whole.heard + n, whole.force + n, whole.ear, room});
-      if (done > 0) {
-        quiet_ = 0;
-        clock_ += done;
-        n += done;
-        look_back();
-        continue;
-      }
-    }
-    if (e.kind == Exciter::Kind::kFriction)
-      rub(slot, normal, whole.drive[n]);
-    else
-      push_mass(slot, whole.drive[n]);
-    step();
-    whole.heard[n] = hear(0);
-    whole.force[n] = force(slot);
-    ++n;
-  }
-}
-
-void TouchedBody::run_mass(std::size_t slot, std::span<const double> force_n,
-                           std::span<double> heard, std::span<double> contact_n) noexcept {
-  run(slot, {force_n.data(), nullptr, heard.data(), contact_n.data(), ear_[0].data(),
-             std::min({force_n.size(), heard.size(), contact_n.size()})});
-}
-
-void TouchedBody::run_rub(std::size_t slot, std::span<const double> velocity_m_per_s,
-                          std::span<const double> normal_force_n, std::span<double> heard,
-                          std::span<double> friction_n) noexcept {
-  run(slot, {velocity_m_per_s.data(), normal_force_n.data(), heard.data(), friction_n.data(),
-             ear_[0].data(),
-             std::min({velocity_m_per_s.size(), normal_force_n.size(), heard.size(),
-                       friction_n.size()})});
-}
-
-void TouchedBody::step() noexcept {
-  if (tied_ && moved_)
-    look_for_difference();
-  if (unsorted_)
-    sort();
-  look_around();
-  ++clock_;
-  if (near_ == 1) {
-    touch_one();
-  } else if (near_ > 1) {
-    touch_many();
-  } else if (sounds_) {
-    foreseen_ = false;
-    kernel_->ring(view(), {step_length(), level_});
-  }
-  if (has_outer_) {
-    outer_.clear();
-    has_outer_ = false;
-  }
-  look_back();
-}
-
-/// After a sample: is everything still of this world?
-void TouchedBody::look_back() noexcept {
-  bool sane = true;
-  for (const std::size_t i : close_) {
-    Exciter& e = exciters_[i];
-    sane =
-        sane && std::abs(e.force_n) < kMostState && std::abs(e.mean_velocity_m_per_s) < kMostState;
-    if (e.kind == Exciter::Kind::kImpact && !(std::abs(e.velocity_m_per_s) < kFastest)) {
-      e.velocity_m_per_s = within(e.velocity_m_per_s, kFastest);
-      e.fresh = false;
-    }
-  }
-  if (!sane)
-    return reset();
-  if (clock_ % kTidyEvery == 0 && sounds_) {
-    if (!body_.tidy())
-      reset();
-    else if (near_ == 0)
-      sounds_ = body_.energy() > 0;
-  }
 }
 
 } // namespace tactus::contact

@@ -115,6 +115,7 @@ private:
   void couple() noexcept;
   void touch_one() noexcept;
   void run(std::size_t exciter, const Stretch& whole) noexcept;
+  std::size_t rest(std::size_t exciter, const Stretch& whole) noexcept;
   [[nodiscard]] bool steady(std::size_t exciter) const noexcept;
   [[nodiscard]] PlaceView place_view(std::size_t exciter) const noexcept;
   void look_back() noexcept;
