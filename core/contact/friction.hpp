@@ -155,8 +155,8 @@ private:
       if (size < sliding_)
         slip_ *= 0.5 + 0.5 * half_sine((size - 0.5 * (sliding_ + elastic)) / (sliding_ - elastic));
       if (s1 * s1 * slip_ > 4 * s0 * (s1 + viscosity_) * sliding_) {
-        const double rate = slip_ / sliding_;
-        s1 = 2 * s0 / rate * (1 + std::sqrt(1 + rate * viscosity_ / s0));
+        const double slack = s0 * sliding_ / slip_; // sigma0/a
+        s1 = 2 * (slack + std::sqrt(slack * (slack + viscosity_)));
       }
     }
     scale_ = sliding_ + 0.5 * h_ * slip_;
@@ -166,13 +166,11 @@ private:
   [[nodiscard, gnu::always_inline]] double growth(double mean_velocity) const noexcept {
     return (mean_velocity * sliding_ - slip_ * bend_) / scale_;
   }
-  /// sin(pi x) for |x| <= 1/2, error below 1e-11.
+  /// sin(pi x) for |x| <= 1/2, error below 1e-7.
   [[nodiscard, gnu::always_inline]] static double half_sine(double x) noexcept {
     const double t = std::numbers::pi * x, t2 = t * t, t4 = t2 * t2;
-    const double low = (1 - t2 * (1.0 / 6)) + t4 * (1.0 / 120 - t2 * (1.0 / 5040));
-    const double high = (1.0 / 362880 - t2 * (1.0 / 39916800)) +
-                        t4 * (1.0 / 6227020800.0 - t2 * (1.0 / 1307674368000.0));
-    return t * (low + t4 * t4 * high);
+    return t * (((1 - t2 * (1.0 / 6)) + t4 * (1.0 / 120 - t2 * (1.0 / 5040))) +
+                (t4 * t4) * (1.0 / 362880 - t2 * (1.0 / 39916800)));
   }
 
   double bend_ = 0; ///< z, m
