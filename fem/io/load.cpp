@@ -13,6 +13,9 @@ Mesh load_body(const std::string& path, const LoadChoice& choice) {
   if (!std::filesystem::is_regular_file(path))
     throw Refusal("cannot read " + path + ": no such file");
   const std::string ending = lower(std::filesystem::path(path).extension().string());
+  if (choice.fillet > 0 && ending != ".step" && ending != ".stp" && ending != ".brep")
+    throw Refusal("--fillet rounds edges of .step and .brep bodies, " + path +
+                  " has none to round");
   const auto unit = [&](double habit) { return choice.unit > 0 ? choice.unit : habit; };
   if (ending == ".msh")
     return read_msh(path, unit(1));

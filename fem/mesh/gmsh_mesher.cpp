@@ -262,6 +262,35 @@ Mesh read_msh(const std::string& path, double unit) {
   });
 }
 
+namespace {
+
+/// Fillets the one volume's concave curves; returns those that are left to be graded: none.
+std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector<double>& concave,
+                              double radius) {
+  if (volumes.size() != 1)
+    throw Refusal("--fillet rounds the edges of one solid, the file holds " +
+                  std::to_string(volumes.size()));
+  if (concave.empty())
+    throw Refusal("--fillet: the body has no concave edge to round");
+  std::vector<int> curves;
+  for (const double curve : concave)
+    curves.push_back(static_cast<int>(curve));
+  gmsh::model::mesh::clear();
+  gmsh::vectorpair rounded;
+  try {
+    gmsh::model::occ::fillet({volumes[0].second}, curves, {radius}, rounded, true);
+  } catch (...) { // what gmsh throws is no exception of the library
+    throw Refusal(format("--fillet: a radius of %g of the file's units does not fit the concave "
+                         "edges",
+                         radius));
+  }
+  gmsh::model::occ::synchronize();
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMin", radius / 3);
+  return {};
+}
+
+} // namespace
+
 Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
   Session session;
   return session.run(path + " cannot be meshed", [&] {
@@ -302,9 +331,11 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
     gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
     set_sizes(h, {});
     std::vector<double> concave;
-    if (choice.grade_concave) {
+    if (choice.grade_concave || choice.fillet > 0) {
       gmsh::model::mesh::generate(2);
       concave = concave_curves();
+      if (choice.fillet > 0)
+        concave = round_off(volumes, concave, choice.fillet / unit);
       if (!concave.empty()) {
         if (choice.say)
           choice.say(std::to_string(concave.size()) + " concave edges, graded");

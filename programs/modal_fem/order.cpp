@@ -166,6 +166,8 @@ Order read_order(const std::vector<std::string>& words) {
       order.sound_speed = number(option, cells[1], 10, 1e4);
     } else if (option == "--verify") {
       order.verify = true;
+    } else if (option == "--fillet" && order.is_file) {
+      order.fillet = order.unit * number(option, value(), 1e-9, 1e9);
     } else if (option == "--residual") {
       order.residual = true;
     } else if (option == "--multi") {
@@ -217,6 +219,7 @@ Material      --material NAME, or REGION=NAME for a body of several; data/materi
 Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or x=LEVEL or set:NAME
               --spring PLACE:N_PER_M[:xyz]
 Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
+              --fillet RADIUS  rounds the concave edges of a .step or .brep body
               --remesh (renew an STL's triangles)  --straight  (no curved sides)
 Modes         --modes N (40)  --threads N (1)  --verify  (each mode's error from coarser meshes)
               --residual  also how far the skin yields beyond these modes, for contacts

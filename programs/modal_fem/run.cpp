@@ -36,6 +36,7 @@ Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress) {
   }
   LoadChoice load{.unit = order.unit_given ? order.unit : 0,
                   .h = choice.h,
+                  .fillet = order.fillet,
                   .coarser = coarser,
                   .grade_concave = choice.grade_concave,
                   .curved = !order.straight,

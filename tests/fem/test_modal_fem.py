@@ -356,6 +356,20 @@ def test_a_concave_edge_of_a_step_file_is_found_and_graded(tmp_path):
     assert mass == pytest.approx(2700 * (60 * 20 * 10 + 12 * 20 * 30) * 1e-9, rel=1e-6)
 
 
+def test_concave_edges_of_a_step_file_are_rounded_on_request(tmp_path):
+    write_step(tmp_path, "Box(1) = {0,0,0, 60,20,10}; Box(2) = {0,0,10, 12,20,30};"
+                         "BooleanUnion(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};")
+    run("body.step", "--modes", 3, "-o", "sharp.modal.npz", folder=tmp_path)
+    run("body.step", "--modes", 3, "--fillet", 4, "-o", "round.modal.npz", folder=tmp_path)
+    sharp, rounded = (np.load(tmp_path / f"{name}.modal.npz") for name in ("sharp", "round"))
+    corner = 2700 * (1 - np.pi / 4) * 4**2 * 20 * 1e-9  # what a quarter circle leaves of its square
+    assert rounded["mass"] - sharp["mass"] == pytest.approx(corner, rel=0.01)
+    assert 1.01 < rounded["freq"][0] / sharp["freq"][0] < 1.2  # the arm's root is stiffer
+    assert "does not fit" in refusal("body.step", "--fillet", 90, "-o", "x.modal.npz", folder=tmp_path)
+    write_stl(tmp_path / "cube.stl", cube_triangles(10))
+    assert ".step" in refusal("cube.stl", "--fillet", 2, "-o", "x.modal.npz", folder=tmp_path)
+
+
 def test_a_step_file_tells_its_own_unit_of_length(tmp_path):
     text = write_step(tmp_path, "Cylinder(1) = {0,0,0, 0,0,12, 50};")
     (tmp_path / "metres.step").write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
