@@ -20,7 +20,6 @@ import numpy as np
 
 import judge
 import targets
-from features import RATE
 from recordings import recordings
 from steps import measure, render
 
@@ -149,7 +148,7 @@ def cost_of(text, aim, arguments, seed):
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
         file.write(text)
         file.flush()
-        return aim.cost(render(arguments.render, file.name, arguments.steps, seed, rate=RATE))
+        return aim.cost(render(arguments.render, file.name, arguments.steps, seed))
 
 
 def tune(path, aim, arguments):
