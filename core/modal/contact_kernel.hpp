@@ -77,7 +77,15 @@ public:
                       std::size_t count) const noexcept = 0;
 };
 
+/// One instruction set's; null where the processor does not run it.
+struct ContactKernels {
+  const ContactKernel<float>* single_precision = nullptr;
+  const ContactKernel<double>* double_precision = nullptr;
+};
+
 /// Null where the processor does not run it.
 template <class T> [[nodiscard]] const ContactKernel<T>* contact_kernel(VectorSet) noexcept;
+template <> const ContactKernel<float>* contact_kernel<float>(VectorSet) noexcept;
+template <> const ContactKernel<double>* contact_kernel<double>(VectorSet) noexcept;
 
 } // namespace tactus::modal

@@ -3,18 +3,16 @@
 
 namespace tactus::modal {
 
-template <class T> const ContactKernel<T>* avx2_contact_kernel() noexcept;
+ContactKernels avx2_contact_kernels() noexcept;
 
-template <class T> const ContactKernel<T>* avx2_contact_kernel() noexcept {
+ContactKernels avx2_contact_kernels() noexcept {
 #if defined(__AVX2__) && defined(__FMA__)
-  static const ContactLanes<simd::Avx2, T> kernel;
-  return &kernel;
+  static const ContactLanes<simd::Avx2, float> single_precision;
+  static const ContactLanes<simd::Avx2, double> double_precision;
+  return {&single_precision, &double_precision};
 #else
-  return nullptr;
+  return {};
 #endif
 }
-
-template const ContactKernel<float>* avx2_contact_kernel<float>() noexcept;
-template const ContactKernel<double>* avx2_contact_kernel<double>() noexcept;
 
 } // namespace tactus::modal
