@@ -6,6 +6,7 @@
 //
 // prints nanoseconds a sample. The last lines, ratios of rounds that were run in turn within
 // milliseconds of each other, are what to trust on a shared machine.
+#include "bench/paired.hpp"
 #include "core/contact/touched_body.hpp"
 
 #include <benchmark/benchmark.h>
@@ -13,21 +14,17 @@
 #include <stk/ModalBar.h>
 #endif
 
-#include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
-#include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace {
 
 using namespace tactus::contact;
+using namespace tactus::bench;
 
 constexpr double kRate = 48000;
-constexpr int kBlock = 64;
 
 std::vector<Mode> bar(std::size_t count) {
   std::vector<Mode> modes;
@@ -147,44 +144,6 @@ private:
   std::array<double, kBlock> sound_{};
 };
 #endif
-
-template <class Player> void run(benchmark::State& state, Player& player) {
-  for (auto round : state) {
-    static_cast<void>(round);
-    player.block();
-  }
-  const double samples = static_cast<double>(state.iterations()) * kBlock;
-  state.counters["ns_a_sample"] =
-      benchmark::Counter(1e-9 * samples, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-}
-
-template <class Player> void add(const std::string& name, Player& player) {
-  benchmark::RegisterBenchmark(name.c_str(),
-                               [&player](benchmark::State& state) { run(state, player); });
-}
-
-/// Median over many rounds of the ratio of the two players' times, each round one after the other.
-double paired_ratio(const std::function<void()>& a, const std::function<void()>& b) {
-  constexpr int kRounds = 401, kBlocks = 40;
-  using Clock = std::chrono::steady_clock;
-  const auto time = [](const std::function<void()>& play) {
-    const auto start = Clock::now();
-    for (int n = 0; n < kBlocks; ++n)
-      play();
-    return std::chrono::duration<double>(Clock::now() - start).count();
-  };
-  std::vector<double> ratios;
-  for (int n = 0; n < kRounds; ++n) {
-    const double first = time(a), second = time(b), again = time(a);
-    ratios.push_back(0.5 * (first + again) / second);
-  }
-  std::nth_element(ratios.begin(), ratios.begin() + kRounds / 2, ratios.end());
-  return ratios[kRounds / 2];
-}
-
-template <class A, class B> void print_ratio(const char* what, A& a, B& b) {
-  std::printf("%-58s %.2f\n", what, paired_ratio([&] { a.block(); }, [&] { b.block(); }));
-}
 
 } // namespace
 
