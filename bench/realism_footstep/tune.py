@@ -30,7 +30,7 @@ LINEAR = {"t60_tilt": (-0.5, 1.5), "tilt": (-1.5, 2.5), "place": (0.0, 1.0), "de
           "spread": (0.05, 1.5), "vary_frequency": (0.0, 0.6), "vary_decay": (0.0, 0.8),
           "vary_level": (0.0, 0.8), "heel": (0.0, 3.0), "ball": (0.0, 2.0), "load": (0.0, 2.0),
           "release": (0.0, 1.0), "ratio": (1.1, 2.2), "roughness": (0.0, 3.0), "wobble": (0.0, 0.8)}
-LOGARITHMIC = {"frequency": (40, 10000), "t60": (0.005, 1.5), "stiffness": (1e4, 1e11),
+LOGARITHMIC = {"frequency": (40, 10000), "t60": (0.005, 1.5), "stiffness": (1e3, 1e11),
                "attack": (2e-4, 0.4), "decay": (0.003, 0.6), "largest": (2, 3000), "count": (3, 3000),
                "quality": (0.3, 12), "length": (2e-4, 0.03), "level": (1e-4, 100), "slip": (0.005, 1),
                "pressed": (0.5, 60), "load_n": (0.5, 200), "radiation": (10, 1500),
@@ -129,7 +129,8 @@ class Aim:
             outside = max(0, np.log(low + 1e-5) - m, m - np.log(high + 1e-5)) / spread
             ratio = np.log((np.percentile(logs, 90) - np.percentile(logs, 10) + 0.02) /
                            (2.56 * spread + 0.02))
-            total += min(off * off, 25) + 2 * min(outside, 5) + 0.5 * min(ratio * ratio, 9)
+            total += (min(off * off, 25) + 3 * (outside > 0) + 2 * min(outside, 5)
+                      + 0.5 * min(ratio * ratio, 9))
         profile = profiles.mean(axis=0)[self.bands]
         rms = np.sqrt(np.mean((profile - self.profile) ** 2))
         return total / len(self.features) + (rms / 3) ** 2 + self.doubt(vectors)
