@@ -1,4 +1,4 @@
-"""footsteps: fifteen grounds, heard and felt, and a walk across five of them
+"""Footsteps on fifteen grounds, heard and felt, and a walk across five of them
 
 [footstep~] walks: first the four surfaces of Nordahl and others (EuroHaptics 2010), wood, creaking
 wood, snow and underbrush, at three speeds, with the drives of the two actuators in a sandal (heel and
@@ -80,13 +80,14 @@ def four_surfaces(scene):
 def fifteen_surfaces(scene):
     scene.heading("Fifteen grounds")
     recordings, rate = recorded()
-    figure, axes = plt.subplots(5, 6, figsize=(16, 15), constrained_layout=True)
+    columns = 2 if recordings else 1
+    figure, axes = plt.subplots(5, 3 * columns, figsize=(16, 15), constrained_layout=True)
     rows = []
     for k, surface in enumerate(ALL):
         result = walk(5, surface)
         sound = stereo(result)
         scene.sound(f"ground_{surface}", sound, RATE, surface)
-        ours, beside = axes.flat[2 * k], axes.flat[2 * k + 1]
+        ours, beside = axes.flat[columns * k], axes.flat[columns * k + columns - 1]
         first = sound[:, 0][int(0.05 * RATE):int(0.85 * RATE)]
         spectrogram(ours, first, RATE, top_hz=10000)
         ours.set_title(surface, loc="left")
@@ -95,7 +96,7 @@ def fifteen_surfaces(scene):
             spectrogram(beside, numpy.pad(real, (0, max(0, int(0.8 * rate) - len(real)))), rate,
                         top_hz=10000)
             beside.set_title("a recording", loc="left")
-        else:
+        elif recordings:
             beside.axis("off")
         drives = [numpy.sqrt(numpy.mean(result[n] ** 2)) for n in ("heel_drive", "ball_drive")]
         peaks = [abs(result[n]).max() for n in ("heel_drive", "ball_drive")]
