@@ -73,10 +73,8 @@ public:
       "contact_friction~",
       "a surface rubs a body: squeaks, creaks, bows and brakes",
       "A moving surface presses on a body of up to 64 modes and drags it by elasto-plastic "
-      "bristles "
-      "that bend, let go and slip, coupled both ways. Pressure and speed are signals. No setting "
-      "and "
-      "no sample rate can add energy.",
+      "bristles that bend, let go and slip, coupled both ways. Pressure and speed are signals. No "
+      "setting and no sample rate can add energy.",
       "physical model friction stick slip squeak creak bow modal synthesis",
       contact_friction::kInlets,
       contact_friction::kOutlets,

@@ -62,10 +62,8 @@ public:
       "contact_impact~",
       "a mass strikes, presses or bounces on a body",
       "A mass meets a body of up to 64 modes through a contact that stiffens and loses as real "
-      "ones "
-      "do, coupled both ways: heavy masses stay longer, light ones bounce back, and pressing "
-      "changes "
-      "the tone. No setting and no sample rate can add energy.",
+      "ones do, coupled both ways: heavy masses stay longer, light ones bounce back, and pressing "
+      "changes the tone. No setting and no sample rate can add energy.",
       "physical model impact contact modal synthesis percussion",
       contact_impact::kInlets,
       contact_impact::kOutlets,
