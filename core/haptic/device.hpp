@@ -3,6 +3,7 @@
 #include "core/haptic/vec3.hpp"
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 /// What a haptic device is to the rest of tactus. Real devices live in devices/, the simulated one
@@ -28,18 +29,26 @@ struct Caps {
   bool has_velocity = false;   ///< State::velocity is measured; else the servo estimates it
   bool has_buttons = false;
   bool needs_home = false;
+  bool has_rotation = false; ///< State::rotation is measured
+};
+
+/// Who a device is, as far as it says.
+struct Identity {
+  std::string vendor, model, serial;
 };
 
 struct State {
   enum Flags : std::uint32_t { kHomed = 1, kFault = 2, kMotorsHot = 4, kForceLimited = 8 };
   Vec3 position{}; ///< m, project frame
   Vec3 velocity{}; ///< m/s
+  Vec3 rotation{}; ///< rad about x, y, z; of a sprung knob its share of full deflection, -1..1
   std::uint32_t buttons = 0;
   std::uint32_t flags = kHomed;
 };
 
-/// A device. open and close may take time and allocate; read and write neither allocate, block for
-/// more than 2 ms, nor throw, and run in the servo's thread.
+/// A device. open and close may take seconds and allocate: they run in a thread of the host's that
+/// may wait, never while the servo steps. read and write neither allocate, block for more than 2
+/// ms, nor throw, and run in the servo's thread. configure may be called at any time.
 class Backend {
 public:
   virtual ~Backend() = default;
@@ -51,8 +60,21 @@ public:
   [[nodiscard]] virtual bool read(const Tick& tick, State& state) noexcept = 0;
   /// Force in N, held by the device until the next write; false when it could not be sent.
   [[nodiscard]] virtual bool write(const Vec3& force_n) noexcept = 0;
-  /// True when the device's own driver calls the servo step.
+  /// One setting of this device alone, such as "firmware FILE" or "speed 100", or "device WHICH"
+  /// (an index, serial number or path) before it is opened. Empty when taken, else what was
+  /// expected. Takes effect between two ticks or at the next opening.
+  [[nodiscard]] virtual std::string configure(std::span<const std::string> words);
+  [[nodiscard]] virtual Identity identity() const { return {}; }
+
+  /// True when the device's own driver calls the servo's step.
   [[nodiscard]] virtual bool owns_thread() const noexcept { return false; }
+  /// For such a device: call step(context) at the driver's rate from now on until halt, which
+  /// returns when no call is under way. False when the driver's scheduler does not start.
+  [[nodiscard]] virtual bool run(void (*step)(void* context), void* context) {
+    static_cast<void>(step), static_cast<void>(context);
+    return false;
+  }
+  virtual void halt() noexcept {}
 };
 
 } // namespace tactus::haptic

@@ -39,8 +39,8 @@ void Phantom::fade_out() noexcept {
   if (!runner_.running())
     return;
   servo_.exchange().actions.push(Action::kMotorsOff);
-  const double give_up_s = WallRunner::now_s() + kGraceful_s;
-  while (WallRunner::now_s() < give_up_s) {
+  const double give_up_s = devices::ServoThread::now_s() + kGraceful_s;
+  while (devices::ServoThread::now_s() < give_up_s) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     servo_.exchange().reports.read();
     const haptic::Report& report = servo_.exchange().reports.latest();
@@ -133,7 +133,7 @@ void Phantom::begin(Host& host) {
   steps_ = outputs_ = 0;
   scheduling_told_ = false;
   if (open_ && wall_) {
-    publish(WallRunner::now_s());
+    publish(devices::ServoThread::now_s());
     runner_.start(servo_, period_s());
   }
   host.wake_in(kSchedule, 0);
@@ -182,7 +182,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
       command_.last_refused = false;
     }
     refused_now_ = changed_now_ = false;
-    return publish(wall_ ? WallRunner::now_s() : host.now_ms() * 1e-3);
+    return publish(wall_ ? devices::ServoThread::now_s() : host.now_ms() * 1e-3);
   }
   if (new_grids_) {
     new_grids_ = false;
@@ -200,7 +200,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
       ++steps_;
     }
   } else {
-    publish(WallRunner::now_s());
+    publish(devices::ServoThread::now_s());
   }
   const double rate = values_[kOutRate];
   collect(host);
@@ -348,7 +348,8 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
   case kClose:
     return close(host);
   case kName:
-    name_ = arguments[0].is_word ? std::string(arguments[0].word) : number_text(arguments[0].number);
+    name_ =
+        arguments[0].is_word ? std::string(arguments[0].word) : number_text(arguments[0].number);
     return;
   case kDevices:
     return host.info({"device", "sim", 0.0, "tactus", "simulated", std::string_view(name_),

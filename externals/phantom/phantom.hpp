@@ -3,9 +3,9 @@
 #include "core/haptic/servo.hpp"
 #include "core/haptic/simulated_device.hpp"
 #include "core/object.hpp"
+#include "devices/servo_thread.hpp"
 #include "externals/phantom/declaration.hpp"
 #include "externals/phantom/trace.hpp"
-#include "externals/phantom/wall_runner.hpp"
 
 #include <optional>
 #include <string>
@@ -98,7 +98,7 @@ private:
   std::array<double, phantom::kParameterCount> values_{};
   haptic::Servo servo_{};
   haptic::SimulatedDevice simulated_{};
-  phantom::WallRunner runner_{};
+  devices::ServoThread runner_{};
   phantom::Trace trace_{};
 
   haptic::ServoSettings settings_{};

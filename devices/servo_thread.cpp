@@ -1,4 +1,4 @@
-#include "externals/phantom/wall_runner.hpp"
+#include "devices/servo_thread.hpp"
 
 #include <array>
 #include <cerrno>
@@ -17,13 +17,13 @@
 #include <xmmintrin.h>
 #endif
 
-namespace tactus::phantom {
+namespace tactus::devices {
 namespace {
 
 using Steady = std::chrono::steady_clock;
 
 struct MonotonicClock final : haptic::Clock {
-  double now_s() noexcept override { return WallRunner::now_s(); }
+  double now_s() noexcept override { return ServoThread::now_s(); }
 };
 
 /// Real time if the system lets us, else a better nice value, else what everybody has.
@@ -42,7 +42,7 @@ int raise_priority() noexcept {
 }
 
 void sleep_until(double time_s) noexcept {
-  const double left_s = time_s - WallRunner::now_s();
+  const double left_s = time_s - ServoThread::now_s();
   if (left_s <= 0)
     return;
 #ifdef __linux__
@@ -59,30 +59,30 @@ void sleep_until(double time_s) noexcept {
 
 } // namespace
 
-double WallRunner::now_s() noexcept {
+double ServoThread::now_s() noexcept {
   return std::chrono::duration<double>(Steady::now().time_since_epoch()).count();
 }
 
-std::string_view WallRunner::scheduling() const noexcept {
+std::string_view ServoThread::scheduling() const noexcept {
   constexpr std::array<std::string_view, 4> names{"", "fifo", "nice", "other"};
   return names[static_cast<std::size_t>(scheduling_.load(std::memory_order_relaxed) + 1)];
 }
 
-void WallRunner::start(haptic::Servo& servo, double period_s) {
+void ServoThread::start(haptic::Servo& servo, double period_s) {
   stop();
   stopping_ = false;
   scheduling_ = -1;
   thread_ = std::thread([this, &servo, period_s] { run(servo, period_s); });
 }
 
-void WallRunner::stop() noexcept {
+void ServoThread::stop() noexcept {
   if (!thread_.joinable())
     return;
   stopping_ = true;
   thread_.join(); // within one period: the step is bounded and the sleep ends at the next deadline
 }
 
-void WallRunner::run(haptic::Servo& servo, double period_s) noexcept {
+void ServoThread::run(haptic::Servo& servo, double period_s) noexcept {
   scheduling_ = raise_priority();
 #if defined(__SSE2__)
   _mm_setcsr(_mm_getcsr() | 0x8040); // denormals are zero
@@ -95,4 +95,4 @@ void WallRunner::run(haptic::Servo& servo, double period_s) noexcept {
   }
 }
 
-} // namespace tactus::phantom
+} // namespace tactus::devices

@@ -6,12 +6,12 @@
 #include <string_view>
 #include <thread>
 
-namespace tactus::phantom {
+namespace tactus::devices {
 
 /// Steps a servo in a thread of its own on the machine's monotonic clock.
-class WallRunner {
+class ServoThread {
 public:
-  ~WallRunner() { stop(); }
+  ~ServoThread() { stop(); }
   void start(haptic::Servo& servo, double period_s);
   /// Waits for the tick under way; after it nobody touches the servo.
   void stop() noexcept;
@@ -30,4 +30,4 @@ private:
   std::atomic<int> scheduling_{-1};
 };
 
-} // namespace tactus::phantom
+} // namespace tactus::devices

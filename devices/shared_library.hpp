@@ -1,0 +1,40 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace tactus::devices {
+
+/// A library that is loaded while the program runs, so that its absence is a sentence and not a
+/// program that does not start.
+class SharedLibrary {
+public:
+  SharedLibrary() = default;
+  ~SharedLibrary() { unload(); }
+  SharedLibrary(const SharedLibrary&) = delete;
+  SharedLibrary& operator=(const SharedLibrary&) = delete;
+
+  /// Tries the names in order, all symbols resolved at once and kept from other libraries. False
+  /// when none loads: error() is then the loader's last word.
+  bool load(std::span<const char* const> names);
+  void unload() noexcept;
+  [[nodiscard]] bool loaded() const noexcept { return handle_ != nullptr; }
+  [[nodiscard]] const std::string& error() const noexcept { return error_; }
+  /// The name that loaded.
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+
+  /// Sets the function pointer; null and false when the library has no such symbol.
+  template <class Function> bool symbol(const char* symbol_name, Function*& function) noexcept {
+    function = reinterpret_cast<Function*>(address(symbol_name));
+    return function != nullptr;
+  }
+
+private:
+  [[nodiscard]] void* address(const char* symbol_name) const noexcept;
+
+  void* handle_ = nullptr;
+  std::string name_, error_;
+};
+
+} // namespace tactus::devices
