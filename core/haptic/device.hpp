@@ -65,6 +65,9 @@ public:
   /// expected. Takes effect between two ticks or at the next opening.
   [[nodiscard]] virtual std::string configure(std::span<const std::string> words);
   [[nodiscard]] virtual Identity identity() const { return {}; }
+  /// What is wrong with the opened device now, one sentence that says what to do; empty when all is
+  /// well. For any thread that may wait, beside read and write.
+  [[nodiscard]] virtual std::string trouble() const { return {}; }
 
   /// True when the device's own driver calls the servo's step.
   [[nodiscard]] virtual bool owns_thread() const noexcept { return false; }
