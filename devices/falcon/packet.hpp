@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+/// What goes over the Falcon's wire in run mode, sixteen bytes both ways:
+///
+///   '<'  3 values of 16 bits, each as 4 nibbles, low first, nibble + 'A'  flags + 'A'  'A'  '>'
+namespace tactus::devices::falcon {
+
+constexpr std::size_t kPacketBytes = 16;
+using Packet = std::array<std::uint8_t, kPacketBytes>;
+using Values = std::array<std::int16_t, 3>;
+
+struct Order {
+  enum Flags : std::uint8_t { kHoming = 1, kGreen = 2, kBlue = 4, kRed = 8, kLights = 14 };
+  Values motors{};
+  std::uint8_t flags = 0;
+};
+
+struct Answer {
+  enum Flags : std::uint8_t { kButtons = 0x0f, kHomed = 0x70 };
+  Values encoders{};
+  std::uint8_t flags = 0;
+  [[nodiscard]] bool homed() const noexcept { return (flags & kHomed) == kHomed; }
+};
+
+[[nodiscard]] Packet encode(const Order& order) noexcept;
+[[nodiscard]] Packet encode(const Answer& answer) noexcept;
+
+/// Cuts a stream of bytes into answers. '<' occurs at the start of a packet alone, so whatever was
+/// lost or added, the next whole packet is found.
+class AnswerStream {
+public:
+  /// True when this byte completes an answer.
+  bool take(std::uint8_t byte) noexcept;
+  [[nodiscard]] const Answer& answer() const noexcept { return answer_; }
+  /// Packets that were begun and not finished, and runs of bytes between packets.
+  [[nodiscard]] std::uint64_t errors() const noexcept { return errors_; }
+  /// Forgets a packet under way.
+  void reset() noexcept { filled_ = 0; }
+
+private:
+  void refuse() noexcept;
+
+  Packet packet_{};
+  std::size_t filled_ = 0;
+  bool between_ = false;
+  Answer answer_{};
+  std::uint64_t errors_ = 0;
+};
+
+} // namespace tactus::devices::falcon
