@@ -1,0 +1,293 @@
+#include "devices/openhaptics/device.hpp"
+
+#include "devices/openhaptics/limits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+#include <vector>
+
+namespace tactus::devices::openhaptics {
+namespace {
+
+using haptic::State;
+using haptic::Vec3;
+using Milliseconds = std::chrono::milliseconds;
+
+constexpr int kCalibrationCheck_ticks = 256;
+constexpr int kErrorStays_ticks = 500;
+constexpr int kQuiet_ticks = 200;
+constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
+
+// The vendor has one scheduler for all of its devices.
+std::mutex scheduler_guard;
+int scheduler_users = 0;
+
+std::string meaning(Code error) {
+  switch (error) {
+  case kWarmMotors:
+    return "the motors are warm: let go and wait some minutes, then ask for less force";
+  case kTooMuchForce:
+    return "more force was asked for than the device can give: lower forcemax";
+  case kTooMuchImpulse:
+    return "the force changed too fast and the device switched it off: lower slew";
+  case kTooMuchVelocity:
+    return "the handle moved too fast and the device switched the force off: hold it, then send "
+           "motors 1";
+  case kForceError:
+    return "the device refused a force: hold the handle, then send motors 1";
+  case kDeviceFault:
+    return "the device reports a fault: switch it off and on and open it again";
+  case kAlreadyOpen:
+    return "another program uses the device: end that program and open it again";
+  case kNoAnswer:
+    return "the device does not answer: check its cable and power, then open it again";
+  case kWrongPort:
+    return "the device is not where the vendor's set-up tool last saw it: run that tool again";
+  case kTimerError:
+    return "the vendor's scheduler lost its timer: close and open the device";
+  case kFrameError:
+    return "another program writes to the device at the same time: end it";
+  case kNoLicence:
+    return "the vendor's licence is missing or not valid: install it with the vendor's licence tool";
+  default: {
+    char text[64];
+    std::snprintf(text, sizeof text, "error 0x%04X of the vendor's library", error);
+    return std::string(text) + ": run the vendor's diagnostic tool, then open the device again";
+  }
+  }
+}
+
+bool switches_force_off(Code error) noexcept {
+  return error != kSuccess && error != kTooMuchForce && error != kWarmMotors;
+}
+
+} // namespace
+
+std::string Device::configure(std::span<const std::string> words) {
+  if (words.empty() || words[0] != "device")
+    return "openhaptics: " + (words.empty() ? std::string("nothing") : words[0]) +
+           " is not a setting; there is: device NAME, as in the vendor's set-up tool";
+  if (words.size() < 2)
+    return "openhaptics: device takes the name that the vendor's set-up tool shows, such as "
+           "Default Device";
+  std::string name = words[1]; // names have blanks; a patch gives them as several words
+  for (std::size_t i = 2; i < words.size(); ++i)
+    name += " " + words[i];
+  const std::lock_guard lock(wish_guard_);
+  wanted_name_ = name == "0" ? "" : name;
+  return {};
+}
+
+std::string Device::try_names(const std::string& wanted) {
+  std::vector<const char*> names;
+  if (!wanted.empty())
+    names.push_back(wanted.c_str());
+  names.insert(names.end(), {"Default Device", "Default PHANToM", nullptr});
+  Code error = kSuccess;
+  for (const int pause_ms : kPausesBetweenTries_ms) {
+    std::this_thread::sleep_for(Milliseconds(pause_ms));
+    for (const char* name : names) {
+      static_cast<void>(library_.take_errors());
+      handle_ = library_.init_device(name);
+      error = library_.take_errors();
+      if (handle_ != kNoDevice && error == kSuccess)
+        return {};
+      if (handle_ != kNoDevice)
+        library_.disable_device(handle_);
+      handle_ = kNoDevice;
+    }
+    if (error == kNoLicence)
+      break; // waiting buys none
+  }
+  std::string tried;
+  for (const char* name : names)
+    tried += std::string(tried.empty() ? "" : ", ") + (name ? name : "no name");
+  return "openhaptics: no device opens under the names " + tried + ": " +
+         (error == kSuccess ? "check cable and power, that your account may use the port, and that "
+                              "the vendor's set-up tool lists the device"
+                            : meaning(error));
+}
+
+std::string Device::open() {
+  close();
+  if (std::string sentence = library_.load(); !sentence.empty())
+    return "openhaptics: " + sentence;
+  std::string wanted;
+  {
+    const std::lock_guard lock(wish_guard_);
+    wanted = wanted_name_;
+  }
+  if (std::string sentence = try_names(wanted); !sentence.empty()) {
+    library_.unload();
+    return sentence;
+  }
+  library_.make_current_device(handle_);
+  const auto text = [&](Code value) {
+    const char* answer = library_.get_string(value);
+    return std::string(answer ? answer : "");
+  };
+  identity_ = {text(kVendor), text(kModelType), text(kSerialNumber)};
+  caps_ = device_caps(library_, identity_.model);
+  library_.enable(kForceOutput);
+  library_.enable(kMaxForceClamping);
+  library_.enable(kForceRamping);
+  if (library_.set_scheduler_rate)
+    library_.set_scheduler_rate(1000);
+  static_cast<void>(library_.take_errors()); // ramping and the rate are wishes
+  calibration_ = kCalibrationNeedsUpdate;
+  until_calibration_check_ = error_ticks_left_ = quiet_ticks_ = 0;
+  force_off_ = false;
+  error_ = kSuccess;
+  return {};
+}
+
+void Device::close() noexcept {
+  halt();
+  if (handle_ != kNoDevice) {
+    library_.make_current_device(handle_);
+    library_.disable(kForceOutput);
+    library_.disable_device(handle_);
+    handle_ = kNoDevice;
+  }
+  library_.unload();
+}
+
+bool Device::run(void (*step)(void*), void* context) {
+  if (handle_ == kNoDevice || running_)
+    return false;
+  step_ = step;
+  context_ = context;
+  stopping_ = finished_ = false;
+  const std::lock_guard lock(scheduler_guard);
+  scheduled_ = library_.schedule(&Device::on_tick, this, kHighestPriority);
+  if (scheduler_users == 0)
+    library_.start_scheduler();
+  if (library_.take_errors() != kSuccess) {
+    library_.unschedule(scheduled_);
+    return false;
+  }
+  ++scheduler_users;
+  running_ = true;
+  return true;
+}
+
+void Device::halt() noexcept {
+  if (!running_)
+    return;
+  stopping_ = true;
+  // The last call sends zero force. A scheduler that has died never makes it; the step under way,
+  // which is bounded, is waited for in any case.
+  for (int waited_ms = 0; waited_ms < 100 && !finished_; ++waited_ms)
+    std::this_thread::sleep_for(Milliseconds(1));
+  while (stepping_)
+    std::this_thread::sleep_for(Milliseconds(1));
+  const std::lock_guard lock(scheduler_guard);
+  if (--scheduler_users == 0)
+    library_.stop_scheduler();
+  library_.unschedule(scheduled_);
+  static_cast<void>(library_.take_errors());
+  running_ = false;
+}
+
+unsigned int Device::on_tick(void* self) noexcept {
+  Device& device = *static_cast<Device*>(self);
+  device.stepping_ = true; // before looking at stopping_: halt looks in the other order
+  const bool last = device.stopping_;
+  device.library_.begin_frame(device.handle_);
+  if (last)
+    device.send({});
+  else
+    device.tick();
+  device.library_.end_frame(device.handle_);
+  device.judge(device.library_.take_errors());
+  if (last)
+    device.finished_ = true;
+  device.stepping_ = false;
+  return last ? kCallbackDone : kCallbackContinue;
+}
+
+void Device::tick() noexcept {
+  look_after_calibration();
+  step_(context_);
+}
+
+void Device::look_after_calibration() noexcept {
+  if (--until_calibration_check_ > 0)
+    return;
+  until_calibration_check_ = kCalibrationCheck_ticks;
+  calibration_ = library_.check_calibration();
+  if (calibration_ == kCalibrationNeedsUpdate && library_.update_calibration) {
+    int style = 0;
+    library_.get_integers(kCalibrationStyle, &style);
+    library_.update_calibration(static_cast<Code>(style));
+    calibration_ = library_.check_calibration();
+  }
+  seen_calibration_ = calibration_;
+}
+
+void Device::judge(Code error) noexcept {
+  if (error != kSuccess) {
+    error_ = error;
+    error_ticks_left_ = kErrorStays_ticks;
+    force_off_ = force_off_ || switches_force_off(error);
+    quiet_ticks_ = 0;
+  } else if (error_ticks_left_ > 0 && --error_ticks_left_ == 0 && !force_off_) {
+    error_ = kSuccess;
+  }
+  if (force_off_ && quiet_ticks_ >= kQuiet_ticks) {
+    library_.enable(kForceOutput);
+    force_off_ = false;
+    error_ = kSuccess;
+  }
+}
+
+bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
+  double position_mm[3] = {}, velocity_mm_per_s[3] = {}, gimbal[3] = {};
+  int buttons = 0;
+  library_.get_doubles(kPosition, position_mm);
+  library_.get_doubles(kVelocity, velocity_mm_per_s);
+  library_.get_doubles(kGimbalAngles, gimbal);
+  library_.get_integers(kButtons, &buttons);
+  state.position = Vec3{position_mm[0], position_mm[1], position_mm[2]} * 1e-3;
+  state.velocity = Vec3{velocity_mm_per_s[0], velocity_mm_per_s[1], velocity_mm_per_s[2]} * 1e-3;
+  // The vendor counts right, down and clockwise as positive: each is a negative turn in our frame.
+  state.rotation = -Vec3{gimbal[1], gimbal[0], gimbal[2]};
+  state.buttons = static_cast<std::uint32_t>(buttons);
+  state.flags = calibration_ == kCalibrated ? State::kHomed : 0u;
+  const Code error = error_;
+  if (force_off_)
+    state.flags |= State::kFault;
+  if (error == kWarmMotors)
+    state.flags |= State::kMotorsHot;
+  if (error == kTooMuchForce)
+    state.flags |= State::kForceLimited;
+  return error != kNoAnswer;
+}
+
+bool Device::write(const Vec3& force_n) noexcept {
+  quiet_ticks_ = force_n == Vec3{} ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;
+  const bool allowed = calibration_ == kCalibrated && !force_off_ && is_finite(force_n);
+  send(allowed ? limited(force_n, caps_.peak_force_n) : Vec3{});
+  return !force_off_ || force_n == Vec3{};
+}
+
+void Device::send(const Vec3& force_n) noexcept {
+  const double force[3] = {force_n.x, force_n.y, force_n.z};
+  library_.set_doubles(kForce, force);
+}
+
+std::string Device::trouble() const {
+  if (const Code error = error_; error != kSuccess)
+    return "openhaptics: " + meaning(error);
+  if (running_ && seen_calibration_ == kCalibrationNeedsHand)
+    return "openhaptics: the device is not calibrated: put the stylus into the inkwell, or the arm "
+           "into its rest, until the light stops blinking";
+  if (running_ && seen_calibration_ != kCalibrated)
+    return "openhaptics: the device calibrates itself: wait, and do not hold it";
+  return {};
+}
+
+} // namespace tactus::devices::openhaptics

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "devices/openhaptics/hd_library.hpp"
+
+#include <atomic>
+#include <mutex>
+
+namespace tactus::devices::openhaptics {
+
+/// A PHANTOM or Touch through the vendor's library. The vendor's scheduler owns the servo thread:
+/// run() hangs the servo's step into its callback, between the begin and the end of a frame.
+/// Force stays zero until the device is calibrated. After an error that switches force off, force
+/// comes back when nothing but zero has been asked for during a fifth of a second.
+class Device final : public haptic::Backend {
+public:
+  ~Device() override { close(); }
+
+  [[nodiscard]] std::string open() override;
+  void close() noexcept override;
+  [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
+  [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
+  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  /// "device NAME": the name under which the vendor's set-up tool knows it.
+  [[nodiscard]] std::string configure(std::span<const std::string> words) override;
+  [[nodiscard]] haptic::Identity identity() const override { return identity_; }
+  [[nodiscard]] std::string trouble() const override;
+
+  [[nodiscard]] bool owns_thread() const noexcept override { return true; }
+  [[nodiscard]] bool run(void (*step)(void* context), void* context) override;
+  void halt() noexcept override;
+
+private:
+  static unsigned int on_tick(void* self) noexcept;
+  void tick() noexcept;
+  void look_after_calibration() noexcept;
+  void judge(Code error) noexcept;
+  void send(const haptic::Vec3& force_n) noexcept;
+  [[nodiscard]] std::string try_names(const std::string& wanted);
+
+  HdLibrary library_;
+  Handle handle_ = kNoDevice;
+  haptic::Caps caps_{};
+  haptic::Identity identity_{};
+
+  std::mutex wish_guard_;
+  std::string wanted_name_;
+
+  // The scheduler's thread
+  void (*step_)(void*) = nullptr;
+  void* context_ = nullptr;
+  SchedulerHandle scheduled_ = 0;
+  Code calibration_ = kCalibrationNeedsUpdate;
+  int until_calibration_check_ = 0;
+  int error_ticks_left_ = 0, quiet_ticks_ = 0;
+  bool force_off_ = false;
+
+  // Both sides
+  std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};
+  std::atomic<Code> error_{kSuccess}, seen_calibration_{kCalibrated};
+};
+
+} // namespace tactus::devices::openhaptics

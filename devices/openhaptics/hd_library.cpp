@@ -1,0 +1,95 @@
+#include "devices/openhaptics/hd_library.hpp"
+
+#include <cstdlib>
+#include <vector>
+
+namespace tactus::devices::openhaptics {
+namespace {
+
+std::vector<const char*> file_names() {
+  if (const char* wanted = std::getenv("PHANTOM_LIBHD"); wanted && *wanted)
+    return {wanted};
+#ifdef _WIN32
+  return {"HD.dll"};
+#else
+  return {"libHD.so.3.4", "libHD.so", "libHD.so.3"};
+#endif
+}
+
+/// A device that does not answer matters more than one that is warm.
+int severity(Code code) noexcept {
+  switch (code) {
+  case kSuccess:
+    return 0;
+  case kTooMuchForce:
+    return 1;
+  case kWarmMotors:
+    return 2;
+  case kNoAnswer:
+  case kDeviceFault:
+    return 4;
+  default:
+    return 3;
+  }
+}
+
+} // namespace
+
+std::string HdLibrary::load() {
+  const std::vector<const char*> names = file_names();
+  if (!library_.load(names)) {
+    std::string tried;
+    for (const char* name : names)
+      tried += std::string(tried.empty() ? "" : ", ") + name;
+    return "the OpenHaptics library is not here (tried " + tried + ": " + library_.error() +
+           "); install 3D Systems' Touch device driver and OpenHaptics from "
+           "support.3dsystems.com, or set PHANTOM_LIBHD to the path of libHD";
+  }
+  const char* missing = nullptr;
+  const auto need = [&](const char* name, auto*& function) {
+    if (!library_.symbol(name, function) && !missing)
+      missing = name;
+  };
+  need("hdInitDevice", init_device);
+  need("hdDisableDevice", disable_device);
+  need("hdMakeCurrentDevice", make_current_device);
+  need("hdEnable", enable);
+  need("hdDisable", disable);
+  need("hdBeginFrame", begin_frame);
+  need("hdEndFrame", end_frame);
+  need("hdGetDoublev", get_doubles);
+  need("hdGetIntegerv", get_integers);
+  need("hdSetDoublev", set_doubles);
+  need("hdGetString", get_string);
+  need("hdGetError", get_error);
+  need("hdScheduleAsynchronous", schedule);
+  need("hdUnschedule", unschedule);
+  need("hdStartScheduler", start_scheduler);
+  need("hdStopScheduler", stop_scheduler);
+  need("hdCheckCalibration", check_calibration);
+  library_.symbol("hdUpdateCalibration", update_calibration);
+  library_.symbol("hdSetSchedulerRate", set_scheduler_rate);
+  if (missing) {
+    const std::string sentence = library_.name() + " has no function " + missing +
+                                 "; it is not OpenHaptics 3.4 or newer: install that, or set "
+                                 "PHANTOM_LIBHD to the path of its libHD";
+    library_.unload();
+    return sentence;
+  }
+  return {};
+}
+
+Code HdLibrary::take_errors() const noexcept {
+  constexpr int kLongestPile = 32;
+  Code worst = kSuccess;
+  for (int i = 0; i < kLongestPile; ++i) {
+    const Code code = get_error().code;
+    if (code == kSuccess)
+      break;
+    if (severity(code) > severity(worst))
+      worst = code;
+  }
+  return worst;
+}
+
+} // namespace tactus::devices::openhaptics

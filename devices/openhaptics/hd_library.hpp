@@ -1,0 +1,108 @@
+#pragma once
+
+#include "devices/shared_library.hpp"
+
+#include <string>
+
+namespace tactus::devices::openhaptics {
+
+/// The part of the vendor's C interface (HDAPI) that the driver uses, as public programs declare it.
+using Handle = unsigned int;
+using Code = unsigned int;
+using SchedulerHandle = unsigned long;
+using Callback = unsigned int (*)(void* context);
+
+struct ErrorInfo {
+  Code code = 0;
+  int internal_code = 0;
+  Handle device = 0;
+};
+
+constexpr Handle kNoDevice = 0xFFFFFFFFu;
+constexpr Code kSuccess = 0;
+constexpr unsigned int kCallbackDone = 0, kCallbackContinue = 1;
+constexpr unsigned short kHighestPriority = 65535;
+
+/// Abilities that are switched on and off.
+enum Ability : Code {
+  kForceOutput = 0x4000,
+  kMaxForceClamping = 0x4001,
+  kForceRamping = 0x4002,
+};
+
+/// Values that are asked for and set.
+enum Value : Code {
+  kButtons = 0x2000,
+  kPosition = 0x2050,     ///< mm
+  kVelocity = 0x2051,     ///< mm/s
+  kGimbalAngles = 0x2150, ///< rad
+  kModelType = 0x2501,
+  kVendor = 0x2503,
+  kSerialNumber = 0x2504,
+  kMaxWorkspace = 0x2550,    ///< 6 values: smallest x y z, largest x y z, mm
+  kUsableWorkspace = 0x2551, ///< the same, of the box inside which force is dependable
+  kCalibrationStyle = 0x2555,
+  kNominalMaxStiffness = 0x2602,       ///< N/mm
+  kNominalMaxForce = 0x2603,           ///< N
+  kNominalMaxContinuousForce = 0x2604, ///< N
+  kNominalMaxDamping = 0x2609,         ///< N s/mm
+  kForce = 0x2700,                     ///< N
+};
+
+enum Error : Code {
+  kWarmMotors = 0x0200,
+  kTooMuchForce = 0x0201,
+  kTooMuchImpulse = 0x0202,
+  kTooMuchVelocity = 0x0203,
+  kForceError = 0x0204,
+  kDeviceFault = 0x0300,
+  kAlreadyOpen = 0x0301,
+  kNoAnswer = 0x0302,
+  kWrongPort = 0x0303,
+  kTimerError = 0x0304,
+  kFrameError = 0x0402,
+  kNoLicence = 0x0600,
+};
+
+enum Calibration : Code {
+  kCalibrated = 0x5000,
+  kCalibrationNeedsUpdate = 0x5001,
+  kCalibrationNeedsHand = 0x5002,
+};
+
+/// The vendor's library, loaded while the program runs.
+struct HdLibrary {
+  Handle (*init_device)(const char* name) = nullptr;
+  void (*disable_device)(Handle device) = nullptr;
+  void (*make_current_device)(Handle device) = nullptr;
+  void (*enable)(Code ability) = nullptr;
+  void (*disable)(Code ability) = nullptr;
+  void (*begin_frame)(Handle device) = nullptr;
+  void (*end_frame)(Handle device) = nullptr;
+  void (*get_doubles)(Code value, double* answer) = nullptr;
+  void (*get_integers)(Code value, int* answer) = nullptr;
+  void (*set_doubles)(Code value, const double* wanted) = nullptr;
+  const char* (*get_string)(Code value) = nullptr;
+  ErrorInfo (*get_error)() = nullptr;
+  SchedulerHandle (*schedule)(Callback callback, void* context, unsigned short priority) = nullptr;
+  void (*unschedule)(SchedulerHandle handle) = nullptr;
+  void (*start_scheduler)() = nullptr;
+  void (*stop_scheduler)() = nullptr;
+  Code (*check_calibration)() = nullptr;
+  void (*update_calibration)(Code style) = nullptr;       ///< may be null
+  void (*set_scheduler_rate)(unsigned long hz) = nullptr; ///< may be null
+
+  /// Empty when every function is there; else a sentence that says what is missing and what to do.
+  /// The environment's PHANTOM_LIBHD names the file; else the usual names are tried.
+  [[nodiscard]] std::string load();
+  [[nodiscard]] bool loaded() const noexcept { return library_.loaded(); }
+  void unload() noexcept { library_.unload(); }
+
+  /// The errors that have piled up, oldest first out; the most serious one is the answer.
+  [[nodiscard]] Code take_errors() const noexcept;
+
+private:
+  SharedLibrary library_;
+};
+
+} // namespace tactus::devices::openhaptics

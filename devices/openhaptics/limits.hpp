@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "devices/openhaptics/hd_library.hpp"
+
+#include <string_view>
+
+namespace tactus::devices::openhaptics {
+
+/// What a model can do when its own library does not say: the figures of CHAI3D's table. A model
+/// that nobody knows gets the least force of all.
+/// model: as hdGetString(model type) gives it.
+[[nodiscard]] haptic::Caps table_caps(std::string_view model) noexcept;
+
+/// The same, with every figure that the open device itself gives and that is plausible.
+[[nodiscard]] haptic::Caps device_caps(const HdLibrary& library, std::string_view model) noexcept;
+
+} // namespace tactus::devices::openhaptics

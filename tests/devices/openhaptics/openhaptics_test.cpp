@@ -1,0 +1,259 @@
+#include "core/haptic/servo.hpp"
+#include "devices/driver.hpp"
+#include "devices/servo_thread.hpp"
+#include "devices/shared_library.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+using namespace tactus;
+using haptic::State;
+
+namespace {
+
+/// The stand-in library, with its hooks; loaded beside the driver, so it is the same one.
+struct Fake {
+  explicit Fake(const char* mode = "") {
+    setenv("PHANTOM_LIBHD", FAKE_HD, 1);
+    setenv("FAKE_HD", mode, 1);
+    const char* const name = FAKE_HD;
+    REQUIRE(library.load({&name, 1}));
+    REQUIRE(library.symbol("fake_hd_fail", fail));
+    REQUIRE(library.symbol("fake_hd_press", press));
+    REQUIRE(library.symbol("fake_hd_counts", counts_of));
+    REQUIRE(library.symbol("fake_hd_last_force", force_of));
+  }
+  std::array<unsigned long, 5> counts() const {
+    std::array<unsigned long, 5> all{};
+    counts_of(all.data());
+    return all;
+  }
+  haptic::Vec3 force() const {
+    double f[3] = {};
+    force_of(f);
+    return {f[0], f[1], f[2]};
+  }
+  devices::SharedLibrary library;
+  void (*fail)(unsigned) = nullptr;
+  void (*press)(int) = nullptr;
+  void (*counts_of)(unsigned long*) = nullptr;
+  void (*force_of)(double*) = nullptr;
+};
+
+/// The servo as the host hangs it into the device's own thread.
+struct Session {
+  explicit Session(haptic::Backend& backend) : device(backend) {
+    servo.attach(device);
+    haptic::ServoSettings settings;
+    settings.chain.enable_s = 0;
+    settings.chain.passivity = false;
+    servo.exchange().settings.write(settings);
+    REQUIRE(device.run(
+        [](void* self) {
+          auto& session = *static_cast<Session*>(self);
+          session.servo.step({session.ticks, 1e-3 * static_cast<double>(session.ticks), 1e-3});
+          ++session.ticks;
+        },
+        this));
+  }
+  ~Session() { device.halt(); }
+  void ask(const haptic::Vec3& force) {
+    haptic::Command command;
+    command.force_n = force;
+    command.number = ++number;
+    command.heartbeat_s = 1e9; // tests of the watchdog are elsewhere
+    servo.exchange().commands.write(command);
+  }
+  /// Waits for so many ticks of the device's thread, a minute at most.
+  haptic::Report after(unsigned long more) {
+    servo.exchange().reports.read();
+    const auto until = servo.exchange().reports.latest().tick.index + more;
+    for (int i = 0; i < 60000; ++i) {
+      servo.exchange().reports.read();
+      if (servo.exchange().reports.latest().tick.index >= until)
+        break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return servo.exchange().reports.latest();
+  }
+  haptic::Backend& device;
+  haptic::Servo servo;
+  std::uint64_t ticks = 0, number = 0;
+};
+
+std::unique_ptr<haptic::Backend> make() {
+  const devices::Driver* driver = devices::find_driver("openhaptics");
+  REQUIRE(driver != nullptr);
+  return driver->make();
+}
+
+} // namespace
+
+TEST_CASE("five hundred callbacks bring positions in millimetres as normalised ones") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->owns_thread());
+  CHECK(device->identity().model == "PHANTOM Omni");
+  CHECK(device->identity().serial == "F-0042");
+  const haptic::Caps caps = device->caps();
+  CHECK(caps.workspace_min == haptic::Vec3{-0.08, -0.06, -0.035});
+  const haptic::Workspace workspace{caps.workspace_min, caps.workspace_max};
+  Session session(*device);
+  const haptic::Report report = session.after(500);
+  CHECK(report.tick.index >= 500);
+  const haptic::Vec3 place = workspace.normalised(report.state.position);
+  CHECK(place.x == doctest::Approx(90.0 / 160));
+  CHECK(place.y == doctest::Approx(80.0 / 120));
+  CHECK(place.z == doctest::Approx(5.0 / 70));
+  CHECK(report.state.rotation == haptic::Vec3{-0.2, -0.1, -0.3});
+  CHECK((report.state.flags & State::kHomed) != 0);
+  CHECK(device->trouble() == "");
+  CHECK(fake.counts()[4] == 1); // the vendor's own clamp is on
+}
+
+TEST_CASE("a force moves the handle, arrives in newtons and is sent inside frames only") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  Session session(*device);
+  const double before = session.after(300).state.position.x;
+  session.ask({0.5, 0, 0});
+  const haptic::Report report = session.after(100);
+  CHECK(fake.force() == haptic::Vec3{0.5, 0, 0});
+  CHECK(report.state.position.x > before + 1e-3);
+  CHECK(report.state.velocity.x > 0);
+  CHECK(fake.counts()[1] == 0);
+  fake.press(2);
+  CHECK(session.after(2).state.buttons == 2);
+}
+
+TEST_CASE("halting and closing leave zero force, and the device opens again") {
+  const Fake fake;
+  const auto device = make();
+  for (int round = 0; round < 3; ++round) {
+    REQUIRE(device->open() == "");
+    {
+      Session session(*device);
+      session.ask({1, 0, 0});
+      session.after(300);
+    }
+    CHECK(fake.force() == haptic::Vec3{});
+    const auto frames = fake.counts()[0];
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    CHECK(fake.counts()[0] == frames); // nobody calls any more
+    device->close();
+    CHECK(fake.counts()[2] == 0);
+    CHECK(fake.counts()[3] == 0);
+  }
+}
+
+TEST_CASE("limits come from the device, else from the table, else the least of all") {
+  {
+    const Fake fake;
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    CHECK(device->caps().peak_force_n == doctest::Approx(3.4));
+    CHECK(device->caps().continuous_force_n == doctest::Approx(0.9));
+    CHECK(device->caps().stiffness_limit_n_per_m == doctest::Approx(500));
+    CHECK(device->caps().damping_limit_n_s_per_m == doctest::Approx(5)); // the Omni's, of the table
+  }
+  const Fake fake("dumb");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_force_n == doctest::Approx(3.3));
+  CHECK(device->caps().continuous_force_n == 0); // not known
+  CHECK(device->caps().stiffness_limit_n_per_m == doctest::Approx(700));
+}
+
+TEST_CASE("no library, a missing function and a device that does not open are three sentences") {
+  unsetenv("FAKE_HD");
+  setenv("PHANTOM_LIBHD", "/nowhere/libHD.so", 1);
+  const std::string absent = make()->open();
+  CHECK(absent.find("/nowhere/libHD.so") != std::string::npos);
+  CHECK(absent.find("install") != std::string::npos);
+  CHECK(devices::find_driver("openhaptics")->obstacle() != "");
+  CHECK(devices::find_driver("openhaptics")->list().empty());
+
+  setenv("PHANTOM_LIBHD", FAKE_HD_INCOMPLETE, 1);
+  const std::string incomplete = make()->open();
+  CHECK(incomplete.find("hdSetDoublev") != std::string::npos);
+
+  std::string refusals[3];
+  const char* const modes[] = {"dead", "licence", "silent"};
+  for (int i = 0; i < 3; ++i) {
+    const Fake fake(modes[i]);
+    refusals[i] = make()->open();
+  }
+  CHECK(refusals[0].find("cable and power") != std::string::npos);
+  CHECK(refusals[1].find("licence") != std::string::npos);
+  CHECK(refusals[2].find("account") != std::string::npos);
+  CHECK(refusals[0].find("Default PHANToM") != std::string::npos);
+  CHECK(refusals[0] != refusals[2]);
+  CHECK(absent != incomplete);
+}
+
+TEST_CASE("other default names are tried, and a name may be asked for") {
+  {
+    const Fake fake("second");
+    CHECK(make()->open() == "");
+  }
+  const Fake fake("named");
+  const auto device = make();
+  CHECK(device->open() != "");
+  const std::array<std::string, 3> wish{"device", "Left", "Device"};
+  CHECK(device->configure(wish) == "");
+  CHECK(device->open() == "");
+  const std::array<std::string, 2> other{"speed", "3"};
+  CHECK(device->configure(other).find("speed") != std::string::npos);
+}
+
+TEST_CASE("warm motors are told; a speeding handle loses its force until none has been asked") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  Session session(*device);
+  session.after(300);
+  fake.fail(0x0200);
+  CHECK((session.after(20).state.flags & State::kMotorsHot) != 0);
+  CHECK(device->trouble().find("warm") != std::string::npos);
+  session.ask({0.5, 0, 0});
+  session.after(20);
+  fake.fail(0x0203);
+  const haptic::Report report = session.after(20);
+  CHECK((report.state.flags & State::kFault) != 0);
+  CHECK(report.latched);
+  CHECK(device->trouble().find("motors 1") != std::string::npos);
+  CHECK(fake.force() == haptic::Vec3{});
+  session.after(300);
+  CHECK((session.after(1).state.flags & State::kFault) == 0);
+  CHECK(fake.counts()[3] == 1);
+  session.servo.exchange().actions.push(haptic::Action::kMotorsOn);
+  session.ask({0.5, 0, 0});
+  session.after(20);
+  CHECK(fake.force().x == doctest::Approx(0.5));
+}
+
+TEST_CASE("a device that must be put into its inkwell gets no force before") {
+  const Fake fake("inkwell");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  Session session(*device);
+  session.ask({1, 0, 0});
+  const haptic::Report report = session.after(300);
+  CHECK((report.state.flags & State::kHomed) == 0);
+  CHECK(fake.force() == haptic::Vec3{});
+  CHECK(device->trouble().find("inkwell") != std::string::npos);
+}
+
+TEST_CASE("a scheduler that does not start is refused") {
+  const Fake fake("no scheduler");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK_FALSE(device->run([](void*) {}, nullptr));
+}
