@@ -1,0 +1,83 @@
+#pragma once
+
+#include "tests/devices/mock/mock_usb.hpp"
+
+#include <array>
+#include <chrono>
+#include <deque>
+#include <map>
+
+namespace tactus::mock {
+
+/// A Novint Falcon as seen from its wire: the FTDI chip's requests, the boot loader, homing, and
+/// run frames, written from the protocol's public description and not from tactus's driver. Its
+/// handle is three upper arms in a hand whose intention sweeps; motors push them.
+///
+/// command() takes one line, for faults and questions:
+///   unplug, plug             handled by the program around it
+///   stall MS                 no byte comes for so long
+///   split N                  at most N payload bytes a transfer (62 is normal)
+///   garbage N                N random bytes come before the next answer
+///   bad N                    the next N answers begin with '!'
+///   lose N                   of the next N answers the fifth byte is lost
+///   freeze 0|1               encoders stand still
+///   unhome                   the homed flags fall
+///   echo N                   the next N firmware uploads echo a wrong byte
+///   deaf N                   the next N greetings of the boot loader are not answered
+///   still                    the hand's intention stands at the centre
+///   buttons B                the four bits of the grip
+///   forget                   as after a power cut: no firmware, not homed
+///   state                    answers with numbers, name=value, blanks between
+class FalconDouble final : public UsbDevice {
+public:
+  explicit FalconDouble(bool loaded = false) : loaded_(loaded) {}
+
+  int control(std::span<const std::uint8_t, 8> setup, std::span<std::uint8_t> payload) override;
+  int out(std::uint8_t endpoint, std::span<const std::uint8_t> payload) override;
+  int in(std::uint8_t endpoint, std::span<std::uint8_t> payload) override;
+
+  /// Answers a line; "?" when the command is not known. Thread-safe, as the rest.
+  std::string command(const std::string& line);
+  /// That command before frame number n.
+  void schedule(long frame, const std::string& line) { schedule_.emplace(frame, line); }
+  /// Commands of the schedule that are the program's to do, taken once.
+  std::deque<std::string> take_requests();
+
+private:
+  using Clock = std::chrono::steady_clock;
+  void boot(std::span<const std::uint8_t> payload);
+  void run(std::uint8_t byte);
+  void frame();
+  void move();
+  std::string obey(const std::string& line);
+  [[nodiscard]] std::string state() const;
+
+  mutable std::mutex mutex_;
+  std::multimap<long, std::string> schedule_;
+  std::deque<std::string> requests_;
+
+  // the serial chip
+  int divisor_ = 0, latency_ms_ = 16;
+  bool terminal_ready_ = false;
+  std::deque<std::uint8_t> to_host_;
+  Clock::time_point last_in_{}, stalled_until_{};
+  int split_ = 62;
+
+  // the boot loader
+  bool loaded_ = false, greeted_ = false, acknowledged_ = false;
+  std::deque<std::uint8_t> greeting_;
+  long uploads_ = 0, firmware_bytes_ = 0, wrong_echoes_ = 0, deaf_ = 0;
+
+  // the firmware
+  std::array<std::uint8_t, 16> packet_{};
+  std::size_t filled_ = 0;
+  long frames_ = 0, broken_ = 0, garbage_ = 0, bad_ = 0, lose_ = 0, homing_frames_ = 0;
+  std::array<int, 3> motors_{}, largest_{};
+  int flags_ = 0, homed_ = 0, buttons_ = 0;
+  bool frozen_ = false, still_ = false;
+  std::array<int, 3> sent_{};
+  std::array<double, 3> angle_{-500, -500, -500}, speed_{}; // counts, counts/s
+  std::uint32_t noise_ = 12345;
+};
+
+} // namespace tactus::mock
