@@ -20,6 +20,7 @@ void Foot::prepare(double sample_rate) {
   for (Stand& stand : stands_)
     stand.ground.prepare(sample_rate);
   drive_.prepare(sample_rate);
+  room_.prepare(sample_rate);
   glide_ = 1 - std::exp(-1 / (kGlide * sample_rate));
   leave_ = 1 - std::exp(-1 / (kLeave * sample_rate));
 }
@@ -44,6 +45,7 @@ void Foot::reset() noexcept {
     stand.part = stand.wanted;
   }
   drive_.reset();
+  room_.reset();
 }
 
 Foot::Stand* Foot::take(std::uint64_t id, const Recipe& recipe, const Stand* keep) noexcept {
@@ -68,6 +70,8 @@ Foot::Stand* Foot::take(std::uint64_t id, const Recipe& recipe, const Stand* kee
   chosen->ground.set(recipe, shoe_);
   chosen->recipe = recipe;
   chosen->id = id;
+  chosen->to_room =
+      recipe.room.level_db > Room::kLowestLevel ? std::pow(10.0, recipe.room.level_db / 20) : 0;
   chosen->part = 0;
   return chosen;
 }
@@ -98,15 +102,29 @@ void Foot::set_mix(double mix) noexcept {
     return;
   if (a_ == b_) {
     a_->wanted = 1;
-    return;
+    return furnish();
   }
   // Two grounds are independent sounds: their powers add up to one.
   a_->wanted = mix_ >= 1 ? 0 : std::cos(0.5 * std::numbers::pi * mix_);
   b_->wanted = mix_ <= 0 ? 0 : std::sin(0.5 * std::numbers::pi * mix_);
+  furnish();
+}
+
+/// The room between two grounds' rooms; how much of each ground's sound it gets is the ground's
+/// own.
+void Foot::furnish() noexcept {
+  const Room::Settings &a = a_->recipe.room, &b = b_->recipe.room;
+  const auto between = [this](double x, double y) { return x * std::pow(y / x, mix_); };
+  // Of two grounds without a room and with one, the one with it decides what it is like.
+  if (a_->to_room == 0 || b_->to_room == 0) {
+    const Room::Settings& only = a_->to_room > 0 ? a : b;
+    return room_.set({0, only.t60_s, only.bright_hz});
+  }
+  room_.set({0, between(a.t60_s, b.t60_s), between(a.bright_hz, b.bright_hz)});
 }
 
 Foot::Out Foot::next(const SoleState& sole) noexcept {
-  double felt = 0, heard = 0;
+  double felt = 0, heard = 0, to_room = 0;
   for (Stand& stand : stands_) {
     if (stand.id == 0)
       continue;
@@ -125,9 +143,10 @@ Foot::Out Foot::next(const SoleState& sole) noexcept {
     const Ground::Sound sound = stand.ground.next(current ? sole : SoleState{}, weight_n_);
     felt += stand.part * sound.felt;
     heard += stand.part * sound.heard;
+    to_room += stand.to_room * stand.part * sound.heard;
   }
   const Drive::Pair pair = drive_.next(felt, sole.heel_n, sole.ball_n);
-  return {heard, pair.heel, pair.ball};
+  return {heard + room_.next(room_factor_ * to_room), pair.heel, pair.ball};
 }
 
 } // namespace tactus::footstep

@@ -3,6 +3,7 @@
 #include "core/footstep/drive.hpp"
 #include "core/footstep/ground.hpp"
 #include "core/footstep/recipe.hpp"
+#include "core/footstep/room.hpp"
 #include "core/footstep/step_event.hpp"
 
 #include <array>
@@ -12,7 +13,8 @@
 namespace tactus::footstep {
 
 /// One foot: what its sole does in, sound and the two drives out. It stands on up to two grounds at
-/// once, mixed; a ground that it leaves goes on sounding and fades.
+/// once, mixed; a ground that it leaves goes on sounding and fades. Where two grounds meet, rooms
+/// meet, too.
 class Foot {
 public:
   Foot();
@@ -21,6 +23,8 @@ public:
   void prepare(double sample_rate); ///< may allocate
   void seed(std::uint64_t value) noexcept;
   void set_shoe(double shoe) noexcept;
+  /// Times the amplitude of the room that the recipes ask for; 0: none.
+  void set_room(double factor) noexcept { room_factor_ = factor > 0 ? factor : 0; }
   void set_weight(double weight_n) noexcept { weight_n_ = weight_n > 1e-6 ? weight_n : 1e-6; }
   /// Grounds by identity: the same number again keeps what sounds. mix 0: all a, 1: all b.
   void stand_on(std::uint64_t a_id, const Recipe& a, std::uint64_t b_id, const Recipe& b,
@@ -39,17 +43,21 @@ private:
   struct Stand {
     Ground ground;
     Recipe recipe;
+    double to_room = 0;          ///< amplitude of what the room sends back
     std::uint64_t id = 0;        ///< 0: none
     double part = 0, wanted = 0; ///< of the sound, now and soon
     std::uint64_t since = 0;
   };
+  void furnish() noexcept;
   Stand* take(std::uint64_t id, const Recipe& recipe, const Stand* keep) noexcept;
 
   std::array<Stand, kGrounds> stands_;
   Stand *a_ = nullptr, *b_ = nullptr;
   double mix_ = 0, weight_n_ = 700, shoe_ = 0.4, glide_ = 0.001, leave_ = 0.0001;
+  double room_factor_ = 1;
   std::uint64_t clock_ = 0;
   Drive drive_;
+  Room room_;
 };
 
 } // namespace tactus::footstep

@@ -11,7 +11,9 @@ namespace tactus::footstep {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-constexpr std::array<std::string_view, 4> kSections{"solid", "friction", "grains", "bubbles"};
+constexpr double kUsualRoom = -10; // dB, where a section [room] names none
+constexpr std::array<std::string_view, 6> kSections{"solid",   "friction", "grains",
+                                                    "bubbles", "rustle",   "room"};
 
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
@@ -68,18 +70,23 @@ private:
     const auto name = word.substr(1, word.size() - std::min<std::size_t>(word.size(), 2));
     const auto* section = std::find(kSections.begin(), kSections.end(), name);
     if (word.back() != ']' || section == kSections.end())
-      return std::string(word) + ": expected [solid], [friction], [grains] or [bubbles]";
+      return std::string(word) +
+             ": expected [solid], [friction], [grains], [bubbles], [rustle] or [room]";
     section_ = *section;
     if (section_ == "solid") {
       recipe.solid.present = true;
     } else if (section_ == "friction") {
       recipe.friction.present = true;
+    } else if (section_ == "room") {
+      recipe.room.level_db = kUsualRoom;
     } else {
       if (recipe.clouds == kMostClouds)
-        return "more than " + number_text(kMostClouds) + " sections of grains and bubbles";
+        return "more than " + number_text(kMostClouds) + " sections of grains, bubbles and rustle";
       CloudRecipe& cloud = recipe.cloud[recipe.clouds++];
       if (section_ == "bubbles")
         cloud.settings.kind = particle::CloudSettings::Kind::kBubbles;
+      else if (section_ == "rustle")
+        cloud.settings.kind = particle::CloudSettings::Kind::kRustle;
     }
     return {};
   }

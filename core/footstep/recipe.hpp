@@ -2,6 +2,7 @@
 
 #include "core/contact/friction.hpp"
 #include "core/contact/impact.hpp"
+#include "core/footstep/room.hpp"
 #include "core/particle/cloud.hpp"
 
 #include <array>
@@ -53,7 +54,7 @@ struct FrictionRecipe {
   Scatter scatter;
 };
 
-/// Grains or bubbles: what gives them energy.
+/// Grains, bubbles or a rustle: what gives them energy.
 struct CloudRecipe {
   particle::CloudSettings settings;
   double heel = 1, ball = 0.5;  ///< for a landing at 0.5 m/s; grows with its square
@@ -68,12 +69,13 @@ struct Recipe {
   FrictionRecipe friction;
   std::size_t clouds = 0;
   std::array<CloudRecipe, kMostClouds> cloud{};
+  Room::Settings room; ///< where one usually meets that ground
 };
 
-/// Reads a recipe. Lines: `level 1` before any section; `[solid]`, `[friction]`, `[grains]` and
-/// `[bubbles]` (together up to four of these last two), then `key value` in the units that
-/// docs/footstep.md lists; `#` begins a comment. Returns an empty text, or one sentence that names
-/// line, key, value and what was expected; `recipe` is then unchanged.
+/// Reads a recipe. Lines: `level 1` before any section; `[solid]`, `[friction]`, `[grains]`,
+/// `[bubbles]` and `[rustle]` (together up to four of these three), `[room]`, then `key value` in
+/// the units that docs/footstep.md lists; `#` begins a comment. Returns an empty text, or one
+/// sentence that names line, key, value and what was expected; `recipe` is then unchanged.
 [[nodiscard]] std::string read_recipe(std::string_view text, Recipe& recipe);
 
 /// One key of a section, for documents and tools.

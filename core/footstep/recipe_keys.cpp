@@ -52,18 +52,9 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
     section, "place", "", 0, 2, "how the place of the step changes the modes' shares",             \
         PLACE(part.modes.place)                                                                    \
   }
-#define CLOUD(section)                                                                             \
+#define EVENTS(section)                                                                            \
   RecipeKey{                                                                                       \
       section, "count", "", 0, 50000, "events for each unit of energy", IN_CLOUD(settings.count)}, \
-      RecipeKey{section,                                                                           \
-                "attack",                                                                          \
-                "s",                                                                               \
-                1e-4,                                                                              \
-                5,                                                                                 \
-                "in which a landing's energy arrives",                                             \
-                IN_CLOUD(settings.attack_s)},                                                      \
-      RecipeKey{                                                                                   \
-          section, "decay", "s", 1e-4, 10, "in which it dies down", IN_CLOUD(settings.decay_s)},   \
       RecipeKey{section,                                                                           \
                 "exponent",                                                                        \
                 "",                                                                                \
@@ -78,6 +69,20 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
                 1e6,                                                                               \
                 "event over the smallest, in energy",                                              \
                 IN_CLOUD(settings.largest)},                                                       \
+      RecipeKey {                                                                                  \
+    section, "lower_by_size", "", 0, 2, "frequency ~ event energy^-this",                          \
+        IN_CLOUD(settings.lower_by_size)                                                           \
+  }
+#define CLOUD(section)                                                                             \
+  RecipeKey{section,                                                                               \
+            "attack",                                                                              \
+            "s",                                                                                   \
+            1e-4,                                                                                  \
+            5,                                                                                     \
+            "in which a landing's energy arrives",                                                 \
+            IN_CLOUD(settings.attack_s)},                                                          \
+      RecipeKey{                                                                                   \
+          section, "decay", "s", 1e-4, 10, "in which it dies down", IN_CLOUD(settings.decay_s)},   \
       RecipeKey{section, "frequency", "Hz", 20, 20000, "median", IN_CLOUD(settings.frequency_hz)}, \
       RecipeKey{section,                                                                           \
                 "spread",                                                                          \
@@ -86,13 +91,6 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
                 3,                                                                                 \
                 "standard deviation of its logarithm",                                             \
                 IN_CLOUD(settings.spread)},                                                        \
-      RecipeKey{section,                                                                           \
-                "lower_by_size",                                                                   \
-                "",                                                                                \
-                0,                                                                                 \
-                2,                                                                                 \
-                "frequency ~ event energy^-this",                                                  \
-                IN_CLOUD(settings.lower_by_size)},                                                 \
       RecipeKey{section, "level", "", 0, 1e4, "strength of the sound", IN_CLOUD(settings.level)},  \
       RecipeKey{section,       "heel", "", 0, 100, "energy of the heel's landing at 0.5 m/s",      \
                 IN_CLOUD(heel)},                                                                   \
@@ -153,17 +151,26 @@ constexpr RecipeKey kKeys[] = {
      PLACE(friction.wobble)},
     {"friction", "level", "", 0, 1e4, "strength of the sound", PLACE(friction.level)},
     SCATTER("friction", friction),
+    EVENTS("grains"),
     CLOUD("grains"),
     {"grains", "quality", "", 0.1, 200, "Q of a grain's band-pass", IN_CLOUD(settings.quality)},
     {"grains", "length", "s", 1e-5, 1, "median of a grain's decay", IN_CLOUD(settings.length_s)},
+    EVENTS("bubbles"),
     CLOUD("bubbles"),
     {"bubbles", "rise", "", 0, 1, "of a bubble's pitch", IN_CLOUD(settings.rise)},
+    CLOUD("rustle"),
+    {"rustle", "quality", "", 0.1, 200, "Q of its band-passes", IN_CLOUD(settings.quality)},
+    {"room", "level", "dB", Room::kLowestLevel, 40, "energy of its answer over the direct sound's",
+     PLACE(room.level_db)},
+    {"room", "t60", "s", 0.02, 10, "decay time", PLACE(room.t60_s)},
+    {"room", "bright", "Hz", 100, 20000, "where the decay time is half", PLACE(room.bright_hz)},
 };
 
 #undef PLACE
 #undef IN_CLOUD
 #undef SCATTER
 #undef MODES
+#undef EVENTS
 #undef CLOUD
 
 } // namespace

@@ -18,6 +18,7 @@ void Cloud::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
   grains_.prepare(sample_rate);
   bubbles_.prepare(sample_rate);
+  rustle_.prepare(sample_rate);
   set(settings_);
 }
 
@@ -35,6 +36,12 @@ void Cloud::set(const CloudSettings& settings) noexcept {
   store_.set(sample_rate_, settings.attack_s, settings_.decay_s * decay_factor_);
   energies_.set(settings.exponent, settings.largest);
   normal_ = 1 / std::sqrt(energies_.mean() * std::max(settings_.count, 1e-3));
+  tune_rustle();
+}
+
+void Cloud::tune_rustle() noexcept {
+  if (settings_.kind == CloudSettings::Kind::kRustle)
+    rustle_.set(settings_.frequency_hz * frequency_factor_, settings_.spread, settings_.quality);
 }
 
 void Cloud::vary(double frequency, double decay, double level) noexcept {
@@ -42,6 +49,7 @@ void Cloud::vary(double frequency, double decay, double level) noexcept {
   decay_factor_ = held(decay, 0.1, 10);
   level_factor_ = held(level, 0, 100);
   store_.set(sample_rate_, settings_.attack_s, settings_.decay_s * decay_factor_);
+  tune_rustle();
 }
 
 void Cloud::reset() noexcept {
@@ -49,6 +57,7 @@ void Cloud::reset() noexcept {
   clock_.reset();
   grains_.reset();
   bubbles_.reset();
+  rustle_.reset();
 }
 
 void Cloud::event() noexcept {
@@ -73,6 +82,12 @@ void Cloud::event() noexcept {
 
 double Cloud::next(double power) noexcept {
   const double energy = store_.advance(power);
+  if (settings_.kind == CloudSettings::Kind::kRustle) {
+    if (store_.empty())
+      return 0;
+    return settings_.level * level_factor_ * std::min(energy, 1e6) / std::sqrt(store_.decay_s()) *
+           rustle_.next(random_);
+  }
   const double expected = settings_.count * energy / (store_.decay_s() * sample_rate_);
   clock_.advance(expected, random_, [this](double) { event(); });
   return settings_.kind == CloudSettings::Kind::kBubbles ? bubbles_.next() : grains_.next();

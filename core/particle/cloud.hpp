@@ -6,6 +6,7 @@
 #include "core/particle/grain_bank.hpp"
 #include "core/particle/poisson_clock.hpp"
 #include "core/particle/power_law.hpp"
+#include "core/particle/rustle.hpp"
 
 #include <cstdint>
 
@@ -13,7 +14,7 @@ namespace tactus::particle {
 
 /// What an aggregate's grains are like. Defaults are a neutral crunch.
 struct CloudSettings {
-  enum class Kind { kGrains, kBubbles };
+  enum class Kind { kGrains, kBubbles, kRustle };
   Kind kind = Kind::kGrains;
   double count = 200;         ///< events for each unit of energy put in
   double attack_s = 0.01;     ///< in which a blow's energy arrives
@@ -33,6 +34,8 @@ struct CloudSettings {
 /// process of rate count * E / decay, so that every unit of energy put in causes `count` events on
 /// average at any sample rate; event energies from a power law; amplitude ~ sqrt(event energy * E).
 /// A grain's strength is the square root of its energy, so the level is the same at any rate, too.
+/// A rustle is the limit of countless grains: noise of the power level^2 E^2 / decay, which is what
+/// grains of the same level have on average.
 class Cloud {
 public:
   void prepare(double sample_rate) noexcept;
@@ -52,6 +55,7 @@ public:
 
 private:
   void event() noexcept;
+  void tune_rustle() noexcept;
 
   CloudSettings settings_;
   double sample_rate_ = 48000;
@@ -64,6 +68,7 @@ private:
   PowerLaw energies_;
   GrainBank grains_;
   BubbleBank bubbles_;
+  Rustle rustle_;
 };
 
 } // namespace tactus::particle

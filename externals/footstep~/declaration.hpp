@@ -29,6 +29,7 @@ enum ParameterIndex : std::size_t {
   kLimit,
   kDelay,
   kSeed,
+  kRoom,
 };
 inline constexpr std::array kParameters{
     Parameter{"source", "", 0, 0, 1, "whose steps: a walker's, made here, or the inlets' forces",
@@ -49,6 +50,8 @@ inline constexpr std::array kParameters{
     Parameter{"limit", "g", 3, 0, 3, "largest acceleration"},
     Parameter{"delay", "ms", 0, 0, 200, "of the drives, to wait for a slower path"},
     Parameter{"seed", "", 1, 0, 16777215, "of everything that is left to chance"},
+    Parameter{"room", "", 1, 0, 10,
+              "times the room's answer that a surface comes with; 0: in the open"},
 };
 
 enum MessageIndex : std::size_t { kSurface, kStep, kCalibrate, kEqualise, kSurfaces, kReset };

@@ -60,6 +60,7 @@ void Footstep::apply() noexcept {
   for (Side& side : *sides_) {
     side.foot.set_weight(value_[kWeight]);
     side.foot.set_shoe(value_[kShoe]);
+    side.foot.set_room(value_[kRoom]);
     side.foot.set_mix(value_[kMix]);
     side.foot.drive().set(drive);
     side.sensor.set(value_[kWeight]);

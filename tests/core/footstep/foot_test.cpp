@@ -209,12 +209,12 @@ TEST_CASE("a recipe's mistakes are named with their line") {
   CHECK(read_recipe("[solid]\nfrequency 300000\n", recipe) ==
         "line 2: frequency 300000 Hz: expected 20..12000");
   CHECK(read_recipe("# a\n[soild]\n", recipe) ==
-        "line 2: [soild]: expected [solid], [friction], [grains] or [bubbles]");
+        "line 2: [soild]: expected [solid], [friction], [grains], [bubbles], [rustle] or [room]");
   CHECK(read_recipe("[grains]\ncolour 3", recipe) == "line 2: there is no 'colour' in [grains]");
   CHECK(read_recipe("[grains]\nlevel", recipe) == "line 2: level: expected one number");
   CHECK(read_recipe("[solid]\ngains 1 2 x", recipe) == "line 2: gains x dB: expected -120..120");
   CHECK(read_recipe("[grains]\n[grains]\n[grains]\n[bubbles]\n[grains]", recipe) ==
-        "line 5: more than 4 sections of grains and bubbles");
+        "line 5: more than 4 sections of grains, bubbles and rustle");
   CHECK(read_recipe("level 2\n[solid] # boards\nfrequency 300 # Hz\r\n", recipe) == "");
   CHECK(recipe.solid.modes.frequency_hz == 300);
   CHECK(recipe.level == 2);

@@ -152,6 +152,27 @@ TEST_CASE("a rising bubble passes f (1 + rise d t), by its phase") {
   CHECK(worst < 1e-9);
 }
 
+TEST_CASE("a rustle is as loud as the countless grains it stands for, and Gaussian") {
+  CloudSettings settings = fine_gravel();
+  const double grains = run(settings, 48000, 30).power;
+  settings.kind = CloudSettings::Kind::kRustle;
+  for (const double rate : kRates)
+    CHECK(std::sqrt(run(settings, rate, 30).power / grains) == doctest::Approx(1).epsilon(0.02));
+  tactus::Random random(3);
+  Rustle rustle;
+  rustle.prepare(48000);
+  rustle.set(1500, 0.8, 1);
+  double squares = 0, fourths = 0;
+  const int count = 2000000; // a hundred thousand times the correlation's length: 2 %
+  for (int n = 0; n < count; ++n) {
+    const double y = rustle.next(random);
+    squares += y * y / count;
+    fourths += y * y * y * y / count;
+  }
+  CHECK(squares == doctest::Approx(1).epsilon(0.02));
+  CHECK(fourths == doctest::Approx(3).epsilon(0.06));
+}
+
 TEST_CASE("the same seed gives the same bits and another seed another sound") {
   Cloud a, b, c;
   a.seed(1);
@@ -173,7 +194,8 @@ TEST_CASE("the same seed gives the same bits and another seed another sound") {
 
 TEST_CASE("absurd settings and powers stay finite and end in silence") {
   const double odd[] = {0, -1, 1e300, 1e-300, std::numeric_limits<double>::infinity(), 3};
-  for (const auto kind : {CloudSettings::Kind::kGrains, CloudSettings::Kind::kBubbles})
+  for (const auto kind :
+       {CloudSettings::Kind::kGrains, CloudSettings::Kind::kBubbles, CloudSettings::Kind::kRustle})
     for (const double value : odd) {
       CloudSettings settings{kind,  value, value, value, value, value, value,
                              value, value, value, value, value, 1};

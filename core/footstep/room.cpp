@@ -1,0 +1,108 @@
+#include "core/footstep/room.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus::footstep {
+namespace {
+
+/// Without common divisors at common rates, so that their echoes rarely meet.
+constexpr double kDelays[] = {0.00711, 0.00967, 0.01229, 0.01493,
+                              0.01787, 0.02111, 0.02473, 0.02887};
+constexpr double kNothing = 1e-12, kLoudest = 1e9;
+constexpr double kInaudible = 1.5; // times t60: 90 dB
+
+double held(double value, double lowest, double highest) noexcept {
+  return value > lowest ? std::min(value, highest) : lowest;
+}
+
+/// Pole of a one-pole low-pass (1 at 0 Hz) that has this gain at the angle w.
+double pole_for(double gain, double w) noexcept {
+  const double square = gain * gain;
+  const double b = (1 - square * std::cos(w)) / (1 - square);
+  return b - std::sqrt(b * b - 1);
+}
+
+} // namespace
+
+void Room::prepare(double sample_rate) {
+  sample_rate_ = sample_rate;
+  for (std::size_t i = 0; i < kLines; ++i) {
+    const auto length = static_cast<std::size_t>(kDelays[i] * sample_rate) | 1U;
+    if (lines_[i].kept.size() != length) {
+      lines_[i].kept.assign(length, 0.0);
+      lines_[i].at = 0;
+      lines_[i].low = 0;
+      left_ = 0;
+    }
+  }
+  set(settings_);
+}
+
+void Room::set(const Settings& settings) noexcept {
+  settings_ = settings;
+  const double t60 = held(settings.t60_s, 0.02, 10);
+  const double w =
+      2 * std::numbers::pi * held(settings.bright_hz, 100, 0.45 * sample_rate_) / sample_rate_;
+  double mean = 0; // of the gains' squares
+  for (std::size_t i = 0; i < kLines; ++i) {
+    Line& line = lines_[i];
+    line.gain = std::pow(10.0, -3 * kDelays[i] / t60);
+    line.pole = pole_for(line.gain, w);
+    mean += line.gain * line.gain / kLines;
+  }
+  // An impulse spreads over the lines; each round through them leaves `mean` of its energy, so that
+  // mean + mean^2 + ... comes out.
+  const double level_db = held(settings.level_db, kLowestLevel, 40);
+  level_ =
+      level_db > kLowestLevel ? std::sqrt(std::pow(10.0, level_db / 10) * (1 - mean) / mean) : 0;
+  ring_ = static_cast<long>(kInaudible * t60 * sample_rate_);
+}
+
+void Room::reset() noexcept {
+  for (Line& line : lines_) {
+    std::fill(line.kept.begin(), line.kept.end(), 0.0);
+    line.low = 0;
+  }
+  left_ = 0;
+}
+
+double Room::next(double direct) noexcept {
+  if (!(std::abs(direct) < kLoudest))
+    direct = 0;
+  if (level_ > 0 && std::abs(direct) > kNothing)
+    left_ = ring_;
+  else if (left_ == 0)
+    return 0;
+  else
+    --left_;
+  std::array<double, kLines> v{};
+  double out = 0;
+  for (std::size_t i = 0; i < kLines; ++i) {
+    Line& line = lines_[i];
+    const double arrived = line.gain * line.kept[line.at];
+    line.low = arrived + line.pole * (line.low - arrived);
+    v[i] = line.low;
+    out += i % 3 == 1 ? -v[i] : v[i];
+  }
+  // Hadamard's matrix of order 8, orthogonal once divided by the square root of 8.
+  for (std::size_t half = 1; half < kLines; half *= 2)
+    for (std::size_t i = 0; i < kLines; ++i)
+      if ((i & half) == 0) {
+        const double a = v[i], b = v[i + half];
+        v[i] = a + b;
+        v[i + half] = a - b;
+      }
+  constexpr double kShare = 0.35355339059327379; // 1 / sqrt(8)
+  for (std::size_t i = 0; i < kLines; ++i) {
+    Line& line = lines_[i];
+    const double in = kShare * (v[i] + (i % 2 ? -direct : direct));
+    line.kept[line.at] = std::abs(in) > kNothing * kNothing ? in : 0;
+    if (++line.at == line.kept.size())
+      line.at = 0;
+  }
+  return level_ * out;
+}
+
+} // namespace tactus::footstep

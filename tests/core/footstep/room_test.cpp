@@ -1,0 +1,113 @@
+#include "core/footstep/room.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+using tactus::footstep::Room;
+
+namespace {
+
+/// A tone of 20 ms under a raised cosine.
+double burst(double t, double frequency_hz) {
+  const double x = t / 0.02;
+  if (x >= 1)
+    return 0;
+  return (1 - std::cos(2 * std::numbers::pi * x)) *
+         std::sin(2 * std::numbers::pi * frequency_hz * t);
+}
+
+struct Answer {
+  double level_db, t60_s;
+};
+
+/// Energy of the answer over the burst's, and the slope of what is still to come (Schroeder 1965)
+/// from 5 to 35 dB down.
+Answer answer(const Room::Settings& settings, double rate, double frequency_hz) {
+  Room room;
+  room.prepare(rate);
+  room.set(settings);
+  std::vector<double> energy;
+  double direct = 0;
+  for (long n = 0; n < static_cast<long>(2 * settings.t60_s * rate); ++n) {
+    const double x = burst(static_cast<double>(n) / rate, frequency_hz), y = room.next(x);
+    direct += x * x;
+    energy.push_back(y * y);
+  }
+  for (std::size_t n = energy.size() - 1; n-- > 0;)
+    energy[n] += energy[n + 1];
+  const auto fallen = [&](double db) {
+    std::size_t n = 0;
+    while (energy[n] > energy[0] * std::pow(10, -db / 10))
+      ++n;
+    return static_cast<double>(n) / rate;
+  };
+  return {10 * std::log10(energy[0] / direct), 2 * (fallen(35) - fallen(5))};
+}
+
+} // namespace
+
+TEST_CASE("a room answers with the energy asked for and dies down in its time, at any rate") {
+  for (const double rate : {22050.0, 48000.0, 192000.0})
+    for (const double t60 : {0.15, 0.4, 1.5}) {
+      // A burst of 50 Hz width meets few resonances: the mean over 16 frequencies.
+      double level = 0, time = 0;
+      for (int i = 0; i < 16; ++i) {
+        const Answer a = answer({-6, t60, 10000}, rate, 200 + 37 * i);
+        level += std::pow(10, a.level_db / 10) / 16;
+        time += a.t60_s / 16;
+      }
+      CAPTURE(rate);
+      CAPTURE(t60);
+      CHECK(std::abs(10 * std::log10(level) + 6) < 1);
+      CHECK(time == doctest::Approx(t60).epsilon(0.1));
+    }
+}
+
+TEST_CASE("a room's decay time is half at its bright frequency") {
+  double time = 0;
+  for (int i = 0; i < 16; ++i)
+    time += answer({-6, 0.6, 3000}, 48000, 2800 + 25 * i).t60_s / 16;
+  CHECK(time == doctest::Approx(0.3).epsilon(0.1));
+}
+
+TEST_CASE("a room that hears nothing falls silent for good, and one without level never sounds") {
+  Room room;
+  room.prepare(48000);
+  room.set({0, 0.2, 4000});
+  room.next(1);
+  CHECK(!room.silent());
+  double last = 0;
+  for (int n = 0; n < 48000; ++n)
+    last = room.next(0);
+  CHECK(room.silent());
+  CHECK(last == 0);
+  room.set({});
+  CHECK(room.next(1) == 0);
+  CHECK(room.silent());
+}
+
+TEST_CASE("no settings and no input make a room grow or break") {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const double odd[] = {0, -1, 1e300, -1e300, 1e-300, kInfinite, std::nan("")};
+  for (const double value : odd) {
+    Room room;
+    room.prepare(44100);
+    room.set({value, value, value});
+    bool finite = true;
+    for (int n = 0; n < 5000; ++n)
+      finite = finite && std::isfinite(room.next(n % 7 ? 1 : value));
+    CHECK(finite);
+  }
+  // The longest decay, fed with noise for as long: at most what so long a sound adds up to.
+  Room room;
+  room.prepare(22050);
+  room.set({0, 10, 20000});
+  double largest = 0;
+  for (int n = 0; n < 10 * 22050; ++n)
+    largest = std::max(largest, std::abs(room.next(n % 2 ? 1 : -1)));
+  CHECK(largest < 100);
+}
