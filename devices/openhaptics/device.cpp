@@ -51,7 +51,8 @@ std::string meaning(Code error) {
   case kFrameError:
     return "another program writes to the device at the same time: end it";
   case kNoLicence:
-    return "the vendor's licence is missing or not valid: install it with the vendor's licence tool";
+    return "the vendor's licence is missing or not valid: install it with the vendor's licence "
+           "tool";
   default: {
     char text[64];
     std::snprintf(text, sizeof text, "error 0x%04X of the vendor's library", error);

@@ -28,9 +28,12 @@ bool seen_on_usb() {
 std::vector<Found> list() {
   if (!obstacle().empty())
     return {};
-  return {{"openhaptics", 0, {"3D Systems", "Default Device", ""},
-           seen_on_usb() ? "ready"
-                         : "unknown: not seen on USB; open it if it hangs on FireWire or Ethernet"}};
+  return {{"openhaptics",
+           0,
+           {"3D Systems", "Default Device", ""},
+           seen_on_usb()
+               ? "ready"
+               : "unknown: not seen on USB; open it if it hangs on FireWire or Ethernet"}};
 }
 
 } // namespace

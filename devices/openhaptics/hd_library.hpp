@@ -6,7 +6,8 @@
 
 namespace tactus::devices::openhaptics {
 
-/// The part of the vendor's C interface (HDAPI) that the driver uses, as public programs declare it.
+/// The part of the vendor's C interface (HDAPI) that the driver uses, as public programs declare
+/// it.
 using Handle = unsigned int;
 using Code = unsigned int;
 using SchedulerHandle = unsigned long;

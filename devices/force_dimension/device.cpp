@@ -1,0 +1,212 @@
+#include "devices/force_dimension/device.hpp"
+
+#include "devices/force_dimension/limits.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <thread>
+
+namespace tactus::devices::force_dimension {
+namespace {
+
+using haptic::State;
+using haptic::Vec3;
+
+constexpr int kSerialsFrom = 64;
+constexpr unsigned char kWatchdogSteps = 240; // of 125 us: 30 ms
+constexpr int kStatusEvery_ticks = 64;
+constexpr int kQuiet_ticks = 200;
+constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
+
+Vec3 to_project(double x, double y, double z) noexcept { return {y, z, x}; }
+
+const char* meaning(int cause) noexcept {
+  switch (cause) {
+  case kForceButton:
+    return "the force button switched the motors off: press it again, then send motors 1";
+  case kTooFast:
+    return "the handle moved too fast and the device switched its motors off: hold it, then send "
+           "motors 1";
+  case kWatchdog:
+    return "the device heard nothing for 30 ms and switched its motors off: send motors 1; if it "
+           "happens again, the computer is too busy";
+  case kUnplugged:
+    return "the cable was unplugged: plug it in and open the device again";
+  case kDeadMan:
+    return "the grip is not held: hold it, then send motors 1";
+  default:
+    return "the motors are off: send motors 1";
+  }
+}
+
+} // namespace
+
+std::string Device::configure(std::span<const std::string> words) {
+  if (words.empty() || words[0] != "device")
+    return "dhd: " + (words.empty() ? std::string("nothing") : words[0]) +
+           " is not a setting; there is: device INDEX, or device SERIAL";
+  int which = -1;
+  if (words.size() == 2) {
+    const char* end = words[1].data() + words[1].size();
+    const auto [stopped, failed] = std::from_chars(words[1].data(), end, which);
+    if (failed != std::errc() || stopped != end)
+      which = -1;
+  }
+  if (which < 0)
+    return "dhd: device takes a number, an index from 0 or a serial number; ask devices for them";
+  const std::lock_guard lock(wish_guard_);
+  wanted_ = which;
+  return {};
+}
+
+int Device::open_wanted(int wanted) {
+  if (wanted < kSerialsFrom)
+    return library_.open_id(static_cast<char>(wanted));
+  return library_.open_serial ? library_.open_serial(wanted) : -1;
+}
+
+std::string Device::open() {
+  close();
+  if (std::string sentence = library_.load(); !sentence.empty())
+    return "dhd: " + sentence;
+  int wanted = 0;
+  {
+    const std::lock_guard lock(wish_guard_);
+    wanted = wanted_;
+  }
+  const int count = library_.device_count();
+  for (const int pause_ms : kPausesBetweenTries_ms) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+    if (id_ = open_wanted(wanted); id_ >= 0)
+      break;
+  }
+  if (id_ < 0) {
+    const char* reason = library_.last_error();
+    const std::string sentence = "dhd: device " + std::to_string(wanted) + " does not open (" +
+                                 (reason ? reason : "no reason") + "; " + std::to_string(count) +
+                                 " there): check cable and power, that no other program uses "
+                                 "it, and that your account may use USB devices (70-tactus.rules)";
+    library_.unload();
+    return sentence;
+  }
+  const auto id = static_cast<char>(id_);
+  const Model& model = model_of(library_.system_type(id));
+  caps_ = caps_of(model);
+  const char* name = library_.system_name ? library_.system_name(id) : nullptr;
+  unsigned short serial = 0;
+  const bool has_serial = library_.serial_number && library_.serial_number(&serial, id) >= 0;
+  identity_ = {"Force Dimension", name ? name : std::string(model.name),
+               has_serial ? std::to_string(serial) : ""};
+  caps_.has_buttons = library_.button_mask != nullptr;
+  wrist_ = caps_.has_rotation =
+      library_.has_wrist && library_.orientation && library_.has_wrist(id);
+  if (library_.set_max_force)
+    library_.set_max_force(caps_.peak_force_n, id);
+  if (library_.expert_mode && library_.set_watchdog && library_.expert_mode() >= 0) {
+    library_.set_watchdog(kWatchdogSteps, id); // older controllers have none
+    if (library_.ordinary_mode)
+      library_.ordinary_mode();
+  }
+  library_.enable_force(1, id);
+  library_.set_force(0, 0, 0, id);
+  until_status_ = quiet_ticks_ = 0;
+  homed_ = true;
+  limited_ = false;
+  force_off_cause_ = kNoCause;
+  needs_reset_ = broken_ = false;
+  error_ = nullptr;
+  return {};
+}
+
+void Device::close() noexcept {
+  if (id_ >= 0) {
+    const auto id = static_cast<char>(id_);
+    library_.set_force(0, 0, 0, id);
+    library_.enable_force(0, id);
+    library_.close(id);
+    id_ = -1;
+  }
+  error_ = nullptr;
+  library_.unload();
+}
+
+bool Device::answered(int result) noexcept {
+  if (result >= 0)
+    return true;
+  error_ = library_.last_error();
+  return false;
+}
+
+void Device::look_at_status() noexcept {
+  if (!library_.status || --until_status_ > 0)
+    return;
+  until_status_ = kStatusEvery_ticks;
+  status_ = {};
+  const auto id = static_cast<char>(id_);
+  if (!answered(library_.status(status_.data(), id)))
+    return;
+  needs_reset_ = status_[kNeedsReset] != 0;
+  homed_ = !needs_reset_;
+  broken_ = status_[kBroken] != 0;
+  if (status_[kForceOn]) {
+    force_off_cause_ = kNoCause;
+    return;
+  }
+  const int cause = status_[kForceOffCause];
+  force_off_cause_ = cause == kNoCause ? static_cast<int>(kSoftware) : cause;
+  const bool by_hand = cause == kForceButton || cause == kUnplugged || cause == kDeadMan;
+  if (!by_hand && quiet_ticks_ >= kQuiet_ticks)
+    library_.enable_force(1, id);
+}
+
+bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
+  const auto id = static_cast<char>(id_);
+  double x = 0, y = 0, z = 0;
+  if (id_ < 0 || !answered(library_.position(&x, &y, &z, id)))
+    return false;
+  state.position = to_project(x, y, z);
+  if (!answered(library_.linear_velocity(&x, &y, &z, id)))
+    return false;
+  state.velocity = to_project(x, y, z);
+  if (wrist_ && library_.orientation(&x, &y, &z, id) >= 0)
+    state.rotation = to_project(x, y, z);
+  state.buttons = library_.button_mask ? library_.button_mask(id) : 0u;
+  look_at_status();
+  error_ = nullptr;
+  state.flags = homed_ ? State::kHomed : 0u;
+  if (force_off_cause_ != kNoCause || broken_)
+    state.flags |= State::kFault;
+  if (limited_)
+    state.flags |= State::kForceLimited;
+  return true;
+}
+
+bool Device::write(const Vec3& force_n) noexcept {
+  if (id_ < 0)
+    return false;
+  const bool none = force_n == Vec3{};
+  quiet_ticks_ = none ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;
+  const bool allowed = homed_ && force_off_cause_ == kNoCause && is_finite(force_n);
+  const Vec3 f = allowed ? limited(force_n, caps_.peak_force_n) : Vec3{};
+  const int result = library_.set_force(f.z, f.x, f.y, static_cast<char>(id_));
+  limited_ = result == kMotorSaturated;
+  return answered(result) && (allowed || none);
+}
+
+std::string Device::trouble() const {
+  if (const char* error = error_)
+    return std::string("dhd: the device does not answer (") + error +
+           "): check its cable and power, then open it again";
+  if (broken_)
+    return "dhd: the device reports a fault: switch it off and on and open it again";
+  if (needs_reset_)
+    return "dhd: the device is not calibrated: put the calibration pole into its pit until the "
+           "light "
+           "stops blinking";
+  if (const int cause = force_off_cause_; cause != kNoCause)
+    return std::string("dhd: ") + meaning(cause);
+  return {};
+}
+
+} // namespace tactus::devices::force_dimension

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "devices/force_dimension/dhd_library.hpp"
+
+#include <array>
+#include <atomic>
+#include <mutex>
+
+namespace tactus::devices::force_dimension {
+
+/// An omega, delta, sigma or lambda through the vendor's library. The device's own watchdog is set
+/// to 30 ms, so that a servo that dies leaves no force. When the device has switched its force off
+/// by itself, force comes back when nothing but zero has been asked for during a fifth of a second;
+/// after its force button was pressed, when that is pressed again.
+/// The library's frame (x towards the user, y right, z up) becomes the project's.
+class Device final : public haptic::Backend {
+public:
+  ~Device() override { close(); }
+
+  [[nodiscard]] std::string open() override;
+  void close() noexcept override;
+  [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
+  [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
+  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  /// "device WHICH": an index below 64, else a serial number.
+  [[nodiscard]] std::string configure(std::span<const std::string> words) override;
+  [[nodiscard]] haptic::Identity identity() const override { return identity_; }
+  [[nodiscard]] std::string trouble() const override;
+
+private:
+  [[nodiscard]] int open_wanted(int wanted);
+  void look_at_status() noexcept;
+  [[nodiscard]] bool answered(int result) noexcept;
+
+  DhdLibrary library_;
+  int id_ = -1;
+  haptic::Caps caps_{};
+  haptic::Identity identity_{};
+  bool wrist_ = false;
+
+  std::mutex wish_guard_;
+  int wanted_ = 0;
+
+  // The servo's thread
+  std::array<int, kLongestStatus> status_{};
+  int until_status_ = 0, quiet_ticks_ = 0;
+  bool homed_ = true, limited_ = false;
+
+  // Both sides
+  std::atomic<int> force_off_cause_{kNoCause};
+  std::atomic<bool> needs_reset_{false}, broken_{false};
+  std::atomic<const char*> error_{nullptr}; ///< a constant text of the library
+};
+
+} // namespace tactus::devices::force_dimension

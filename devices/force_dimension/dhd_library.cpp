@@ -1,0 +1,68 @@
+#include "devices/force_dimension/dhd_library.hpp"
+
+#include <cstdlib>
+#include <vector>
+
+namespace tactus::devices::force_dimension {
+namespace {
+
+std::vector<const char*> file_names() {
+  if (const char* wanted = std::getenv("TACTUS_LIBDHD"); wanted && *wanted)
+    return {wanted};
+#ifdef _WIN32
+  return {"dhd64.dll", "drd64.dll"};
+#elif defined(__APPLE__)
+  return {"libdhd.dylib", "libdrd.dylib"};
+#else
+  return {"libdhd.so.3", "libdhd.so", "libdrd.so.3", "libdrd.so"}; // libdrd holds libdhd too
+#endif
+}
+
+} // namespace
+
+std::string DhdLibrary::load() {
+  const std::vector<const char*> names = file_names();
+  if (!library_.load(names)) {
+    std::string tried;
+    for (const char* name : names)
+      tried += std::string(tried.empty() ? "" : ", ") + name;
+    return "Force Dimension's library is not here (tried " + tried + ": " + library_.error() +
+           "); get the SDK from www.forcedimension.com/software/sdk and put its libdhd where the "
+           "system finds libraries, or set TACTUS_LIBDHD to its path";
+  }
+  const char* missing = nullptr;
+  const auto need = [&](const char* name, auto*& function) {
+    if (!library_.symbol(name, function) && !missing)
+      missing = name;
+  };
+  need("dhdGetDeviceCount", device_count);
+  need("dhdOpenID", open_id);
+  need("dhdClose", close);
+  need("dhdGetSystemType", system_type);
+  need("dhdGetPosition", position);
+  need("dhdGetLinearVelocity", linear_velocity);
+  need("dhdSetForce", set_force);
+  need("dhdEnableForce", enable_force);
+  need("dhdErrorGetLastStr", last_error);
+  if (missing) {
+    const std::string sentence = library_.name() + " has no function " + missing +
+                                 "; it is not version 3 of Force Dimension's SDK: install that, or "
+                                 "set TACTUS_LIBDHD to the path of its libdhd";
+    library_.unload();
+    return sentence;
+  }
+  library_.symbol("dhdOpenSerial", open_serial);
+  library_.symbol("dhdGetSystemName", system_name);
+  library_.symbol("dhdGetSerialNumber", serial_number);
+  library_.symbol("dhdGetButtonMask", button_mask);
+  library_.symbol("dhdGetStatus", status);
+  library_.symbol("dhdGetOrientationRad", orientation);
+  library_.symbol("dhdHasWrist", has_wrist);
+  library_.symbol("dhdEnableExpertMode", expert_mode);
+  library_.symbol("dhdDisableExpertMode", ordinary_mode);
+  library_.symbol("dhdSetWatchdog", set_watchdog);
+  library_.symbol("dhdSetMaxForce", set_max_force);
+  return {};
+}
+
+} // namespace tactus::devices::force_dimension

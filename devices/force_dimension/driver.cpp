@@ -1,0 +1,32 @@
+#include "devices/driver.hpp"
+#include "devices/force_dimension/device.hpp"
+
+namespace tactus::devices {
+namespace {
+
+std::string obstacle() {
+  force_dimension::DhdLibrary library;
+  return library.load();
+}
+
+/// Counts without opening: an open device may be in use by this very program.
+std::vector<Found> list() {
+  force_dimension::DhdLibrary library;
+  std::vector<Found> all;
+  if (!library.load().empty())
+    return all;
+  const int count = library.device_count();
+  for (int i = 0; i < count; ++i)
+    all.push_back({"dhd", i, {"Force Dimension", "haptic device", ""}, "ready"});
+  return all;
+}
+
+} // namespace
+
+extern const Driver dhd_driver;
+const Driver dhd_driver{"dhd", "Force Dimension omega, delta, sigma, lambda", obstacle, list,
+                        []() -> std::unique_ptr<haptic::Backend> {
+                          return std::make_unique<force_dimension::Device>();
+                        }};
+
+} // namespace tactus::devices

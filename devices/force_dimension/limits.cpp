@@ -1,0 +1,43 @@
+#include "devices/force_dimension/limits.hpp"
+
+#include <algorithm>
+
+namespace tactus::devices::force_dimension {
+namespace {
+
+// Forces, stiffness, damping and radius: CHAI3D 3.2, CDeltaDevices; types of the newer 3-axis
+// models: the SDK's public bindings. Those, which CHAI3D does not list, have the figures of their
+// family's 7-axis model.
+constexpr Model kModels[] = {
+    {33, "omega.3", 12, 5000, 30, 0.075},   {34, "omega.6", 12, 5000, 30, 0.075},
+    {36, "omega.6", 12, 5000, 30, 0.075},   {35, "omega.7", 12, 5000, 30, 0.075},
+    {37, "omega.7", 12, 5000, 30, 0.075},   {63, "delta.3", 20, 5000, 30, 0.15},
+    {64, "delta.6", 20, 5000, 30, 0.15},    {206, "sigma.3", 12, 4000, 30, 0.075},
+    {104, "sigma.7", 12, 4000, 30, 0.075},  {105, "sigma.7", 12, 4000, 30, 0.075},
+    {203, "lambda.3", 12, 4000, 30, 0.075}, {108, "lambda.7", 12, 4000, 30, 0.075},
+    {109, "lambda.7", 12, 4000, 30, 0.075}, {60, "Falcon", 8, 3000, 20, 0.04},
+};
+constexpr Model kUnknown{0, "unknown", 8, 3000, 20, 0.04};
+
+} // namespace
+
+const Model& model_of(int type) noexcept {
+  const auto* found = std::find_if(std::begin(kModels), std::end(kModels),
+                                   [type](const Model& model) { return model.type == type; });
+  return found != std::end(kModels) ? *found : kUnknown;
+}
+
+haptic::Caps caps_of(const Model& model) noexcept {
+  haptic::Caps caps;
+  caps.peak_force_n = model.peak_force_n;
+  caps.stiffness_limit_n_per_m = model.stiffness_n_per_m;
+  caps.damping_limit_n_s_per_m = model.damping_n_s_per_m;
+  caps.workspace_min = haptic::Vec3{1, 1, 1} * -model.radius_m;
+  caps.workspace_max = haptic::Vec3{1, 1, 1} * model.radius_m;
+  caps.position_noise_m = 1e-5;
+  caps.has_velocity = true;
+  caps.needs_home = true;
+  return caps;
+}
+
+} // namespace tactus::devices::force_dimension

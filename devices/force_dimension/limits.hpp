@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+
+#include <string_view>
+
+namespace tactus::devices::force_dimension {
+
+struct Model {
+  int type; ///< what dhdGetSystemType answers
+  std::string_view name;
+  double peak_force_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;
+};
+
+/// CHAI3D's figures for the type; the least of them for a type that it does not know.
+[[nodiscard]] const Model& model_of(int type) noexcept;
+[[nodiscard]] haptic::Caps caps_of(const Model& model) noexcept;
+
+} // namespace tactus::devices::force_dimension

@@ -1,0 +1,122 @@
+/* A stand-in for Force Dimension's libdhd: one omega.3 whose handle, 0.1 kg with drag, advances by
+ * 1 ms each time its position is asked for. The environment's FAKE_DHD chooses what goes wrong. */
+#include <stdlib.h>
+#include <string.h>
+
+static double position[3], velocity[3], force[3];
+static int open_devices, force_on, cause, saturated, dead, calls, reset, expert, watchdog_steps;
+static double max_force;
+static unsigned buttons;
+
+static int mode(const char* word) {
+  const char* chosen = getenv("FAKE_DHD");
+  return chosen && strcmp(chosen, word) == 0;
+}
+
+/* For the test. */
+void fake_dhd_place(double x, double y, double z) {
+  position[0] = x, position[1] = y, position[2] = z;
+  memset(velocity, 0, sizeof velocity);
+}
+void fake_dhd_switch_off(int why) { force_on = 0, cause = why; }
+void fake_dhd_switch_on(void) { force_on = 1, cause = 0; }
+void fake_dhd_set(int is_dead, int is_saturated, int needs_reset, unsigned mask) {
+  dead = is_dead, saturated = is_saturated, reset = needs_reset, buttons = mask;
+}
+void fake_dhd_force(double* out) { memcpy(out, force, sizeof force); }
+/* open devices, force on, watchdog steps, expert mode */
+void fake_dhd_counts(int* out) {
+  out[0] = open_devices, out[1] = force_on, out[2] = watchdog_steps, out[3] = expert;
+}
+double fake_dhd_max_force(void) { return max_force; }
+
+/* The interface. */
+int dhdGetDeviceCount(void) { return mode("none") ? 0 : 1; }
+int dhdOpenID(char index) {
+  if (index != 0 || mode("none"))
+    return -1;
+  dead = saturated = reset = cause = 0;
+  buttons = 0;
+  memset(force, 0, sizeof force);
+  memset(velocity, 0, sizeof velocity);
+  ++open_devices;
+  return 0;
+}
+int dhdOpenSerial(int serial) { return serial == 1234 ? dhdOpenID(0) : -1; }
+int dhdClose(char id) {
+  (void)id;
+  --open_devices;
+  return 0;
+}
+int dhdGetSystemType(char id) {
+  (void)id;
+  return 33;
+}
+const char* dhdGetSystemName(char id) {
+  (void)id;
+  return "omega.3";
+}
+int dhdGetSerialNumber(unsigned short* serial, char id) {
+  (void)id;
+  *serial = 1234;
+  return 0;
+}
+int dhdGetPosition(double* x, double* y, double* z, char id) {
+  int axis;
+  (void)id;
+  if (dead)
+    return -1;
+  for (axis = 0; axis < 3; ++axis) {
+    velocity[axis] += 1e-3 * ((force_on ? force[axis] : 0) - velocity[axis]) / 0.1;
+    position[axis] += 1e-3 * velocity[axis];
+  }
+  *x = position[0], *y = position[1], *z = position[2];
+  return ++calls % 2; /* every other answer is the time guard's */
+}
+int dhdGetLinearVelocity(double* x, double* y, double* z, char id) {
+  (void)id;
+  *x = velocity[0], *y = velocity[1], *z = velocity[2];
+  return 1;
+}
+#ifndef FAKE_DHD_INCOMPLETE
+int dhdSetForce(double x, double y, double z, char id) {
+  (void)id;
+  force[0] = x, force[1] = y, force[2] = z;
+  return dead ? -1 : saturated ? 2 : 0;
+}
+#endif
+unsigned dhdGetButtonMask(char id) {
+  (void)id;
+  return buttons;
+}
+int dhdEnableForce(unsigned char on, char id) {
+  (void)id;
+  force_on = on;
+  if (on)
+    cause = 0;
+  return 0;
+}
+int dhdGetStatus(int* status, char id) {
+  (void)id;
+  memset(status, 0, 17 * sizeof *status);
+  status[0] = status[1] = 1;
+  status[3] = reset;
+  status[5] = force_on;
+  status[14] = cause;
+  return 0;
+}
+int dhdEnableExpertMode(void) { return expert = 1, 0; }
+int dhdDisableExpertMode(void) { return expert = 0, 0; }
+int dhdSetWatchdog(unsigned char steps, char id) {
+  (void)id;
+  if (!expert)
+    return -1;
+  watchdog_steps = steps;
+  return 0;
+}
+int dhdSetMaxForce(double newton, char id) {
+  (void)id;
+  max_force = newton;
+  return 0;
+}
+const char* dhdErrorGetLastStr(void) { return dead ? "communication error" : "no device found"; }

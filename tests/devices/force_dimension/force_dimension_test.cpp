@@ -1,0 +1,207 @@
+#include "core/haptic/device.hpp"
+#include "devices/driver.hpp"
+#include "devices/shared_library.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cstdlib>
+#include <string>
+
+using namespace tactus;
+using haptic::State;
+using haptic::Vec3;
+
+namespace {
+
+struct Fake {
+  explicit Fake(const char* mode = "") {
+    setenv("TACTUS_LIBDHD", FAKE_DHD, 1);
+    setenv("FAKE_DHD", mode, 1);
+    const char* const name = FAKE_DHD;
+    REQUIRE(library.load({&name, 1}));
+    REQUIRE(library.symbol("fake_dhd_place", place));
+    REQUIRE(library.symbol("fake_dhd_switch_off", switch_off));
+    REQUIRE(library.symbol("fake_dhd_switch_on", switch_on));
+    REQUIRE(library.symbol("fake_dhd_set", set));
+    REQUIRE(library.symbol("fake_dhd_force", force_of));
+    REQUIRE(library.symbol("fake_dhd_counts", counts_of));
+    REQUIRE(library.symbol("fake_dhd_max_force", max_force));
+  }
+  Vec3 force() const {
+    double f[3] = {};
+    force_of(f);
+    return {f[0], f[1], f[2]};
+  }
+  std::array<int, 4> counts() const {
+    std::array<int, 4> all{};
+    counts_of(all.data());
+    return all;
+  }
+  devices::SharedLibrary library;
+  void (*place)(double, double, double) = nullptr;
+  void (*switch_off)(int) = nullptr;
+  void (*switch_on)() = nullptr;
+  void (*set)(int, int, int, unsigned) = nullptr;
+  void (*force_of)(double*) = nullptr;
+  void (*counts_of)(int*) = nullptr;
+  double (*max_force)() = nullptr;
+};
+
+std::unique_ptr<haptic::Backend> make() {
+  const devices::Driver* driver = devices::find_driver("dhd");
+  REQUIRE(driver != nullptr);
+  return driver->make();
+}
+
+/// Ticks of a servo that always asks for this force.
+State drive(haptic::Backend& device, const Vec3& force, int ticks) {
+  State state;
+  for (int i = 0; i < ticks; ++i) {
+    const auto index = static_cast<std::uint64_t>(i);
+    CHECK(device.read({index, 1e-3 * i, 1e-3}, state));
+    static_cast<void>(device.write(force));
+  }
+  return state;
+}
+
+} // namespace
+
+TEST_CASE("the vendor's frame becomes the project's, for positions and for forces") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  fake.place(0.01, 0.02, 0.03); // towards the user, right, up
+  const State state = drive(*device, {}, 1);
+  CHECK(state.position == Vec3{0.02, 0.03, 0.01});
+  CHECK(device->write({1, 2, 3}));
+  CHECK(fake.force() == Vec3{3, 1, 2});
+}
+
+TEST_CASE("the time guard's answer is an answer, and force moves the handle") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  fake.place(0, 0, 0);
+  const State state = drive(*device, {0, 0.5, 0}, 100);
+  CHECK(state.position.y > 1e-3);
+  CHECK(state.velocity.y > 0);
+  CHECK(state.position.x == 0);
+}
+
+TEST_CASE("an omega has its limits, its own watchdog and its own clamp") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->identity().model == "omega.3");
+  CHECK(device->identity().serial == "1234");
+  CHECK(device->caps().peak_force_n == 12);
+  CHECK(device->caps().workspace_max.x == doctest::Approx(0.075));
+  CHECK(fake.counts()[2] == 240);
+  CHECK(fake.counts()[3] == 0); // expert mode for the watchdog only
+  CHECK(fake.max_force() == 12);
+  drive(*device, {30, 40, 0}, 1);
+  CHECK(fake.force().y == doctest::Approx(7.2)); // no more than the peak, in the same direction
+  CHECK(fake.force().z == doctest::Approx(9.6));
+  CHECK_FALSE(device->write({NAN, 0, 0}));
+  CHECK(fake.force() == Vec3{});
+}
+
+TEST_CASE("closing leaves no force and the motors off, and the device opens again") {
+  const Fake fake;
+  const auto device = make();
+  for (int round = 0; round < 3; ++round) {
+    REQUIRE(device->open() == "");
+    drive(*device, {1, 1, 1}, 3);
+    device->close();
+    CHECK(fake.force() == Vec3{});
+    CHECK(fake.counts()[0] == 0);
+    CHECK(fake.counts()[1] == 0);
+  }
+  State state;
+  CHECK_FALSE(device->read({}, state));
+  CHECK_FALSE(device->write({}));
+}
+
+TEST_CASE("a device that stops answering is told, and is well again when it answers") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  fake.set(1, 0, 0, 0);
+  State state;
+  CHECK_FALSE(device->read({}, state));
+  CHECK_FALSE(device->write({1, 0, 0}));
+  CHECK(device->trouble().find("communication error") != std::string::npos);
+  fake.set(0, 0, 0, 5);
+  CHECK(device->read({}, state));
+  CHECK(state.buttons == 5);
+  CHECK(device->trouble() == "");
+}
+
+TEST_CASE("after the device's watchdog force returns once none has been asked for") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  fake.switch_off(3);
+  State state = drive(*device, {1, 0, 0}, 500);
+  CHECK((state.flags & State::kFault) != 0);
+  CHECK(fake.counts()[1] == 0);
+  CHECK(fake.force() == Vec3{});
+  CHECK(device->trouble().find("motors 1") != std::string::npos);
+  state = drive(*device, {}, 400);
+  CHECK((state.flags & State::kFault) == 0);
+  CHECK(fake.counts()[1] == 1);
+  CHECK(device->trouble() == "");
+}
+
+TEST_CASE("the force button is the owner's: only pressing it again brings force back") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  fake.switch_off(1);
+  CHECK((drive(*device, {}, 1000).flags & State::kFault) != 0);
+  CHECK(fake.counts()[1] == 0);
+  CHECK(device->trouble().find("force button") != std::string::npos);
+  fake.switch_on();
+  CHECK((drive(*device, {}, 100).flags & State::kFault) == 0);
+}
+
+TEST_CASE("no force before the calibration; a saturated motor is told") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  fake.set(0, 0, 1, 0);
+  State state = drive(*device, {1, 0, 0}, 100);
+  CHECK((state.flags & State::kHomed) == 0);
+  CHECK(fake.force() == Vec3{});
+  CHECK(device->trouble().find("calibration pole") != std::string::npos);
+  fake.set(0, 1, 0, 0);
+  state = drive(*device, {1, 0, 0}, 100);
+  CHECK((state.flags & State::kForceLimited) != 0);
+}
+
+TEST_CASE("no library, a missing function and no device are three sentences") {
+  setenv("TACTUS_LIBDHD", "/nowhere/libdhd.so", 1);
+  CHECK(make()->open().find("forcedimension.com") != std::string::npos);
+  CHECK(devices::find_driver("dhd")->obstacle() != "");
+  setenv("TACTUS_LIBDHD", FAKE_DHD_INCOMPLETE, 1);
+  CHECK(make()->open().find("dhdSetForce") != std::string::npos);
+  const Fake fake("none");
+  CHECK(make()->open().find("no device found") != std::string::npos);
+  CHECK(devices::find_driver("dhd")->list().empty());
+}
+
+TEST_CASE("devices are listed, and opened by index or serial number") {
+  const Fake fake;
+  CHECK(devices::find_driver("dhd")->list().size() == 1);
+  const auto device = make();
+  const std::array<std::string, 2> serial{"device", "1234"}, other{"device", "4321"},
+      index{"device", "0"}, word{"device", "left"};
+  CHECK(device->configure(serial) == "");
+  CHECK(device->open() == "");
+  CHECK(device->configure(other) == "");
+  CHECK(device->open() != "");
+  CHECK(device->configure(index) == "");
+  CHECK(device->open() == "");
+  CHECK(device->configure(word).find("number") != std::string::npos);
+}
