@@ -9,6 +9,8 @@ constexpr int kActionsPerTick = 64;
 void Servo::attach(Backend& device, LocalModel* model) noexcept {
   device_ = &device;
   model_ = model;
+  if (model_)
+    model_->begin();
   refresh_caps();
   chain_ = {};
   statistics_ = {};

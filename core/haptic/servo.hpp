@@ -24,6 +24,8 @@ public:
 class LocalModel {
 public:
   virtual ~LocalModel() = default;
+  /// A device has been attached: what was remembered of the last one's motion no longer holds.
+  virtual void begin() noexcept {}
   /// N, project frame. Bounded time, no allocation.
   [[nodiscard]] virtual Vec3 force(const Tick& tick, const State& state) noexcept = 0;
 };

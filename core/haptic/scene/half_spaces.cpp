@@ -1,0 +1,80 @@
+#include "core/haptic/scene/half_spaces.hpp"
+
+#include "core/haptic/scene/pose.hpp"
+
+namespace tactus::haptic {
+namespace {
+
+constexpr double kTolerance_m = 1e-13;
+constexpr double kParallel = 1e-9; // sine of the angle below which two faces are one
+
+/// Pushes that put goal + sum push_i normal_i onto all the faces; false when they are (nearly)
+/// dependent. The Gram matrix of one to three normals, by Cramer.
+bool pushes_of(std::span<const HalfSpace* const> active, const Vec3& goal,
+               std::array<double, 3>& push) noexcept {
+  std::array<double, 3> depth{};
+  for (std::size_t i = 0; i < active.size(); ++i)
+    depth[i] = active[i]->offset - dot(active[i]->normal, goal);
+  if (active.size() == 1) {
+    push[0] = depth[0];
+    return true;
+  }
+  const Vec3 a = active[0]->normal, b = active[1]->normal;
+  const Vec3 line = cross(a, b);
+  const double area = dot(line, line), cosine = dot(a, b);
+  if (active.size() == 2) {
+    if (area < kParallel * kParallel)
+      return false;
+    push[0] = (depth[0] - cosine * depth[1]) / area;
+    push[1] = (depth[1] - cosine * depth[0]) / area;
+    return true;
+  }
+  // Three faces meet in one point: x - goal = (d0 b x c + d1 c x a + d2 a x b) / (a . b x c), and
+  // its pushes follow with the same cross products.
+  const Vec3 c = active[2]->normal;
+  const Vec3 bc = cross(b, c), ca = cross(c, a);
+  const double volume = dot(c, line);
+  if (std::abs(volume) < kParallel)
+    return false;
+  const Vec3 way = (bc * depth[0] + ca * depth[1] + line * depth[2]) * (1.0 / volume);
+  push = {dot(way, bc) / volume, dot(way, ca) / volume, dot(way, line) / volume};
+  return true;
+}
+
+} // namespace
+
+std::optional<NearestPoint> nearest_point(std::span<const HalfSpace> faces,
+                                          const Vec3& goal) noexcept {
+  const std::size_t count = std::min(faces.size(), kMostHalfSpaces);
+  for (int wanted = 0; wanted <= 3; ++wanted)
+    for (unsigned set = 0; set < 1u << count; ++set) {
+      std::array<const HalfSpace*, 3> active{};
+      std::array<std::size_t, 3> place{};
+      std::size_t size = 0;
+      for (std::size_t i = 0; i < count; ++i)
+        if (set >> i & 1u) {
+          if (size < 3)
+            active[size] = &faces[i], place[size] = i;
+          ++size;
+        }
+      if (size != static_cast<std::size_t>(wanted))
+        continue;
+      std::array<double, 3> push{};
+      if (size > 0 && !pushes_of({active.data(), size}, goal, push))
+        continue;
+      NearestPoint nearest{goal, {}};
+      bool good = true;
+      for (std::size_t i = 0; i < size; ++i) {
+        good = good && push[i] >= -kTolerance_m;
+        nearest.push[place[i]] = std::max(push[i], 0.0);
+        nearest.point += active[i]->normal * push[i];
+      }
+      for (std::size_t i = 0; i < count && good; ++i)
+        good = dot(faces[i].normal, nearest.point) >= faces[i].offset - kTolerance_m;
+      if (good)
+        return nearest;
+    }
+  return std::nullopt;
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "core/haptic/vec3.hpp"
+
+namespace tactus::haptic {
+
+inline Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// A turn in space: a unit quaternion.
+struct Rotation {
+  double w = 1, x = 0, y = 0, z = 0;
+
+  /// v + 2 w (q x v) + 2 q x (q x v)
+  [[nodiscard]] Vec3 turned(const Vec3& v) const noexcept {
+    const Vec3 q{x, y, z}, first = 2.0 * cross(q, v);
+    return v + w * first + cross(q, first);
+  }
+  [[nodiscard]] Rotation inverse() const noexcept { return {w, -x, -y, -z}; }
+  /// The unit quaternion of that direction; no turn when it has none.
+  [[nodiscard]] static Rotation of(double w, double x, double y, double z) noexcept;
+  /// The smallest turn that takes the z axis to that direction.
+  [[nodiscard]] static Rotation from_z_to(const Vec3& direction) noexcept;
+  friend bool operator==(const Rotation&, const Rotation&) = default;
+};
+
+/// Where a body's own frame lies in the project frame.
+struct Pose {
+  Vec3 position{}; ///< m
+  Rotation rotation{};
+
+  [[nodiscard]] Vec3 to_world(const Vec3& local) const noexcept {
+    return position + rotation.turned(local);
+  }
+  [[nodiscard]] Vec3 to_local(const Vec3& world) const noexcept {
+    return rotation.inverse().turned(world - position);
+  }
+  friend bool operator==(const Pose&, const Pose&) = default;
+};
+
+} // namespace tactus::haptic

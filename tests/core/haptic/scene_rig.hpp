@@ -1,0 +1,67 @@
+#pragma once
+
+#include "core/haptic/scene/scene_model.hpp"
+
+#include <memory>
+#include <vector>
+
+/// A scene that is touched tick by tick, in millimetres.
+namespace tactus::haptic::test {
+
+class SceneRig {
+public:
+  Scene scene;
+  SceneModel model;
+
+  Body& add(Shape shape, Pose pose = {}, Material material = {}) {
+    Body body;
+    body.key = ++keys_;
+    body.shape = std::move(shape);
+    body.pose = pose;
+    body.material = material;
+    scene.bodies.push_back(body);
+    publish();
+    return scene.bodies.back();
+  }
+  void publish() { model.publish(std::make_unique<const Scene>(scene)); }
+
+  /// One tick with the handle there; the velocity is the motion's since the last one.
+  Vec3 touch(const Vec3& mm) {
+    State state;
+    state.position = mm * 1e-3;
+    if (ticks > 0)
+      state.velocity = (state.position - last_) * 1e3;
+    last_ = state.position;
+    const Vec3 force = model.force({ticks, static_cast<double>(ticks) * 1e-3, 1e-3}, state);
+    ++ticks;
+    ContactEvent event;
+    while (model.events().pop(event))
+      events.push_back(event);
+    return force;
+  }
+  /// Straight from one place to another in steps of at most that length; the last force.
+  Vec3 stroke(const Vec3& from_mm, const Vec3& to_mm, double step_mm = 0.25) {
+    const double length = norm(to_mm - from_mm);
+    const int count = std::max(1, static_cast<int>(std::ceil(length / step_mm)));
+    Vec3 force;
+    for (int i = 0; i <= count; ++i)
+      force = touch(from_mm + (to_mm - from_mm) * (static_cast<double>(i) / count));
+    return force;
+  }
+  std::size_t count(ContactEvent::Kind kind) const {
+    std::size_t n = 0;
+    for (const ContactEvent& event : events)
+      n += event.kind == kind;
+    return n;
+  }
+  Vec3 proxy_mm() const { return model.proxy() * 1e3; }
+
+  std::vector<ContactEvent> events;
+  std::uint64_t ticks = 0;
+
+private:
+  Vec3 last_{};
+  std::uint64_t keys_ = 0;
+};
+
+} // namespace tactus::haptic::test
