@@ -7,7 +7,8 @@
 Against the tables of targets.py: of 11 features how many medians lie within the recordings' 10 to 90 %,
 and how many dB the mean band profile is off. Against the recordings of Debian's minetest-data and
 ardentryst, where they are installed: top-1, top-3, distance and spread ratio, told-apart share, with
-two controls that cheat. Writes realism.md and realism.csv."""
+two controls that cheat; then the same among sounds drawn from the tables. Writes realism.md and
+realism.csv."""
 import argparse
 import csv
 import warnings
@@ -18,6 +19,7 @@ import numpy as np
 import judge
 import targets
 from features import RATE
+from population import Population
 from recordings import fetch, recordings
 from steps import measure, render
 
@@ -46,64 +48,94 @@ def against_tables(measured):
     return rows
 
 
-def against_recordings(measured, root):
-    taken = recordings(root)
-    if not taken:
-        return None
-    vectors, _, _ = measure([r.sound() for r in taken])
-    labels = np.array([r.label for r in taken])
+def judged(classifier, vectors, label, made):
+    """A row of a table: how `made` fares as `label` among the classifier's sounds."""
+    ranked = classifier.ranked(made)
+    answers = [r[0] for r in ranked]
+    common = sorted(sorted(set(answers)), key=lambda a: -answers.count(a))[:3]
+    ratio, spread, told = judge.compare(classifier, vectors, made, label)
+    return {"top1": np.mean([a == label for a in answers]),
+            "top3": np.mean([label in r[:3] for r in ranked]), "ratio": ratio, "spread": spread,
+            "told": told, "taken": " ".join(f"{a}:{answers.count(a)}" for a in common)}
+
+
+def mean_of(rows):
+    """Of each figure over the materials that have it."""
+    return {key: float(np.nanmean([row[key] for row in rows.values()]))
+            for key in next(iter(rows.values())) if key != "taken"} | {"taken": ""}
+
+
+def against_recordings(measured, vectors, labels):
     classifier = judge.Classifier(vectors, labels)
-    known = [c for c in measured if c in set(labels)]
-    rows = []
-    for label in known:
-        made = measured[label][0]
-        ranked = classifier.ranked(made)
-        answers = [r[0] for r in ranked]
-        common = sorted(set(answers), key=lambda a: -answers.count(a))[:3]
-        ratio, spread, told = judge.compare(classifier, vectors, made, label)
-        rows.append([label, np.mean([a == label for a in answers]),
-                     np.mean([label in r[:3] for r in ranked]), ratio, spread, told,
-                     " ".join(f"{a}:{answers.count(a)}" for a in common)])
-    real = judge.leave_one_out(vectors, labels)
-    cheats = []
+    rows = {}
+    for label in (c for c in measured if c in set(labels)):
+        rows[label] = judged(classifier, vectors, label, measured[label][0])
+        rows[label]["left_out"] = judge.left_out_ratio(vectors, labels, label)
+    rows["mean"] = mean_of(rows)
     for label, sounds in controls().items():
-        made, _, _ = measure(sounds)
-        ratio, spread, told = judge.compare(classifier, vectors, made, label)
-        ranked = classifier.ranked(made)
-        cheats.append([f"control: {label}", np.mean([r[0] == label for r in ranked]),
-                       np.mean([label in r[:3] for r in ranked]), ratio, spread, told, ""])
-    return rows, cheats, (np.mean(list(judge.hits(real, labels, 1).values())),
-                          np.mean(list(judge.hits(real, labels, 3).values()))), len(taken)
+        rows[f"control: {label}"] = judged(classifier, vectors, label, measure(sounds)[0])
+    return rows
+
+
+def against_stand_in(measured, vectors, labels):
+    """The same among the sounds that population.py draws, and what becomes of real recordings."""
+    drawn, names = Population(vectors, labels).sounds()
+    classifier = judge.Classifier(drawn, names)
+    made = {c: judged(classifier, drawn, c, m[0]) for c, m in measured.items()}
+    real = {c: judged(classifier, drawn, c, vectors[labels == c]) for c in sorted(set(labels))}
+    return made | {"mean": mean_of(made), "mean of the real recordings": mean_of(real)}
 
 
 def percent(x):
     return f"{100 * x:.0f}"
 
 
-def write_report(folder, tables, compared):
+def table(rows, columns):
+    """Lines of a table; columns: heading and key, shares as per cent."""
+    lines = ["| material | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
+    for name, row in rows.items():
+        cells = []
+        for key in columns.values():
+            value = row.get(key, np.nan)
+            if isinstance(value, str):
+                cells.append(value)
+            elif np.isnan(value):
+                cells.append("")
+            else:
+                cells.append(percent(value) if key in ("top1", "top3") else f"{value:.2f}")
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return lines
+
+
+COLUMNS = {"top-1 %": "top1", "top-3 %": "top3", "distance ratio": "ratio",
+           "of a recording left out": "left_out", "spread ratio": "spread", "told apart": "told",
+           "taken for": "taken"}
+
+
+def write_report(folder, tables, taken, measured):
     lines = ["| material | features within 10-90 % of recordings, of 11 | band profile, dB rms | outside |",
              "|---|---|---|---|"]
     lines += [f"| {m} | {n} | {db:.1f} | {rest} |" for m, n, db, rest in tables]
-    if compared:
-        rows, cheats, real, count = compared
-        lines += ["", f"{count} recordings; left out one by one they are named right in "
-                  f"{percent(real[0])} % (first) and {percent(real[1])} % (first three).", "",
-                  "| material | top-1 % | top-3 % | distance ratio | spread ratio | told apart | taken for |",
-                  "|---|---|---|---|---|---|---|"]
-        mean = ["mean"] + [float(np.nanmean([r[i] for r in rows])) for i in range(1, 6)] + [""]
-        for m, top1, top3, ratio, spread, told, named in rows + [mean] + cheats:
-            shown = "" if np.isnan(told) else f"{told:.2f}"
-            lines.append(f"| {m} | {percent(top1)} | {percent(top3)} | {ratio:.2f} | {spread:.2f} | "
-                         f"{shown} | {named} |")
+    if taken:
+        vectors, _, _ = measure([r.sound() for r in taken])
+        labels = np.array([r.label for r in taken])
+        real = judge.leave_one_out(vectors, labels)
+        first, three = (np.mean(list(judge.hits(real, labels, k).values())) for k in (1, 3))
+        lines += ["", f"{len(taken)} recordings; left out one by one they are named right in "
+                  f"{percent(first)} % (first) and {percent(three)} % (first three).", "",
+                  *table(against_recordings(measured, vectors, labels), COLUMNS), "",
+                  "Among 396 sounds drawn from the tables (population.py):", "",
+                  *table(against_stand_in(measured, vectors, labels),
+                         {k: v for k, v in COLUMNS.items() if v != "left_out"})]
     else:
         lines += ["", "No recordings: install Debian's minetest-data and ardentryst."]
     text = "\n".join(lines) + "\n"
     (folder / "realism.md").write_text(text)
     print(text)
     with open(folder / "realism.csv", "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["material", "features_within", "profile_db_rms", "outside"])
-        table.writerows(tables)
+        sheet = csv.writer(file)
+        sheet.writerow(["material", "features_within", "profile_db_rms", "outside"])
+        sheet.writerows(tables)
 
 
 def main():
@@ -118,7 +150,7 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     measured = {label: measure(render(arguments.render, arguments.recipes / f"{label}.txt",
                                       arguments.steps, 11)) for label in targets.MATERIALS}
-    write_report(arguments.out, against_tables(measured), against_recordings(measured, root))
+    write_report(arguments.out, against_tables(measured), recordings(root), measured)
 
 
 if __name__ == "__main__":

@@ -2,12 +2,15 @@
 """Fits a recipe's numbers to what recordings measure, by CMA-ES (Hansen; Debian: python3-cmaes).
 
     tune.py --render render_footstep RECIPE... [--label NAME] [--rounds 60] [--steps 16]
-    tune.py --render render_footstep RECIPE... --recordings   also near Debian's recordings (realism.py)
+    tune.py --render render_footstep RECIPE... --recordings   also near Debian's recordings
     tune.py --render render_footstep RECIPE --sounds FOLDER     your own recordings, .wav or .ogg
 
 A recipe of a known name is fitted to the tables of targets.py: for each feature how far its median
 lies from the recordings', in units of their spread, how far its spread is from theirs, and how many
 dB the mean band profile is off. With --sounds the same figures are measured from that folder first.
+With --recordings come the energy distances of all 45 features to population.py's stand-in for the
+collections behind the tables and, for a material that has two or more, to Debian's recordings. No
+classifier is asked.
 The file is written again whenever a better one is found; its comments stay.
 """
 import argparse
@@ -20,8 +23,9 @@ import numpy as np
 
 import judge
 import targets
+from population import Population
 from recordings import recordings
-from steps import measure, render
+from steps import RATE, measure, render
 
 warnings.filterwarnings("ignore")
 # Numbers that say how strongly, how long or how high: searched on a logarithmic scale.
@@ -34,9 +38,14 @@ LOGARITHMIC = {"frequency": (40, 10000), "t60": (0.005, 1.5), "stiffness": (1e3,
                "attack": (2e-4, 0.4), "decay": (0.003, 0.6), "largest": (2, 3000), "count": (3, 3000),
                "quality": (0.3, 12), "length": (2e-4, 0.03), "level": (1e-4, 100), "slip": (0.005, 1),
                "pressed": (0.5, 60), "load_n": (0.5, 200), "radiation": (10, 1500),
-               "stribeck": (0.005, 0.5)}
+               "stribeck": (0.005, 0.5), "bright": (300, 10000)}
+ROOM_LEVEL = (-40.0, 3.0)  # dB
 KEPT = {"modes", "heel_kg", "ball_mass", "mass", "mu_s", "mu_d", "breakaway", "damping", "viscosity",
         "gains", "rise"}
+
+
+# An energy distance of 1 is about half a standard deviation of each feature.
+TO_STAND_IN, TO_RECORDINGS = 0.5, 0.2
 
 
 class Text:
@@ -61,6 +70,10 @@ class Text:
                 low, high, log = *LOGARITHMIC["load_n"], True
             elif section == "friction" and key == "stiffness":
                 low, high, log = 1e3, 1e7, True
+            elif section == "room" and key == "level":
+                low, high, log = *ROOM_LEVEL, False
+            elif section == "room" and key == "t60":
+                low, high, log = 0.05, 1.5, True
             elif key in LINEAR:
                 low, high, log = *LINEAR[key], False
             elif key in LOGARITHMIC:
@@ -90,15 +103,20 @@ class Aim:
 
     def __init__(self, features, profile, bands):
         self.features, self.profile, self.bands = features, np.array(profile, float), bands
-        self.classifier, self.label = None, ""
+        self.near = []  # (weight, matrix, vectors by the matrix)
 
     def also_near_recordings(self, label):
-        """Adds how surely a classifier of the installed recordings takes a step for its material."""
+        """Adds the distances to all 45 features of the stand-in and of the installed recordings."""
         taken = recordings()
         labels = np.array([r.label for r in taken])
-        if label in labels:
-            vectors, _, _ = measure([r.sound() for r in taken])
-            self.classifier, self.label = judge.Classifier(vectors, labels), label
+        vectors, _, _ = measure([r.sound() for r in taken])
+        population = Population(vectors, labels)
+        drawn, names = population.sounds()
+        white = judge.whitening(drawn, names)
+        self.near.append((TO_STAND_IN, white, drawn[names == label] @ white))
+        if (labels == label).sum() > 1:
+            scale = np.diag(1 / population.within)
+            self.near.append((TO_RECORDINGS, scale, vectors[labels == label] @ scale))
 
     @classmethod
     def of_label(cls, label):
@@ -133,23 +151,17 @@ class Aim:
                       + 0.5 * min(ratio * ratio, 9))
         profile = profiles.mean(axis=0)[self.bands]
         rms = np.sqrt(np.mean((profile - self.profile) ** 2))
-        return total / len(self.features) + (rms / 3) ** 2 + self.doubt(vectors)
-
-    def doubt(self, vectors):
-        """Mean negative log probability of the right name, distances read as log probabilities."""
-        if self.classifier is None:
-            return 0.0
-        far = self.classifier.far(vectors)
-        own = far[:, self.classifier.classes.index(self.label)]
-        likelihood = np.log(np.exp(own[:, None] - far).sum(axis=1))
-        return 0.3 * float(np.minimum(likelihood, 8).mean())
+        near = sum(weight * judge.energy_distance(vectors @ matrix, real)
+                   for weight, matrix, real in self.near)
+        return total / len(self.features) + (rms / 3) ** 2 + near
 
 
 def cost_of(text, aim, arguments, seed):
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
         file.write(text)
         file.flush()
-        return aim.cost(render(arguments.render, file.name, arguments.steps, seed))
+        return aim.cost(render(arguments.render, file.name, arguments.steps, seed,
+                               rate=arguments.rate))
 
 
 def tune(path, aim, arguments):
@@ -197,6 +209,7 @@ def main():
     parser.add_argument("--recordings", action="store_true")
     parser.add_argument("--rounds", type=int, default=60)
     parser.add_argument("--steps", type=int, default=16)
+    parser.add_argument("--rate", type=int, default=RATE, help="22050 takes half the time")
     parser.add_argument("--sigma", type=float, default=0.12)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
