@@ -1,0 +1,218 @@
+#include "devices/haply/connection.hpp"
+
+#include "devices/haply/socket.hpp"
+#include "devices/servo_thread.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstdlib>
+
+namespace tactus::devices::haply {
+namespace {
+
+using haptic::State;
+using haptic::Vec3;
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+constexpr double kConnect_s = 2, kAnswer_s = 0.5;
+constexpr double kForceLives_s = 0.05;
+constexpr double kFirstPause_s = 0.05, kLongestPause_s = 2;
+constexpr double kPatience_s = 4;
+constexpr int kTriesBeforeRefusal = 4;
+constexpr int kGarbageBeforeHangingUp = 50;
+
+} // namespace
+
+Address usual_address() {
+  const char* text = std::getenv("TACTUS_HAPLY");
+  const std::string wanted = text ? text : "";
+  const auto colon = wanted.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == wanted.size())
+    return {};
+  return {wanted.substr(0, colon), wanted.substr(colon + 1)};
+}
+
+std::string Connection::open(const Wish& wish) {
+  close();
+  wish_ = wish;
+  sample_ = {};
+  samples_.write({});
+  orders_.write({});
+  phase_ = Phase::kLooking;
+  trouble_.clear();
+  stop_ = leaving_ = false;
+  thread_ = std::thread([this] { serve(); });
+  std::string sentence;
+  {
+    std::unique_lock lock(guard_);
+    changed_.wait_for(lock, Seconds(kPatience_s), [this] { return phase_ != Phase::kLooking; });
+    if (phase_ == Phase::kRunning)
+      return {};
+    sentence = trouble_.empty() ? "Haply's service on " + wish_.address.host + ":" +
+                                      wish_.address.port + " does not answer"
+                                : trouble_;
+  }
+  close();
+  return sentence;
+}
+
+void Connection::close() noexcept {
+  if (!thread_.joinable())
+    return;
+  leaving_ = true;
+  // Leave-taking is one message and its answer; a service that hangs does not keep us.
+  for (int waited_ms = 0; waited_ms < 100 && leaving_; ++waited_ms)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  stop_ = true;
+  thread_.join();
+}
+
+std::string Connection::trouble() const {
+  const std::lock_guard lock(guard_);
+  return trouble_;
+}
+
+Sight Connection::sight() const {
+  const std::lock_guard lock(guard_);
+  return sight_;
+}
+
+void Connection::tell(Phase phase, const std::string& trouble) {
+  const std::lock_guard lock(guard_);
+  phase_ = phase;
+  trouble_ = trouble;
+  changed_.notify_all();
+}
+
+void Connection::serve() noexcept {
+  try {
+    look_and_talk();
+  } catch (const std::exception& error) {
+    tell(Phase::kRefused, std::string("the connection to Haply's service ended: ") + error.what() +
+                              "; open the device again");
+  }
+  leaving_ = false;
+}
+
+void Connection::look_and_talk() {
+  const std::string place = wish_.address.host + ":" + wish_.address.port;
+  double pause_s = kFirstPause_s;
+  for (int failures = 0; !stop_ && !leaving_;) {
+    Socket socket(stop_);
+    std::string failure = socket.connect(wish_.address.host, wish_.address.port, kConnect_s);
+    if (failure.empty()) {
+      const double began_s = ServoThread::now_s();
+      failure = talk(socket);
+      socket.close();
+      if (ServoThread::now_s() - began_s > 1) { // it has worked: look for it soon again
+        failures = 0;
+        pause_s = kFirstPause_s;
+      }
+    } else {
+      failure = "Haply's service does not answer on " + place + " (" + failure +
+                "): start Haply Hub, or systemctl start haply-inverse-service";
+    }
+    if (stop_ || leaving_)
+      break;
+    ++failures;
+    tell(failures >= kTriesBeforeRefusal ? Phase::kRefused : Phase::kLooking, failure);
+    const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(pause_s));
+    while (!stop_ && !leaving_ && Clock::now() < until)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    pause_s = std::min(2 * pause_s, kLongestPause_s);
+  }
+}
+
+/// The device that was wished for; empty, else what to do.
+std::string Connection::choose(const Message& inventory) {
+  const auto& devices = inventory.devices;
+  if (devices.empty())
+    return "Haply's service runs but sees no Inverse3: check the device's cable and power";
+  std::size_t index = 0;
+  if (!wish_.device.empty()) {
+    const char* end = wish_.device.data() + wish_.device.size();
+    const auto by_id = std::find_if(devices.begin(), devices.end(),
+                                    [this](const Sight& one) { return one.id == wish_.device; });
+    if (by_id != devices.end())
+      index = static_cast<std::size_t>(by_id - devices.begin());
+    else if (std::from_chars(wish_.device.data(), end, index).ptr != end || index >= devices.size())
+      return "Haply's service has no device " + wish_.device + "; the first it has is " +
+             devices.front().id + ": say device 0, or its device_id";
+  }
+  device_id_ = devices[index].id;
+  const std::lock_guard lock(guard_);
+  sight_ = devices[index];
+  return {};
+}
+
+void Connection::take(const Message& message) {
+  const auto found = std::find_if(message.devices.begin(), message.devices.end(),
+                                  [this](const Sight& one) { return one.id == device_id_; });
+  if (found == message.devices.end())
+    return; // unplugged: the sample grows old and the servo notices
+  if (found->position)
+    sample_.state.position = *found->position;
+  if (found->velocity)
+    sample_.state.velocity = *found->velocity;
+  if (found->calibrated)
+    sample_.calibrated = *found->calibrated;
+  if (message.buttons)
+    sample_.state.buttons = *message.buttons;
+  if (message.rotation)
+    sample_.state.rotation = *message.rotation;
+  sample_.state.flags = sample_.calibrated ? State::kHomed : 0u;
+  sample_.time_s = ServoThread::now_s();
+  samples_.write(sample_);
+}
+
+Vec3 Connection::wanted_force() noexcept {
+  orders_.read();
+  const Order& order = orders_.latest();
+  const bool alive = ServoThread::now_s() - order.time_s < kForceLives_s;
+  return alive && sample_.calibrated && !leaving_ && is_finite(order.force_n) ? order.force_n
+                                                                              : Vec3{};
+}
+
+std::string Connection::talk(Socket& socket) {
+  std::string text;
+  if (std::string failure = socket.receive(text, kConnect_s); !failure.empty())
+    return "Haply's service sent no list of devices (" + failure + "): restart it";
+  const auto inventory = parse(text);
+  if (!inventory)
+    return "what listens on port " + wish_.address.port +
+           " is not Haply's service: it does not speak JSON; say service HOST PORT";
+  if (std::string sentence = choose(*inventory); !sentence.empty())
+    return sentence;
+  take(*inventory);
+  const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / wish_.rate_hz));
+  auto next = Clock::now();
+  bool first = true;
+  bool told = false;
+  for (int garbage = 0; !stop_; first = false) {
+    const bool last = leaving_;
+    std::string failure = socket.send(force_message(device_id_, wanted_force(), first), kAnswer_s);
+    if (failure.empty())
+      failure = socket.receive(text, kAnswer_s);
+    if (last)
+      return {};
+    if (!failure.empty())
+      return "Haply's service went away (" + failure + "): it is looked for again";
+    const auto message = parse(text);
+    garbage = message ? 0 : garbage + 1;
+    if (garbage >= kGarbageBeforeHangingUp)
+      return "Haply's service sends no JSON any more: restart it";
+    if (message)
+      take(*message);
+    if (!told && message) {
+      tell(Phase::kRunning, "");
+      told = true;
+    }
+    next = std::max(next + period, Clock::now() - period);
+    std::this_thread::sleep_until(next);
+  }
+  return {};
+}
+
+} // namespace tactus::devices::haply

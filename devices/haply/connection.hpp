@@ -1,0 +1,93 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "core/haptic/mailbox.hpp"
+#include "devices/haply/protocol.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace tactus::devices::haply {
+
+class Socket;
+
+struct Address {
+  std::string host = "127.0.0.1", port = "10001";
+};
+
+/// TACTUS_HAPLY, "host:port", of the environment; else where the service listens by itself.
+[[nodiscard]] Address usual_address();
+
+struct Wish {
+  Address address;
+  std::string device; ///< an index or the service's device_id; empty is the first
+  double rate_hz = 1000;
+};
+
+/// The newest that is known of the device.
+struct Sample {
+  haptic::State state{};
+  double time_s = -1e9; ///< of its arrival, ServoThread's clock
+  bool calibrated = false;
+};
+
+/// Talks to the service in a thread of its own: one message and one answer a millisecond. The
+/// servo's thread meets it in two mailboxes and never touches sockets or JSON. A service that ends
+/// is looked for again, at first after 50 ms, later every 2 s.
+class Connection {
+public:
+  ~Connection() { close(); }
+
+  /// Waits for the first state of the wanted device; empty, else what to do.
+  [[nodiscard]] std::string open(const Wish& wish);
+  /// Sends zero force and ends the thread.
+  void close() noexcept;
+
+  /// Servo's thread.
+  [[nodiscard]] const Sample& newest() noexcept {
+    samples_.read();
+    return samples_.latest();
+  }
+  /// Servo's thread. N, project frame; a force that is not renewed falls to zero after 50 ms.
+  void ask(const haptic::Vec3& force_n, double now_s) noexcept { orders_.write({force_n, now_s}); }
+
+  /// Any thread that may wait.
+  [[nodiscard]] std::string trouble() const;
+  [[nodiscard]] Sight sight() const;
+
+private:
+  struct Order {
+    haptic::Vec3 force_n{};
+    double time_s = -1e9;
+  };
+  enum class Phase { kLooking, kRunning, kRefused };
+
+  void serve() noexcept;
+  void look_and_talk();
+  [[nodiscard]] std::string talk(Socket& socket);
+  [[nodiscard]] std::string choose(const Message& inventory);
+  void take(const Message& message);
+  [[nodiscard]] haptic::Vec3 wanted_force() noexcept;
+  void tell(Phase phase, const std::string& trouble);
+
+  Wish wish_;
+  std::thread thread_;
+  std::atomic<bool> stop_{false}, leaving_{false};
+  haptic::Mailbox<Sample> samples_;
+  haptic::Mailbox<Order> orders_;
+
+  // The connection's thread
+  std::string device_id_;
+  Sample sample_{};
+
+  mutable std::mutex guard_;
+  std::condition_variable changed_;
+  Phase phase_ = Phase::kLooking;
+  std::string trouble_;
+  Sight sight_;
+};
+
+} // namespace tactus::devices::haply

@@ -1,0 +1,100 @@
+#include "devices/haply/device.hpp"
+
+#include "devices/servo_thread.hpp"
+
+#include <charconv>
+#include <limits>
+
+namespace tactus::devices::haply {
+namespace {
+
+using haptic::State;
+using haptic::Vec3;
+
+// The vendor's pages give no figure in newtons: this is careful, and `peak` changes it.
+constexpr double kPeak_n = 4;
+constexpr double kOld_s = 0.02;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Not a number when the word is none.
+double number(const std::string& word) {
+  double value = 0;
+  const char* end = word.data() + word.size();
+  const auto [stopped, failed] = std::from_chars(word.data(), end, value);
+  return failed == std::errc() && stopped == end ? value : kNaN;
+}
+
+} // namespace
+
+Device::Device() : peak_n_(kPeak_n) { wish_.address = usual_address(); }
+
+std::string Device::configure(std::span<const std::string> words) {
+  const std::string name = words.empty() ? "nothing" : words[0];
+  const double value = words.size() == 2 ? number(words[1]) : kNaN;
+  const std::lock_guard lock(wish_guard_);
+  if (name == "device" && words.size() == 2) {
+    wish_.device = words[1];
+  } else if (name == "service" && words.size() == 3) {
+    const double port = number(words[2]);
+    if (!(port >= 1 && port <= 65535) || port != static_cast<int>(port))
+      return "haply: the port " + words[2] + " is no whole number from 1 to 65535";
+    wish_.address = {words[1], std::to_string(static_cast<int>(port))};
+  } else if (name == "rate" && value >= 50 && value <= 4000) {
+    wish_.rate_hz = value;
+  } else if (name == "peak" && value >= 0.1 && value <= 20) {
+    peak_n_ = value;
+  } else {
+    return "haply: " + name +
+           " is not understood; there are: device INDEX or ID, service HOST PORT, rate HZ "
+           "(50..4000), peak N (0.1..20)";
+  }
+  return {};
+}
+
+std::string Device::open() {
+  Wish wish;
+  double peak_n = kPeak_n;
+  {
+    const std::lock_guard lock(wish_guard_);
+    wish = wish_;
+    peak_n = peak_n_;
+  }
+  if (std::string sentence = connection_.open(wish); !sentence.empty())
+    return "haply: " + sentence;
+  const Sight seen = connection_.sight();
+  const bool small = seen.type.find("minverse") != std::string::npos;
+  const double radius_m = small ? 0.04 : 0.10;
+  // Where the vendor's own examples hold the handle: in front of and above the mounting plate.
+  const Vec3 centre = to_project({0, -0.12, 0.15});
+  caps_ = {};
+  caps_.peak_force_n = peak_n;
+  caps_.workspace_min = centre - Vec3{1, 1, 1} * radius_m;
+  caps_.workspace_max = centre + Vec3{1, 1, 1} * radius_m;
+  caps_.rate_hz = wish.rate_hz;
+  caps_.has_velocity = caps_.has_buttons = caps_.has_rotation = caps_.needs_home = true;
+  identity_ = {"Haply", seen.type.empty() ? "inverse3" : seen.type, seen.id};
+  calibrated_ = true;
+  return {};
+}
+
+bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
+  const Sample& sample = connection_.newest();
+  state = sample.state;
+  calibrated_ = sample.calibrated;
+  return ServoThread::now_s() - sample.time_s < kOld_s;
+}
+
+bool Device::write(const Vec3& force_n) noexcept {
+  connection_.ask(limited(force_n, caps_.peak_force_n), ServoThread::now_s());
+  return true;
+}
+
+std::string Device::trouble() const {
+  if (const std::string sentence = connection_.trouble(); !sentence.empty())
+    return "haply: " + sentence;
+  return calibrated_ ? std::string()
+                     : "haply: the service does not say that the device is calibrated: put the "
+                       "handle into its rest until the light is steady";
+}
+
+} // namespace tactus::devices::haply

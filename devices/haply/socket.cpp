@@ -1,0 +1,110 @@
+#include "devices/haply/socket.hpp"
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include <chrono>
+#include <optional>
+
+namespace tactus::devices::haply {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using Error = beast::error_code;
+using Clock = std::chrono::steady_clock;
+using asio::ip::tcp;
+
+struct Socket::Parts {
+  explicit Parts(const std::atomic<bool>& stop_flag) : stop(stop_flag) {}
+
+  /// Starts an operation and runs it to its end, its time or the stop.
+  template <class Start> std::string finish(double timeout_s, Start start) {
+    constexpr auto kLook = std::chrono::milliseconds(20);
+    const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                             std::chrono::duration<double>(timeout_s));
+    std::optional<Error> outcome;
+    start([&outcome](Error error, auto&&...) { outcome = error; });
+    context.restart();
+    while (!outcome && !stop && Clock::now() < deadline)
+      context.run_one_until(std::min(deadline, Clock::now() + kLook));
+    if (outcome)
+      return *outcome ? outcome->message() : std::string();
+    Error ignored;
+    resolver.cancel();
+    if (stream)
+      beast::get_lowest_layer(*stream).close(ignored);
+    context.restart();
+    while (!outcome && context.run_one() > 0) {
+    }
+    return stop ? "stopped" : "no answer in time";
+  }
+
+  const std::atomic<bool>& stop;
+  asio::io_context context{1};
+  tcp::resolver resolver{context};
+  std::optional<beast::websocket::stream<tcp::socket>> stream;
+  beast::flat_buffer buffer;
+  tcp::resolver::results_type addresses;
+};
+
+Socket::Socket(const std::atomic<bool>& stop) : parts_(std::make_unique<Parts>(stop)) {}
+Socket::~Socket() = default;
+
+std::string Socket::connect(const std::string& host, const std::string& port, double timeout_s) {
+  Parts& p = *parts_;
+  p.stream.emplace(p.context);
+  p.buffer.clear();
+  std::string failure = p.finish(timeout_s, [&](auto done) {
+    p.resolver.async_resolve(host, port, [&p, done](Error error, auto results) mutable {
+      p.addresses = results;
+      done(error);
+    });
+  });
+  if (failure.empty())
+    failure = p.finish(timeout_s, [&](auto done) {
+      asio::async_connect(beast::get_lowest_layer(*p.stream), p.addresses, done);
+    });
+  if (!failure.empty())
+    return failure;
+  Error ignored;
+  beast::get_lowest_layer(*p.stream).set_option(tcp::no_delay(true), ignored);
+  p.stream->read_message_max(1u << 20);
+  p.stream->text(true);
+  return p.finish(timeout_s,
+                  [&](auto done) { p.stream->async_handshake(host + ":" + port, "/", done); });
+}
+
+std::string Socket::receive(std::string& message, double timeout_s) {
+  Parts& p = *parts_;
+  p.buffer.clear();
+  std::string failure =
+      p.finish(timeout_s, [&](auto done) { p.stream->async_read(p.buffer, done); });
+  if (failure.empty())
+    message = beast::buffers_to_string(p.buffer.data());
+  return failure;
+}
+
+std::string Socket::send(const std::string& message, double timeout_s) {
+  Parts& p = *parts_;
+  return p.finish(timeout_s,
+                  [&](auto done) { p.stream->async_write(asio::buffer(message), done); });
+}
+
+void Socket::close() noexcept {
+  Parts& p = *parts_;
+  if (!p.stream)
+    return;
+  try {
+    Error ignored;
+    auto& wire = beast::get_lowest_layer(*p.stream);
+    wire.shutdown(tcp::socket::shutdown_both, ignored);
+    wire.close(ignored);
+    p.stream.reset();
+  } catch (...) { // no memory: the system closes the socket with the program
+  }
+}
+
+} // namespace tactus::devices::haply

@@ -1,0 +1,83 @@
+#include "devices/haply/protocol.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+using namespace tactus;
+using haptic::Vec3;
+
+TEST_CASE("the service's axes, right forward up, become right up back, and return") {
+  CHECK(devices::haply::to_project({1, 2, 3}) == Vec3{1, 3, -2});
+  CHECK(devices::haply::to_service(devices::haply::to_project({1, 2, 3})) == Vec3{1, 2, 3});
+}
+
+TEST_CASE("a state is read as far as it goes") {
+  const auto message = devices::haply::parse(
+      R"({"inverse3":[{"device_id":"049D","state":{"cursor_position":{"x":1,"y":-0.5,"z":0.25}}},
+          {"device_id":"04BA","status":{"calibrated":false}}]})");
+  REQUIRE(message);
+  REQUIRE(message->devices.size() == 2);
+  CHECK(message->devices[0].id == "049D");
+  CHECK(*message->devices[0].position == Vec3{1, 0.25, 0.5});
+  CHECK_FALSE(message->devices[0].velocity);
+  CHECK_FALSE(message->devices[0].calibrated);
+  CHECK(*message->devices[1].calibrated == false);
+  CHECK_FALSE(message->buttons);
+}
+
+TEST_CASE("what is no state is none, and a member of a wrong kind is left out") {
+  using devices::haply::parse;
+  CHECK_FALSE(parse(""));
+  CHECK_FALSE(parse("hello"));
+  CHECK_FALSE(parse("[1,2]"));
+  CHECK_FALSE(parse(R"({"inverse3":)"));
+  CHECK(parse("{}")->devices.empty());
+  CHECK(parse(R"({"inverse3":"none"})")->devices.empty());
+  const auto odd = parse(
+      R"({"inverse3":[7,{"device_id":9,"state":{"cursor_position":{"x":"1","y":2,"z":3},
+          "cursor_velocity":{"x":1e999,"y":0,"z":0}},"status":{"calibrated":"yes"}}]})");
+  if (odd) { // a parser may also refuse the number that no double holds
+    REQUIRE(odd->devices.size() == 2);
+    CHECK(odd->devices[1].id == "");
+    CHECK_FALSE(odd->devices[1].position);
+    CHECK_FALSE(odd->devices[1].velocity);
+    CHECK_FALSE(odd->devices[1].calibrated);
+  }
+}
+
+TEST_CASE("a quarter turn of the grip about the service's up is one about ours") {
+  const auto message = devices::haply::parse(
+      R"({"verse_grip":[{"state":{"button":true,"orientation":
+          {"w":0.7071067811865476,"x":0,"y":0,"z":0.7071067811865476}}}]})");
+  REQUIRE(message);
+  CHECK(*message->buttons == 1u);
+  CHECK(message->rotation->y == doctest::Approx(std::acos(0.0)));
+  CHECK(message->rotation->x == 0);
+}
+
+TEST_CASE("a force is said in the service's axes, and only the first message names us") {
+  const std::string first = devices::haply::force_message("049D", {1, 2, 3}, true);
+  const std::string later = devices::haply::force_message("049D", {1, 2, 3}, false);
+  CHECK(later == R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":)"
+                 R"({"x":1.0,"y":-3.0,"z":2.0}}},"device_id":"049D"}]})");
+  CHECK(first.find(R"("profile":{"name":"tactus"})") != std::string::npos);
+  CHECK(first.find(R"("permutation":"XYZ")") != std::string::npos);
+}
+
+TEST_CASE("broken messages are read without harm") {
+  const std::string whole =
+      R"({"inverse3":[{"device_id":"049D","state":{"cursor_position":{"x":1,"y":2,"z":3}},)"
+      R"("status":{"calibrated":true}}],"verse_grip":[{"state":{"buttons":{"a":true}}}]})";
+  std::mt19937 random(1);
+  for (int i = 0; i < 20000; ++i) {
+    std::string text = whole.substr(0, random() % (whole.size() + 1));
+    for (unsigned changes = random() % 4; changes > 0 && !text.empty(); --changes)
+      text[random() % text.size()] = static_cast<char>(random());
+    const auto message = devices::haply::parse(text);
+    if (message)
+      for (const auto& device : message->devices)
+        CHECK((!device.position || haptic::is_finite(*device.position)));
+  }
+}
