@@ -1,0 +1,285 @@
+#include "devices/evdev/device.hpp"
+
+#include "devices/evdev/joysticks.hpp"
+#include "devices/servo_thread.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <limits>
+
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace tactus::devices::evdev {
+namespace {
+
+using haptic::State;
+using haptic::Vec3;
+
+constexpr double kForceLives_s = 0.05;
+constexpr auto kBetweenUploads = std::chrono::milliseconds(4);
+constexpr std::size_t kMostButtons = 32;
+constexpr int kMostEventsPerTick = 256;
+
+double number(const std::string& word) {
+  double value = 0;
+  const char* end = word.data() + word.size();
+  const auto [stopped, failed] = std::from_chars(word.data(), end, value);
+  return failed == std::errc() && stopped == end ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+const char* permission_advice() {
+  return "install packaging/udev/70-tactus.rules and plug the device in again, or join the group "
+         "input and log in again";
+}
+
+} // namespace
+
+std::string Device::configure(std::span<const std::string> words) {
+  const std::string name = words.empty() ? "nothing" : words[0];
+  const double value = words.size() == 2 ? number(words[1]) : 0;
+  const std::lock_guard lock(wish_guard_);
+  if (name == "device" && words.size() == 2)
+    wish_.device = words[1];
+  else if (name == "reach" && value >= 1 && value <= 1000)
+    wish_.reach_m = value * 1e-3;
+  else if (name == "peak" && value >= 0.1 && value <= 40)
+    wish_.peak_n = value;
+  else
+    return "evdev: " + name +
+           " is not understood; there are: device INDEX, /dev/input/eventN or SERIAL, reach MM "
+           "(1..1000), peak N (0.1..40)";
+  return {};
+}
+
+std::string Device::open() {
+  close();
+  {
+    const std::lock_guard lock(wish_guard_);
+    taken_ = wish_;
+  }
+  const std::vector<Joystick> all = joysticks();
+  if (all.empty())
+    return "evdev: no joystick or wheel with constant-force feedback is plugged in: check its "
+           "cable "
+           "and, for a wheel, its power supply";
+  const std::string& wanted = taken_.device;
+  auto found = all.begin();
+  if (!wanted.empty()) {
+    found = std::find_if(all.begin(), all.end(), [&](const Joystick& one) {
+      return one.node == wanted || (!one.serial.empty() && one.serial == wanted);
+    });
+    std::size_t index = all.size();
+    const char* end = wanted.data() + wanted.size();
+    if (found == all.end() && std::from_chars(wanted.data(), end, index).ptr == end &&
+        index < all.size())
+      found = all.begin() + static_cast<std::ptrdiff_t>(index);
+  }
+  if (found == all.end())
+    return "evdev: no device " + wanted + "; there are " + std::to_string(all.size()) +
+           ", the first is 0, " + all.front().node + ", " + all.front().name;
+  identity_ = {"", found->name, found->serial};
+  std::string sentence = open_node(found->node);
+  if (!sentence.empty())
+    close();
+  return sentence;
+}
+
+std::string Device::open_node(const std::string& node) {
+  file_ = ::open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (file_ < 0)
+    return "evdev: " + node + " does not open (" + std::strerror(errno) +
+           "): " + (errno == EACCES ? permission_advice() : "plug the device in again");
+  if (!learn_axes())
+    return "evdev: " + node + " has no axis X: it is no joystick or wheel; choose another device";
+  learn_buttons();
+  state_ = {};
+  ask_all();
+  effect_ = {};
+  effect_.type = FF_CONSTANT;
+  effect_.id = -1;
+  read_error_ = force_error_ = 0;
+  dropping_ = false;
+  // Full gain, and no spring of the device's own; a device without either refuses, which is well.
+  for (const auto& [code, value] : {std::pair{FF_GAIN, 0xFFFF}, std::pair{FF_AUTOCENTER, 0}}) {
+    input_event event{};
+    event.type = EV_FF;
+    event.code = static_cast<unsigned short>(code);
+    event.value = value;
+    if (::write(file_, &event, sizeof event) < 0)
+      continue;
+  }
+  if (!upload({}))
+    return "evdev: " + node + " takes no force (" + std::strerror(force_error_) +
+           "): end other programs that use it, then open it again";
+  input_event play{};
+  play.type = EV_FF;
+  play.code = static_cast<unsigned short>(effect_.id);
+  play.value = 1;
+  if (::write(file_, &play, sizeof play) < 0)
+    return "evdev: " + node + " does not start a force (" + std::strerror(errno) +
+           "): plug the device in again";
+  caps_ = {};
+  caps_.axes_in = axes_[2].half > 0 ? 3 : axes_[1].half > 0 ? 2 : 1;
+  caps_.axes_out = axes_[1].half > 0 ? 2 : 1;
+  caps_.peak_force_n = taken_.peak_n;
+  caps_.workspace_min = Vec3{1, 1, 1} * -taken_.reach_m;
+  caps_.workspace_max = Vec3{1, 1, 1} * taken_.reach_m;
+  caps_.position_noise_m = taken_.reach_m / (2 * axes_[0].half);
+  caps_.rate_hz = 250;
+  caps_.has_buttons = !buttons_.empty();
+  orders_.write({});
+  stop_ = false;
+  sender_ = std::thread([this] { hold_forces(); });
+  return {};
+}
+
+void Device::close() noexcept {
+  stop_ = true;
+  if (sender_.joinable())
+    sender_.join();
+  if (file_ < 0)
+    return;
+  if (effect_.id >= 0) {
+    static_cast<void>(upload({}));
+    ioctl(file_, EVIOCRMFF, static_cast<long>(effect_.id));
+  }
+  ::close(file_);
+  file_ = -1;
+}
+
+/// False without the first axis.
+bool Device::learn_axes() noexcept {
+  for (Axis& axis : axes_) {
+    input_absinfo range{};
+    axis.half = 0;
+    if (ioctl(file_, EVIOCGABS(static_cast<unsigned>(axis.code)), &range) < 0)
+      continue;
+    axis.middle = 0.5 * (static_cast<double>(range.minimum) + range.maximum);
+    axis.half = std::max(0.0, 0.5 * (static_cast<double>(range.maximum) - range.minimum));
+  }
+  return axes_[0].half > 0;
+}
+
+void Device::learn_buttons() {
+  std::array<unsigned char, KEY_MAX / 8 + 1> keys{};
+  buttons_.clear();
+  if (ioctl(file_, EVIOCGBIT(EV_KEY, keys.size()), keys.data()) < 0)
+    return;
+  for (int code = BTN_MISC; code < KEY_MAX && buttons_.size() < kMostButtons; ++code)
+    if (keys[static_cast<std::size_t>(code / 8)] >> (code % 8) & 1)
+      buttons_.push_back(code);
+}
+
+/// Where everything is now, at the beginning and after events were lost.
+void Device::ask_all() noexcept {
+  for (const Axis& axis : axes_) {
+    input_absinfo now{};
+    if (axis.half > 0 && ioctl(file_, EVIOCGABS(static_cast<unsigned>(axis.code)), &now) >= 0)
+      place(axis.code, now.value);
+  }
+  std::array<unsigned char, KEY_MAX / 8 + 1> keys{};
+  if (ioctl(file_, EVIOCGKEY(keys.size()), keys.data()) < 0)
+    return;
+  state_.buttons = 0;
+  for (std::size_t i = 0; i < buttons_.size(); ++i)
+    if (keys[static_cast<std::size_t>(buttons_[i] / 8)] >> (buttons_[i] % 8) & 1)
+      state_.buttons |= 1u << i;
+}
+
+void Device::place(int code, int value) noexcept {
+  for (const Axis& axis : axes_)
+    if (axis.code == code && axis.half > 0)
+      state_.position[axis.project_axis] =
+          axis.sign * taken_.reach_m * std::clamp((value - axis.middle) / axis.half, -1.0, 1.0);
+}
+
+void Device::take(const input_event& event) noexcept {
+  if (event.type == EV_SYN && event.code == SYN_DROPPED) {
+    dropping_ = true;
+  } else if (event.type == EV_SYN && event.code == SYN_REPORT && dropping_) {
+    dropping_ = false;
+    ask_all();
+  } else if (dropping_) {
+    return;
+  } else if (event.type == EV_ABS) {
+    place(event.code, event.value);
+  } else if (event.type == EV_KEY) {
+    const auto found = std::find(buttons_.begin(), buttons_.end(), static_cast<int>(event.code));
+    if (found == buttons_.end())
+      return;
+    const std::uint32_t mask = 1u << (found - buttons_.begin());
+    state_.buttons = event.value ? state_.buttons | mask : state_.buttons & ~mask;
+  }
+}
+
+bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
+  if (file_ < 0)
+    return false;
+  std::array<input_event, 32> events;
+  for (int taken = 0; taken < kMostEventsPerTick;) {
+    const ssize_t got = ::read(file_, events.data(), sizeof events);
+    if (got < 0 && errno != EAGAIN && errno != EINTR)
+      read_error_ = errno;
+    if (got <= 0)
+      break;
+    const auto count = static_cast<std::size_t>(got) / sizeof events[0];
+    for (std::size_t i = 0; i < count; ++i)
+      take(events[i]);
+    taken += static_cast<int>(count);
+    if (count < events.size())
+      break;
+  }
+  state = state_;
+  return read_error_ == 0;
+}
+
+bool Device::write(const Vec3& force_n) noexcept {
+  orders_.write({force_n, ServoThread::now_s()});
+  return file_ >= 0 && force_error_ == 0;
+}
+
+bool Device::upload(const ConstantForce& force) noexcept {
+  effect_.u.constant.level = force.level;
+  effect_.direction = force.direction;
+  if (ioctl(file_, EVIOCSFF, &effect_) >= 0) {
+    force_error_ = 0;
+    return true;
+  }
+  force_error_ = errno;
+  return false;
+}
+
+void Device::hold_forces() noexcept {
+  ConstantForce sent{};
+  auto next = std::chrono::steady_clock::now();
+  while (!stop_) {
+    orders_.read();
+    const Order& order = orders_.latest();
+    const bool alive = ServoThread::now_s() - order.time_s < kForceLives_s;
+    const ConstantForce wanted =
+        constant_force(alive ? order.force_n : Vec3{}, taken_.peak_n, axes_[1].half > 0);
+    if ((!(wanted == sent) || force_error_ != 0) && upload(wanted))
+      sent = wanted;
+    next = std::max(next + kBetweenUploads, std::chrono::steady_clock::now());
+    std::this_thread::sleep_until(next);
+  }
+}
+
+std::string Device::trouble() const {
+  if (read_error_ == ENODEV || force_error_ == ENODEV)
+    return "evdev: the device is gone: plug it in and open it again";
+  if (const int error = read_error_)
+    return std::string("evdev: the device cannot be read (") + std::strerror(error) +
+           "): plug it in again and open it";
+  if (const int error = force_error_)
+    return std::string("evdev: the device takes no force (") + std::strerror(error) +
+           "): end other programs that use it, and for a wheel check its power supply";
+  return {};
+}
+
+} // namespace tactus::devices::evdev

@@ -1,0 +1,80 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "core/haptic/mailbox.hpp"
+#include "devices/evdev/effect.hpp"
+
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <linux/input.h>
+
+namespace tactus::devices::evdev {
+
+/// A joystick or wheel with force feedback through the kernel. Deflection becomes position: right
+/// is x, towards the user is z, a third axis is y; full deflection is `reach`. Force has no
+/// calibration: `peak` says what full force is in newtons.
+/// Setting an effect may wait for the cable, so a thread of its own does it, 250 times a second at
+/// most; it ends the force when the servo says nothing for 50 ms, and so does the kernel when the
+/// program ends.
+class Device final : public haptic::Backend {
+public:
+  ~Device() override { close(); }
+
+  [[nodiscard]] std::string open() override;
+  void close() noexcept override;
+  [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
+  [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
+  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  /// "device WHICH" (index, /dev/input/eventN or serial), "reach MM" (1..1000), "peak N" (0.1..40).
+  [[nodiscard]] std::string configure(std::span<const std::string> words) override;
+  [[nodiscard]] haptic::Identity identity() const override { return identity_; }
+  [[nodiscard]] std::string trouble() const override;
+
+private:
+  struct Wish {
+    std::string device;
+    double reach_m = 0.05, peak_n = 3;
+  };
+  struct Axis {
+    int code;         ///< ABS_X and so on
+    int project_axis; ///< 0 x, 1 y, 2 z
+    double sign;
+    double middle = 0, half = 0; ///< of the readings; no half, no axis
+  };
+  struct Order {
+    haptic::Vec3 force_n{};
+    double time_s = -1e9;
+  };
+
+  [[nodiscard]] std::string open_node(const std::string& node);
+  [[nodiscard]] bool learn_axes() noexcept;
+  void learn_buttons();
+  void ask_all() noexcept;
+  void take(const input_event& event) noexcept;
+  void place(int code, int value) noexcept;
+  void hold_forces() noexcept;
+  [[nodiscard]] bool upload(const ConstantForce& force) noexcept;
+
+  int file_ = -1;
+  haptic::Caps caps_{};
+  haptic::Identity identity_{};
+  std::array<Axis, 3> axes_{{{ABS_X, 0, 1}, {ABS_Y, 2, 1}, {ABS_Z, 1, 1}}};
+  std::vector<int> buttons_; ///< the key of each bit
+  haptic::State state_{};
+  bool dropping_ = false;
+
+  std::mutex wish_guard_;
+  Wish wish_, taken_;
+
+  haptic::Mailbox<Order> orders_;
+  std::thread sender_;
+  std::atomic<bool> stop_{false};
+  ff_effect effect_{};
+  std::atomic<int> read_error_{0}, force_error_{0};
+};
+
+} // namespace tactus::devices::evdev

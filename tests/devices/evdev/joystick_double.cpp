@@ -1,0 +1,203 @@
+// joystick_double: runs a program in a world where a joystick with force feedback is plugged in.
+//
+//   umockdev-wrapper joystick_double PROGRAM ARGUMENTS...
+//
+// Commands: axis CODE VALUE, key CODE VALUE, drop (events were lost), fail ERRNO (of the next force
+// orders; 0 ends it), state.
+#include "tests/devices/mock/child.hpp"
+
+#include <umockdev.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <sstream>
+
+#include <linux/input.h>
+#include <unistd.h>
+
+namespace {
+
+const char* const kNode = "/dev/input/event3";
+
+// Two forces it knows (constant, bit 0x52; gain, bit 0x60), three axes, one button.
+const char* const kRecord = "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input5\n"
+                            "E: SUBSYSTEM=input\n"
+                            "A: name=Double Stick\\n\n"
+                            "A: uniq=STICK7\\n\n"
+                            "A: capabilities/ff=100040000 0\\n\n"
+                            "A: capabilities/abs=7\\n\n"
+                            "\n"
+                            "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input5/event3\n"
+                            "N: input/event3\n"
+                            "E: DEVNAME=/dev/input/event3\n"
+                            "E: SUBSYSTEM=input\n"
+                            "E: MAJOR=13\nE: MINOR=67\n"
+                            "L: device=../../input5\n"
+                            "\n"
+                            "P: /devices/platform/keyboard/input/input6\n"
+                            "E: SUBSYSTEM=input\n"
+                            "A: name=Keyboard\\n\n"
+                            "A: capabilities/ff=0\\n\n"
+                            "\n"
+                            "P: /devices/platform/keyboard/input/input6/event4\n"
+                            "N: input/event4\n"
+                            "E: DEVNAME=/dev/input/event4\n"
+                            "E: SUBSYSTEM=input\n"
+                            "L: device=../../input6\n";
+
+class Stick {
+public:
+  std::string command(const std::string& line, int master) {
+    const std::scoped_lock lock(mutex_);
+    std::istringstream words(line);
+    std::string name;
+    int code = 0, value = 0;
+    words >> name >> code >> value;
+    if (name == "axis") {
+      axes_[code] = value;
+      feed(master, EV_ABS, code, value);
+      feed(master, EV_SYN, SYN_REPORT, 0);
+    } else if (name == "key") {
+      key_ = value;
+      feed(master, EV_KEY, code, value);
+      feed(master, EV_SYN, SYN_REPORT, 0);
+    } else if (name == "drop") { // it moves, and nobody hears of it
+      axes_[ABS_X] = code;
+      feed(master, EV_SYN, SYN_DROPPED, 0);
+      feed(master, EV_ABS, ABS_X, -30000);
+      feed(master, EV_SYN, SYN_REPORT, 0);
+    } else if (name == "fail") {
+      failure_ = code;
+    } else if (name == "state") {
+      char text[160];
+      std::snprintf(text, sizeof text,
+                    "level=%d direction=%d playing=%d effects=%d uploads=%d gain=%d", level_,
+                    direction_, playing_, effects_, uploads_, gain_);
+      return text;
+    } else {
+      return "?";
+    }
+    return "ok";
+  }
+
+  gboolean ioctl(UMockdevIoctlClient* client) {
+    const std::scoped_lock lock(mutex_);
+    const auto request = static_cast<unsigned long>(umockdev_ioctl_client_get_request(client));
+    const auto size = _IOC_SIZE(request);
+    UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
+    if (request == EVIOCRMFF) {
+      --effects_;
+      level_ = 0;
+      return done(client, 0, 0);
+    }
+    UMockdevIoctlData* data = umockdev_ioctl_data_resolve(argument, 0, size, nullptr);
+    if (!data)
+      return done(client, -1, EIO);
+    if (request == EVIOCSFF) {
+      if (failure_ != 0)
+        return done(client, -1, failure_);
+      ff_effect effect;
+      std::memcpy(&effect, data->data, sizeof effect);
+      if (effect.type != FF_CONSTANT)
+        return done(client, -1, EINVAL);
+      if (effect.id < 0) {
+        effect.id = 4;
+        ++effects_;
+        std::memcpy(data->data, &effect, sizeof effect);
+      }
+      ++uploads_;
+      level_ = effect.u.constant.level;
+      direction_ = effect.direction;
+      return done(client, 0, 0);
+    }
+    for (const int code : {ABS_X, ABS_Y, ABS_Z})
+      if (request == EVIOCGABS(static_cast<unsigned>(code))) {
+        input_absinfo range{};
+        range.value = axes_[code];
+        range.minimum = -32768;
+        range.maximum = 32767;
+        std::memcpy(data->data, &range, sizeof range);
+        return done(client, 0, 0);
+      }
+    const bool which = request == EVIOCGBIT(EV_KEY, size);
+    if (which || request == EVIOCGKEY(size)) {
+      std::memset(data->data, 0, size);
+      if (which || key_)
+        data->data[BTN_TRIGGER / 8] = static_cast<unsigned char>(1u << (BTN_TRIGGER % 8));
+      return done(client, static_cast<long>(size), 0);
+    }
+    return done(client, -1, ENOTTY);
+  }
+
+  gboolean write(UMockdevIoctlClient* client) {
+    const std::scoped_lock lock(mutex_);
+    UMockdevIoctlData* data = umockdev_ioctl_client_get_arg(client);
+    input_event event{};
+    std::memcpy(&event, data->data,
+                std::min(sizeof event, static_cast<std::size_t>(data->data_len)));
+    if (event.type == EV_FF && event.code == FF_GAIN)
+      gain_ = event.value;
+    else if (event.type == EV_FF && event.code == 4)
+      playing_ = event.value;
+    return done(client, static_cast<long>(data->data_len), 0);
+  }
+
+private:
+  static gboolean done(UMockdevIoctlClient* client, long result, int error) {
+    umockdev_ioctl_client_complete(client, result, error);
+    return TRUE;
+  }
+  static void feed(int master, int type, int code, int value) {
+    input_event event{};
+    event.type = static_cast<unsigned short>(type);
+    event.code = static_cast<unsigned short>(code);
+    event.value = value;
+    if (::write(master, &event, sizeof event) < 0)
+      std::perror("joystick_double");
+  }
+
+  std::mutex mutex_;
+  std::map<int, int> axes_;
+  int key_ = 0, level_ = 0, direction_ = 0, playing_ = 0, effects_ = 0, uploads_ = 0, gain_ = 0;
+  int failure_ = 0;
+};
+
+} // namespace
+
+int main(int count, char** words) {
+  if (count < 2)
+    return std::fputs("umockdev-wrapper joystick_double PROGRAM ARGUMENTS...\n", stderr), 2;
+  UMockdevTestbed* bed = umockdev_testbed_new();
+  GError* error = nullptr;
+  if (!umockdev_testbed_add_from_string(bed, kRecord, &error)) {
+    std::fprintf(stderr, "joystick_double: %s\n", error->message);
+    return 2;
+  }
+  Stick stick;
+  UMockdevIoctlBase* handler = umockdev_ioctl_base_new();
+  g_signal_connect(handler, "handle-ioctl",
+                   G_CALLBACK(+[](UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
+                     return static_cast<Stick*>(self)->ioctl(client);
+                   }),
+                   &stick);
+  g_signal_connect(handler, "handle-write",
+                   G_CALLBACK(+[](UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
+                     return static_cast<Stick*>(self)->write(client);
+                   }),
+                   &stick);
+  if (!umockdev_testbed_attach_ioctl(bed, kNode, handler, &error)) {
+    std::fprintf(stderr, "joystick_double: %s\n", error->message);
+    return 2;
+  }
+  const int master = umockdev_testbed_get_dev_fd(bed, kNode);
+  const int status = tactus::mock::run_child(
+      words + 1,
+      [&](const std::string& line) -> std::string { return stick.command(line, master); }, [] {});
+  umockdev_testbed_detach_ioctl(bed, kNode, nullptr);
+  g_object_unref(handler);
+  g_object_unref(bed);
+  return status;
+}
