@@ -1,5 +1,6 @@
 #include "tests/devices/mock/mock_usb.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
@@ -114,8 +115,8 @@ MockUsb::MockUsb(UMockdevTestbed* bed, UsbDescription description, UsbDevice& de
 }
 
 MockUsb::~MockUsb() {
-  if (plugged_)
-    umockdev_testbed_detach_ioctl(bed_, node().c_str(), nullptr);
+  for (const std::string& node : nodes_)
+    umockdev_testbed_detach_ioctl(bed_, node.c_str(), nullptr);
   g_object_unref(handler_);
 }
 
@@ -130,11 +131,14 @@ std::string MockUsb::path() const {
 void MockUsb::plug() {
   if (plugged_)
     return;
+  if (!nodes_.empty())
+    ++description_.address; // as the kernel does; programs may still hold the old node
   GError* error = nullptr;
   check(umockdev_testbed_add_from_string(bed_, record(description_, path()).c_str(), &error), error,
         "the device cannot be added");
   check(umockdev_testbed_attach_ioctl(bed_, node().c_str(), handler_, &error), error,
         "the node cannot be served");
+  nodes_.push_back(node());
   const std::scoped_lock lock(mutex_);
   pending_.clear();
   discarded_.clear();
@@ -158,6 +162,31 @@ gboolean MockUsb::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpoi
   return TRUE;
 }
 
+// Strings are answered here, as every device has them; the rest is the device's.
+int MockUsb::control(std::span<const std::uint8_t, 8> setup, std::span<std::uint8_t> payload) {
+  constexpr std::uint8_t kGetDescriptor = 6, kString = 3;
+  if (setup[0] != 0x80 || setup[1] != kGetDescriptor || setup[3] != kString)
+    return device_.control(setup, payload);
+  const std::string* strings[] = {&description_.manufacturer, &description_.model,
+                                  &description_.serial};
+  if (setup[2] > 3)
+    return -EPIPE;
+  std::vector<std::uint8_t> bytes{0, kString};
+  if (setup[2] == 0) {
+    bytes.push_back(0x09); // English
+    bytes.push_back(0x04);
+  } else {
+    for (const char letter : *strings[setup[2] - 1]) {
+      bytes.push_back(static_cast<std::uint8_t>(letter));
+      bytes.push_back(0);
+    }
+  }
+  bytes[0] = static_cast<std::uint8_t>(bytes.size());
+  const std::size_t length = std::min(bytes.size(), payload.size());
+  std::copy_n(bytes.begin(), length, payload.begin());
+  return static_cast<int>(length);
+}
+
 // True when the transfer is done, well or badly.
 bool MockUsb::finish(Transfer& transfer) {
   auto* urb = reinterpret_cast<usbdevfs_urb*>(transfer.urb->data);
@@ -166,7 +195,7 @@ bool MockUsb::finish(Transfer& transfer) {
   int result = -ENODEV;
   if (plugged_) {
     if (urb->type == USBDEVFS_URB_TYPE_CONTROL)
-      result = device_.control(payload.first<8>(), payload.subspan(8));
+      result = control(payload.first<8>(), payload.subspan(8));
     else if (urb->endpoint & 0x80)
       result = device_.in(urb->endpoint, payload);
     else
@@ -197,7 +226,7 @@ void MockUsb::reap(UMockdevIoctlClient* client, UMockdevIoctlData* result) {
       return deliver(transfer);
     }
   // The node is a plain file, always ready for poll(): without a pause clients spin.
-  usleep(100);
+  usleep(200);
   umockdev_ioctl_client_complete(client, -1, plugged_ ? EAGAIN : ENODEV);
 }
 
@@ -219,6 +248,7 @@ void MockUsb::serve(UMockdevIoctlClient* client) {
         USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_BULK_CONTINUATION | USBDEVFS_CAP_NO_PACKET_SIZE_LIM;
     return answer(0, 0);
   case USBDEVFS_CLAIMINTERFACE:
+  case USBDEVFS_DISCONNECT_CLAIM:
   case USBDEVFS_RELEASEINTERFACE:
   case USBDEVFS_SETCONFIGURATION:
   case USBDEVFS_SETINTERFACE:
@@ -226,6 +256,7 @@ void MockUsb::serve(UMockdevIoctlClient* client) {
   case USBDEVFS_RESET:
     return plugged_ ? answer(0, 0) : answer(-1, ENODEV);
   case USBDEVFS_GETDRIVER:
+  case USBDEVFS_IOCTL:
     return answer(-1, ENODATA); // no kernel driver holds the interface
   case USBDEVFS_SUBMITURB: {
     if (!plugged_)

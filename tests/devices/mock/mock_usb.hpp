@@ -45,7 +45,7 @@ public:
   void unplug();
   void plug();
   [[nodiscard]] bool plugged() const { return plugged_; }
-  [[nodiscard]] std::string node() const;
+  [[nodiscard]] std::string node() const; ///< another after each plugging in
   [[nodiscard]] std::string path() const;
 
 private:
@@ -54,6 +54,7 @@ private:
   };
   static gboolean on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self);
   void serve(UMockdevIoctlClient* client);
+  int control(std::span<const std::uint8_t, 8> setup, std::span<std::uint8_t> payload);
   bool finish(Transfer& transfer);
   void reap(UMockdevIoctlClient* client, UMockdevIoctlData* result);
 
@@ -63,6 +64,7 @@ private:
   UMockdevIoctlBase* handler_;
   std::mutex mutex_;
   bool plugged_ = false;
+  std::vector<std::string> nodes_; // all that are served, the newest last
   std::deque<Transfer> pending_, discarded_;
 };
 

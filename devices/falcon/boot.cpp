@@ -1,0 +1,131 @@
+#include "devices/falcon/boot.hpp"
+
+#include "devices/falcon/packet.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <thread>
+
+namespace tactus::devices::falcon {
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kGreeting{0x0a, 0x43, 0x0d};
+constexpr std::array<std::uint8_t, 4> kWelcome{0x0a, 0x44, 0x2c, 0x0d};
+constexpr std::array<std::uint8_t, 1> kBegin{0x41};
+constexpr int kMostGreetings = 100, kMostUploads = 10, kMostProbes = 3;
+constexpr double kWelcome_s = 0.05, kEcho_s = 0.5, kProbe_s = 0.1, kClearToSend_s = 0.1;
+constexpr std::size_t kPiece = kTransferBytes - kStatusBytes; // its echo fits one IN transfer
+constexpr auto kShortestPause = std::chrono::milliseconds(20);
+constexpr auto kLongestPause = std::chrono::milliseconds(500);
+
+enum class Step { kDone, kFailed, kGone };
+
+Step gone(std::string& obstacle) {
+  obstacle = "the Falcon left the bus while it was set up: plug it in again";
+  return Step::kGone;
+}
+
+Step greet(Link& link, std::string& obstacle) {
+  for (int attempt = 0; attempt < kMostGreetings; ++attempt) {
+    std::vector<std::uint8_t> answer;
+    if (!link.enter_greeting() || !link.send(kGreeting))
+      return gone(obstacle);
+    // Some hosts see a leading zero byte.
+    if (!link.receive(answer, kWelcome.size(), kWelcome_s))
+      return gone(obstacle);
+    if (!answer.empty() && answer.front() == 0) {
+      answer.erase(answer.begin());
+      if (!link.receive(answer, kWelcome.size(), kWelcome_s))
+        return gone(obstacle);
+    }
+    if (std::equal(answer.begin(), answer.end(), kWelcome.begin(), kWelcome.end()))
+      return Step::kDone;
+  }
+  obstacle = "the Falcon's boot loader did not answer " + std::to_string(kMostGreetings) +
+             " greetings: unplug its power and USB for ten seconds, and try another port or a hub "
+             "with its own power";
+  return Step::kFailed;
+}
+
+Step begin_upload(Link& link, std::string& obstacle) {
+  std::vector<std::uint8_t> answer;
+  if (!link.enter_upload())
+    return gone(obstacle);
+  // The device raises "clear to send" when it is ready at the new speed; it is not always seen.
+  const auto begin = std::chrono::steady_clock::now();
+  const auto longest = std::chrono::duration<double>(kClearToSend_s);
+  while (std::chrono::steady_clock::now() - begin < longest) {
+    std::vector<std::uint8_t> nothing;
+    if (!link.receive(nothing, 1, 0.02))
+      return gone(obstacle);
+    if (link.clear_to_send())
+      break;
+  }
+  if (!link.send(kBegin) || !link.receive(answer, kBegin.size(), kEcho_s))
+    return gone(obstacle);
+  if (answer.size() == 1 && answer[0] == kBegin[0])
+    return Step::kDone;
+  obstacle = "the Falcon's boot loader did not take the firmware's speed";
+  return Step::kFailed;
+}
+
+Step send_firmware(Link& link, std::span<const std::uint8_t> firmware, std::string& obstacle) {
+  for (std::size_t at = 0; at < firmware.size(); at += kPiece) {
+    const auto piece = firmware.subspan(at, std::min(kPiece, firmware.size() - at));
+    std::vector<std::uint8_t> echo;
+    if (!link.send(piece) || !link.receive(echo, piece.size(), kEcho_s))
+      return gone(obstacle);
+    if (!std::equal(echo.begin(), echo.end(), piece.begin(), piece.end())) {
+      obstacle = "the Falcon echoed the firmware wrongly near byte " + std::to_string(at);
+      return Step::kFailed;
+    }
+  }
+  return Step::kDone;
+}
+
+} // namespace
+
+bool firmware_runs(Link& link) {
+  if (!link.enter_run())
+    return false;
+  for (int attempt = 0; attempt < kMostProbes; ++attempt) {
+    std::vector<std::uint8_t> bytes;
+    if (!link.send(encode(Order{})) || !link.receive(bytes, kPacketBytes, kProbe_s))
+      return false;
+    AnswerStream stream;
+    for (const std::uint8_t byte : bytes)
+      if (stream.take(byte))
+        return true;
+  }
+  return false;
+}
+
+std::string upload(Link& link, std::span<const std::uint8_t> firmware) {
+  std::string obstacle;
+  std::chrono::milliseconds pause = kShortestPause;
+  for (int attempt = 0; attempt < kMostUploads; ++attempt) {
+    if (attempt > 0) {
+      std::this_thread::sleep_for(pause);
+      pause = std::min(2 * pause, kLongestPause);
+    }
+    if (greet(link, obstacle) != Step::kDone)
+      return obstacle; // has tried often enough already
+    Step step = begin_upload(link, obstacle);
+    if (step == Step::kDone)
+      step = send_firmware(link, firmware, obstacle);
+    if (step == Step::kGone)
+      return obstacle;
+    if (step == Step::kFailed)
+      continue;
+    if (firmware_runs(link))
+      return {};
+    obstacle = "the Falcon took the firmware but does not run it: is it the right file?";
+  }
+  return obstacle + " (" + std::to_string(kMostUploads) +
+         " tries): unplug its power and USB for ten seconds, and try another port or a hub with "
+         "its "
+         "own power";
+}
+
+} // namespace tactus::devices::falcon

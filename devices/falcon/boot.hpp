@@ -1,0 +1,14 @@
+#pragma once
+
+#include "devices/falcon/link.hpp"
+
+namespace tactus::devices::falcon {
+
+/// True when firmware answers in run mode. Leaves the line in run mode; no force is sent.
+[[nodiscard]] bool firmware_runs(Link& link);
+
+/// Greets the boot loader, sends the firmware and checks each byte of the echo; tries again, with
+/// growing pauses, as often as makes sense. Empty when the firmware runs, else a sentence.
+[[nodiscard]] std::string upload(Link& link, std::span<const std::uint8_t> firmware);
+
+} // namespace tactus::devices::falcon

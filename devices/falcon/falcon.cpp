@@ -1,0 +1,274 @@
+#include "devices/falcon/falcon.hpp"
+
+#include "devices/falcon/boot.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+namespace tactus::devices::falcon {
+namespace {
+
+// Half the way across the reach that CHAI3D gives this device; its limits too.
+constexpr double kRadius_m = 0.040, kPeak_n = 8, kStiffness = 3000, kDamping = 20;
+
+constexpr std::size_t kMostFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
+constexpr double kFirstAnswer_s = 1.0;
+constexpr double kSilent_s = 0.005;    // without an answer before a read fails
+constexpr double kForceReturn_s = 0.5; // from none to full force after homing
+constexpr double kHomingLeast_s = 0.1; // of the homing order after "home"
+constexpr double kStuck_s = 5.0;       // without a single count since the opening
+constexpr int kLeap = 400;             // counts between two answers: some 15 m/s
+
+// Encoders that stand still to the count for so long, under a force that a hand cannot hold that
+// still, away from the stops, are frozen.
+constexpr double kFrozen_s = 2.0;
+constexpr int kFrozenTorque = 1000; // counts: about 2 N
+constexpr double kStops_m = 0.045;
+
+std::shared_ptr<UsbLibrary> library(std::string& obstacle) {
+  auto usb = std::make_shared<UsbLibrary>();
+  obstacle = usb->load();
+  return usb;
+}
+
+bool leaps(const Counts& from, const Counts& to) noexcept {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (std::abs(to[i] - from[i]) > kLeap)
+      return true;
+  return false;
+}
+
+std::string read_firmware(const std::string& file, std::vector<std::uint8_t>& bytes) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in)
+    return "the firmware file " + file + " cannot be read: check its path";
+  bytes.assign(std::istreambuf_iterator<char>(in), {});
+  if (bytes.empty() || bytes.size() > kMostFirmware)
+    return "the firmware file " + file + " has " + std::to_string(bytes.size()) +
+           " bytes; expected 1 to " + std::to_string(kMostFirmware);
+  return {};
+}
+
+} // namespace
+
+std::string Falcon::open() {
+  close();
+  Settings settings;
+  {
+    const std::scoped_lock lock(mutex_);
+    settings = settings_;
+  }
+  std::string obstacle;
+  auto usb = library(obstacle);
+  if (!obstacle.empty())
+    return obstacle;
+  link_ = std::make_unique<Link>(std::move(usb));
+  obstacle = link_->open(settings.device);
+  if (obstacle.empty())
+    obstacle = boot(settings);
+  if (obstacle.empty())
+    obstacle = run();
+  if (!obstacle.empty()) {
+    stream_.reset();
+    link_.reset();
+    return obstacle;
+  }
+  const std::scoped_lock lock(mutex_);
+  port_ = link_->port();
+  settings_.reload = false;
+  condition_ = Condition::kHoming;
+  return {};
+}
+
+std::string Falcon::boot(const Settings& settings) {
+  if (!settings.reload && firmware_runs(*link_))
+    return {};
+  if (settings.firmware.empty())
+    return "the Falcon has no firmware: send firmware FILE, with the file of the manufacturer's "
+           "software (tactus may not ship it; docs/devices/falcon.md)";
+  std::vector<std::uint8_t> firmware;
+  const std::string obstacle = read_firmware(settings.firmware, firmware);
+  return obstacle.empty() ? upload(*link_, firmware) : obstacle;
+}
+
+std::string Falcon::run() {
+  estimator_.reset();
+  estimator_.set_bound(reading_bound_m());
+  frame_ = {};
+  rejected_.reset();
+  position_ = kCentre;
+  velocity_ = {};
+  homed_ = homing_ = frozen_ = false;
+  stuck_ = home_asked_ = moved_ = false;
+  time_s_ = fresh_s_ = open_s_ = homed_s_ = homing_s_ = still_s_ = 0;
+  torque_counts_ = 0;
+
+  stream_ = std::make_unique<Stream>(*link_);
+  bool answers = stream_->start();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kFirstAnswer_s);
+  while (answers && !stream_->receive()) {
+    answers = !stream_->lost() && std::chrono::steady_clock::now() < end;
+    stream_->send(Order{});
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  if (!answers)
+    return "the Falcon stopped answering: plug it in again and open it again";
+  frame_ = stream_->latest();
+  return {};
+}
+
+void Falcon::close() noexcept {
+  const Condition last = condition_.exchange(Condition::kClosed);
+  // Encoders that stand still: begin with the boot loader next time.
+  if (last == Condition::kFrozen || (last == Condition::kHoming && stuck_)) {
+    const std::scoped_lock lock(mutex_);
+    settings_.reload = !settings_.firmware.empty();
+  }
+  stream_.reset(); // sends no force first
+  link_.reset();
+}
+
+haptic::Caps Falcon::caps() const noexcept {
+  haptic::Caps caps;
+  caps.peak_force_n = kPeak_n;
+  caps.stiffness_limit_n_per_m = kStiffness;
+  caps.damping_limit_n_s_per_m = kDamping;
+  caps.workspace_min = {-kRadius_m, -kRadius_m, -kRadius_m};
+  caps.workspace_max = {kRadius_m, kRadius_m, kRadius_m};
+  caps.position_noise_m = reading_bound_m();
+  caps.has_velocity = true; // estimated here, where the answers' own times are known
+  caps.has_buttons = true;
+  caps.needs_home = true;
+  return caps;
+}
+
+// False when the answer makes no sense.
+bool Falcon::take(const Frame& frame) noexcept {
+  const Counts& counts = frame.answer.encoders;
+  if (frame_.number > 0 && leaps(frame_.answer.encoders, counts) &&
+      (!rejected_ || leaps(*rejected_, counts))) {
+    rejected_ = counts; // a second answer near it makes it true
+    return false;
+  }
+  rejected_.reset();
+  const Forward found = forward(angles_of(counts), position_);
+  if (!found.found)
+    return false;
+  if (frame_.number > 0 && frame_.answer.encoders != counts) {
+    moved_ = true;
+    still_s_ = 0;
+    frozen_ = false;
+  }
+  position_ = found.position;
+  velocity_ = estimator_.update(position_, frame.time_s);
+  frame_ = frame;
+  return true;
+}
+
+bool Falcon::read(const haptic::Tick& tick, haptic::State& state) noexcept {
+  if (!stream_)
+    return false;
+  period_s_ = std::clamp(tick.time_s - time_s_, 0.0, 0.1);
+  time_s_ = tick.time_s;
+  const bool fresh = stream_->receive() && take(stream_->latest());
+  watch(tick, fresh);
+  state.position = position_ - kCentre;
+  state.velocity = velocity_;
+  state.buttons = frame_.answer.flags & Answer::kButtons;
+  state.flags = homed_ ? haptic::State::kHomed : 0u;
+  const Condition condition = condition_.load(std::memory_order_relaxed);
+  if (condition == Condition::kFrozen)
+    state.flags |= haptic::State::kFault;
+  return condition != Condition::kLost && condition != Condition::kSilent;
+}
+
+void Falcon::watch(const haptic::Tick& tick, bool fresh) noexcept {
+  if (fresh || fresh_s_ == 0)
+    fresh_s_ = tick.time_s;
+  open_s_ += period_s_;
+  stuck_.store(!moved_ && open_s_ > kStuck_s, std::memory_order_relaxed);
+  // Homing: the device reports a flag for each arm that has passed its mark.
+  if (home_asked_.exchange(false)) {
+    homing_ = true;
+    homing_s_ = 0;
+  }
+  homing_s_ += homing_ ? period_s_ : 0;
+  if (homing_ && homing_s_ > kHomingLeast_s && frame_.answer.homed())
+    homing_ = false;
+  const bool homed = frame_.answer.homed() && !homing_;
+  homed_s_ = homed && homed_ ? homed_s_ + period_s_ : 0;
+  homed_ = homed;
+
+  const bool centred = norm(position_ - kCentre) < kStops_m;
+  still_s_ = homed_ && centred && torque_counts_ >= kFrozenTorque ? still_s_ + period_s_ : 0;
+  frozen_ = frozen_ || still_s_ >= kFrozen_s; // until a count changes
+  Condition condition = Condition::kWell;
+  if (stream_->lost())
+    condition = Condition::kLost;
+  else if (tick.time_s - fresh_s_ > kSilent_s)
+    condition = Condition::kSilent;
+  else if (frozen_)
+    condition = Condition::kFrozen;
+  else if (!homed_)
+    condition = Condition::kHoming;
+  condition_.store(condition, std::memory_order_relaxed);
+}
+
+bool Falcon::write(const Vec3& force_n) noexcept {
+  if (!stream_ || stream_->lost())
+    return false;
+  Order order;
+  order.flags = lights(homed_);
+  if (homed_) {
+    const double share = std::min(homed_s_ / kForceReturn_s, 1.0);
+    order.motors = motor_counts(torques(position_, force_n * share),
+                                counts_per_n_m_.load(std::memory_order_relaxed));
+  } else {
+    order.flags |= Order::kHoming;
+  }
+  torque_counts_ = 0;
+  for (const std::int16_t motor : order.motors)
+    torque_counts_ = std::max(torque_counts_, std::abs(motor));
+  stream_->send(order);
+  return true;
+}
+
+std::uint8_t Falcon::lights(bool homed) const noexcept {
+  const int asked = lights_.load(std::memory_order_relaxed);
+  if (!homed)
+    return Order::kRed;
+  return asked < 0 ? std::uint8_t{Order::kGreen} : static_cast<std::uint8_t>(asked);
+}
+
+haptic::Identity Falcon::identity() const {
+  const std::scoped_lock lock(mutex_);
+  return {"Novint", "Falcon", port_.serial.empty() ? port_.path : port_.serial};
+}
+
+std::string Falcon::trouble() const {
+  switch (condition_.load(std::memory_order_relaxed)) {
+  case Condition::kLost:
+    return "the Falcon has left the bus: plug it in and open it again";
+  case Condition::kSilent:
+    return "the Falcon does not answer: check its power, then close and open it";
+  case Condition::kFrozen:
+    return "the Falcon's encoders stand still under force: close and open it, which loads the "
+           "firmware again";
+  case Condition::kHoming:
+    return moved_
+               ? "the Falcon is not homed: pull the grip out as far as it goes, then push it in"
+               : "the Falcon is not homed: pull the grip out as far as it goes, then push it in; "
+                 "if it stays so, close and open it, which loads the firmware again";
+  case Condition::kClosed:
+  case Condition::kWell:
+    break;
+  }
+  return {};
+}
+
+} // namespace tactus::devices::falcon

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "core/haptic/velocity.hpp"
+#include "devices/driver.hpp"
+#include "devices/falcon/kinematics.hpp"
+#include "devices/falcon/stream.hpp"
+
+#include <mutex>
+#include <optional>
+
+namespace tactus::devices::falcon {
+
+/// A Novint Falcon over libusb. Settings: device WHICH, firmware FILE, reload, led COLOUR..., home,
+/// gain COUNTS. docs/devices/falcon.md
+class Falcon final : public haptic::Backend {
+public:
+  ~Falcon() override { close(); }
+
+  [[nodiscard]] std::string open() override;
+  void close() noexcept override;
+  [[nodiscard]] haptic::Caps caps() const noexcept override;
+  [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
+  [[nodiscard]] std::string configure(std::span<const std::string> words) override;
+  [[nodiscard]] haptic::Identity identity() const override;
+  [[nodiscard]] std::string trouble() const override;
+
+private:
+  enum class Condition { kClosed, kWell, kHoming, kSilent, kFrozen, kLost };
+  struct Settings {
+    std::string device, firmware;
+    bool reload = false; ///< upload at the next opening even if firmware runs
+  };
+  [[nodiscard]] std::string boot(const Settings& settings);
+  [[nodiscard]] bool take(const Frame& frame) noexcept;
+  void watch(const haptic::Tick& tick, bool fresh) noexcept;
+  [[nodiscard]] std::string run();
+  [[nodiscard]] std::uint8_t lights(bool homed) const noexcept;
+
+  mutable std::mutex mutex_; // of the next two, held briefly and never in the servo
+  Settings settings_;
+  Port port_;
+  std::unique_ptr<Link> link_;
+  std::unique_ptr<Stream> stream_;
+
+  // between the servo's thread and the others
+  std::atomic<Condition> condition_{Condition::kClosed};
+  std::atomic<double> counts_per_n_m_{10000};
+  std::atomic<int> lights_{-1}; // Order::Flags, or -1: by state
+  std::atomic<bool> home_asked_{false}, stuck_{false};
+
+  // the servo's
+  haptic::VelocityEstimator estimator_;
+  Frame frame_{};
+  std::optional<Counts> rejected_{};
+  Vec3 position_ = kCentre, velocity_{};
+  bool homed_ = false, homing_ = false, frozen_ = false, moved_ = false;
+  double time_s_ = 0, period_s_ = 1e-3;
+  double fresh_s_ = 0, open_s_ = 0, homed_s_ = 0, homing_s_ = 0, still_s_ = 0;
+  int torque_counts_ = 0; // the largest of the last order
+};
+
+} // namespace tactus::devices::falcon

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "devices/falcon/usb_library.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactus::devices::falcon {
+
+constexpr std::uint8_t kOutEndpoint = 0x02, kInEndpoint = 0x81;
+constexpr std::size_t kTransferBytes = 64; ///< of a full-speed bulk endpoint
+constexpr std::size_t kStatusBytes = 2;    ///< with which the serial chip begins each IN transfer
+
+/// Where a Falcon is plugged in.
+struct Port {
+  std::string path;     ///< bus and ports: "1-2.3"
+  std::string serial;   ///< empty when it cannot be asked
+  std::string obstacle; ///< empty when it can be opened
+};
+
+/// The serial line to a Falcon: an FTDI FT232R chip at 0403:cb48. Blocking, for setting up; in run
+/// mode a Stream takes over.
+class Link {
+public:
+  explicit Link(std::shared_ptr<UsbLibrary> usb) : usb_(std::move(usb)) {}
+  ~Link() { close(); }
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  /// All Falcons on the buses now.
+  [[nodiscard]] static std::vector<Port> ports(UsbLibrary& usb);
+
+  /// which: an index into ports(), a serial number or a path; empty is the first. Empty answer when
+  /// the device is ours, else a sentence.
+  [[nodiscard]] std::string open(const std::string& which);
+  void close() noexcept;
+
+  /// 9600 baud and a restart of the boot loader.
+  [[nodiscard]] bool enter_greeting() noexcept;
+  /// About 140 kbaud, for the firmware.
+  [[nodiscard]] bool enter_upload() noexcept;
+  /// 1.5 Mbaud and the shortest latency.
+  [[nodiscard]] bool enter_run() noexcept;
+
+  [[nodiscard]] bool send(std::span<const std::uint8_t> bytes) noexcept;
+  /// Appends what arrives to bytes until there are so many or the time is over. False when the
+  /// device is gone.
+  [[nodiscard]] bool receive(std::vector<std::uint8_t>& bytes, std::size_t wanted, double most_s);
+  /// The chip's "clear to send" input, as of the last transfer.
+  [[nodiscard]] bool clear_to_send() const noexcept { return clear_to_send_; }
+
+  [[nodiscard]] UsbLibrary& usb() noexcept { return *usb_; }
+  [[nodiscard]] libusb_context* context() noexcept { return context_; }
+  [[nodiscard]] libusb_device_handle* handle() noexcept { return handle_; }
+  [[nodiscard]] const Port& port() const noexcept { return port_; }
+
+private:
+  enum class Request : std::uint8_t {
+    kReset = 0,
+    kModem = 1,
+    kFlow = 2,
+    kDivisor = 3,
+    kFormat = 4,
+    kLatency = 9
+  };
+  bool set(Request request, std::uint16_t value) noexcept;
+  bool purge() noexcept { return set(Request::kReset, 1) && set(Request::kReset, 2); }
+
+  std::shared_ptr<UsbLibrary> usb_;
+  libusb_context* context_ = nullptr;
+  libusb_device_handle* handle_ = nullptr;
+  bool claimed_ = false, clear_to_send_ = false;
+  Port port_;
+};
+
+} // namespace tactus::devices::falcon

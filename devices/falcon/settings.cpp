@@ -1,0 +1,84 @@
+#include "devices/falcon/falcon.hpp"
+
+#include <array>
+#include <charconv>
+#include <string_view>
+
+namespace tactus::devices::falcon {
+namespace {
+
+constexpr double kLeastGain = 100, kMostGain = 1e6;
+
+struct Light {
+  std::string_view name;
+  int flags;
+};
+constexpr std::array<Light, 5> kLights{{{"auto", -1},
+                                        {"off", 0},
+                                        {"red", Order::kRed},
+                                        {"green", Order::kGreen},
+                                        {"blue", Order::kBlue}}};
+
+// The colours' sum, or nothing.
+std::optional<int> lights_of(std::span<const std::string> words) {
+  std::optional<int> sum;
+  for (const std::string& word : words) {
+    const auto* light = kLights.begin();
+    while (light != kLights.end() && light->name != word)
+      ++light;
+    if (light == kLights.end() || (light->flags <= 0 && words.size() > 1))
+      return std::nullopt;
+    sum = sum.value_or(0) | light->flags;
+  }
+  return sum;
+}
+
+} // namespace
+
+std::string Falcon::configure(std::span<const std::string> words) {
+  const std::string name = words.empty() ? std::string() : words[0];
+  const auto values = words.empty() ? words : words.subspan(1);
+  if (name == "device" && values.size() == 1) {
+    const std::scoped_lock lock(mutex_);
+    settings_.device = values[0];
+    return {};
+  }
+  if (name == "firmware" && values.size() == 1) {
+    const std::scoped_lock lock(mutex_);
+    settings_.firmware = values[0];
+    return {};
+  }
+  if (name == "reload" && values.empty()) {
+    const std::scoped_lock lock(mutex_);
+    settings_.reload = true;
+    return {};
+  }
+  if (name == "home" && values.empty()) {
+    home_asked_ = true;
+    return {};
+  }
+  if (name == "led") {
+    const auto lights = lights_of(values);
+    if (!lights)
+      return "falcon: led takes auto, off, or colours of red, green and blue";
+    lights_ = *lights;
+    return {};
+  }
+  if (name == "gain" && values.size() == 1) {
+    double gain = 0;
+    const std::string& text = values[0];
+    const auto end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, gain);
+    if (read.ec != std::errc() || read.ptr != end || !(gain >= kLeastGain && gain <= kMostGain))
+      return "falcon: gain " + text +
+             " is not possible: expected 100 to 1000000 motor counts per "
+             "N m (10000 unless you have measured another)";
+    counts_per_n_m_ = gain;
+    return {};
+  }
+  return "falcon: " + (name.empty() ? std::string("a setting") : name) +
+         " is not understood: expected device WHICH, firmware FILE, reload, home, led COLOUR, or "
+         "gain COUNTS";
+}
+
+} // namespace tactus::devices::falcon

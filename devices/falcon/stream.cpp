@@ -1,0 +1,205 @@
+#include "devices/falcon/stream.hpp"
+
+#include "devices/thread_priority.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <system_error>
+
+namespace tactus::devices::falcon {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr unsigned kOut_ms = 200;
+constexpr int kMostFailures = 50; // in a row before the line counts as lost
+constexpr auto kFarewell = std::chrono::milliseconds(500);
+constexpr auto kCancel = std::chrono::seconds(2);
+
+double now_s() noexcept {
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+} // namespace
+
+bool Stream::start() {
+  UsbLibrary& usb = link_.usb();
+  for (Transfer& transfer : in_) {
+    transfer.stream = this;
+    transfer.usb = usb.alloc_transfer(0);
+    if (!transfer.usb)
+      return false;
+    libusb_fill_bulk_transfer(transfer.usb, link_.handle(), kInEndpoint, transfer.bytes.data(),
+                              static_cast<int>(transfer.bytes.size()), on_in, &transfer, 0);
+  }
+  for (Transfer& transfer : out_) {
+    transfer.stream = this;
+    transfer.usb = usb.alloc_transfer(0);
+    if (!transfer.usb)
+      return false;
+    libusb_fill_bulk_transfer(transfer.usb, link_.handle(), kOutEndpoint, transfer.bytes.data(),
+                              static_cast<int>(kPacketBytes), on_out, &transfer, kOut_ms);
+  }
+  for (Transfer& transfer : in_)
+    if (!submit(transfer))
+      break; // lost() says so
+  try {
+    handler_ = std::thread([this] { handle_events(); });
+    sender_ = std::thread([this] { send_orders(); });
+  } catch (const std::system_error&) {
+    return false;
+  }
+  return !lost();
+}
+
+void Stream::stop() noexcept {
+  if (sender_.joinable()) {
+    send(Order{});
+    const auto end = Clock::now() + kFarewell;
+    while (!lost() && delivered_.load() < ordered_ && Clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stopping_ = true;
+    wake();
+    sender_.join();
+  }
+  if (handler_.joinable()) {
+    stopping_ = ended_ = true;
+    handler_.join();
+  }
+  for (auto* transfers : {&in_, &out_})
+    for (Transfer& transfer : *transfers) {
+      if (transfer.usb && !transfer.under_way)
+        link_.usb().free_transfer(transfer.usb);
+      transfer.usb = nullptr;
+    }
+}
+
+void Stream::send(const Order& order) noexcept {
+  orders_.write({order, ++ordered_});
+  wake();
+}
+
+Stream::Counts Stream::counts() const noexcept {
+  return {sent_.load(), answered_.load(), broken_.load(), skipped_.load(), failed_.load()};
+}
+
+void Stream::wake() noexcept {
+  wakes_.fetch_add(1, std::memory_order_release);
+  wakes_.notify_one();
+}
+
+bool Stream::idle() const noexcept {
+  return std::none_of(in_.begin(), in_.end(),
+                      [](const Transfer& t) { return t.under_way.load(); }) &&
+         std::none_of(out_.begin(), out_.end(),
+                      [](const Transfer& t) { return t.under_way.load(); });
+}
+
+bool Stream::submit(Transfer& transfer) noexcept {
+  transfer.under_way = true;
+  if (link_.usb().submit_transfer(transfer.usb) == 0)
+    return true;
+  transfer.under_way = false;
+  lost_ = true;
+  return false;
+}
+
+void Stream::failed() noexcept {
+  failed_.fetch_add(1, std::memory_order_relaxed);
+  if (++failures_ >= kMostFailures)
+    lost_ = true;
+}
+
+// In the handler's thread, as all callbacks.
+void LIBUSB_CALL Stream::on_in(libusb_transfer* transfer) {
+  auto& self = *static_cast<Transfer*>(transfer->user_data);
+  Stream& stream = *self.stream;
+  if (transfer->status == LIBUSB_TRANSFER_COMPLETED)
+    stream.take(self);
+  else if (transfer->status == LIBUSB_TRANSFER_NO_DEVICE)
+    stream.lost_ = true;
+  else if (transfer->status != LIBUSB_TRANSFER_CANCELLED)
+    stream.failed();
+  self.under_way = false;
+  if (!stream.stopping_ && !stream.lost_)
+    stream.submit(self);
+}
+
+void LIBUSB_CALL Stream::on_out(libusb_transfer* transfer) {
+  auto& self = *static_cast<Transfer*>(transfer->user_data);
+  Stream& stream = *self.stream;
+  if (transfer->status == LIBUSB_TRANSFER_COMPLETED) {
+    stream.failures_ = 0;
+    stream.delivered_ = std::max(stream.delivered_.load(), self.number);
+  } else if (transfer->status == LIBUSB_TRANSFER_NO_DEVICE) {
+    stream.lost_ = true;
+  } else if (transfer->status != LIBUSB_TRANSFER_CANCELLED) {
+    stream.failed();
+  }
+  self.under_way = false;
+  if (stream.waiting_.exchange(false))
+    stream.wake();
+}
+
+void Stream::take(const Transfer& transfer) noexcept {
+  failures_ = 0;
+  const auto length = static_cast<std::size_t>(std::max(transfer.usb->actual_length, 0));
+  for (std::size_t i = kStatusBytes; i < std::min(length, transfer.bytes.size()); ++i)
+    if (answers_.take(transfer.bytes[i])) {
+      frames_.write({answers_.answer(), ++frame_, now_s()});
+      answered_.store(frame_, std::memory_order_relaxed);
+    }
+  broken_.store(answers_.errors(), std::memory_order_relaxed);
+}
+
+void Stream::send_orders() noexcept {
+  raise_thread_priority(kDeviceThreadPriority);
+  Numbered newest;
+  bool unsent = false;
+  int seen = 0;
+  while (!stopping_ && !lost()) {
+    wakes_.wait(seen, std::memory_order_acquire);
+    seen = wakes_.load(std::memory_order_acquire);
+    if (orders_.read()) {
+      if (unsent)
+        skipped_.fetch_add(1, std::memory_order_relaxed);
+      newest = orders_.latest();
+      unsent = true;
+    }
+    const auto is_free = [](const Transfer& t) { return !t.under_way.load(); };
+    auto free = std::find_if(out_.begin(), out_.end(), is_free);
+    if (unsent && free == out_.end()) {
+      waiting_ = true; // the next completion wakes us, unless it has just happened
+      free = std::find_if(out_.begin(), out_.end(), is_free);
+    }
+    if (!unsent || free == out_.end())
+      continue;
+    const Packet packet = encode(newest.order);
+    std::copy(packet.begin(), packet.end(), free->bytes.begin());
+    free->number = newest.number;
+    unsent = false;
+    if (submit(*free))
+      sent_.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+void Stream::handle_events() noexcept {
+  raise_thread_priority(kDeviceThreadPriority);
+  Clock::time_point end{};
+  for (;;) {
+    if (ended_) {
+      if (end == Clock::time_point{}) {
+        end = Clock::now() + kCancel;
+        for (auto* transfers : {&in_, &out_}) // here, where no callback can submit meanwhile
+          for (Transfer& transfer : *transfers)
+            if (transfer.under_way)
+              link_.usb().cancel_transfer(transfer.usb);
+      }
+      if (idle() || Clock::now() > end)
+        return;
+    }
+    timeval most{0, 20000};
+    link_.usb().handle_events_timeout_completed(link_.context(), &most, nullptr);
+  }
+}
+
+} // namespace tactus::devices::falcon

@@ -1,0 +1,87 @@
+#pragma once
+
+#include "core/haptic/mailbox.hpp"
+#include "devices/falcon/link.hpp"
+#include "devices/falcon/packet.hpp"
+
+#include <array>
+#include <atomic>
+#include <thread>
+
+namespace tactus::devices::falcon {
+
+/// An answer and when it came.
+struct Frame {
+  Answer answer{};
+  std::uint64_t number = 0; ///< counts answers from 1
+  double time_s = 0;        ///< steady clock
+};
+
+/// Run mode. Two threads own libusb, one that submits orders and one that handles what completes,
+/// so that the servo touches memory alone: its send() and receive() allocate nothing, take no lock
+/// and never wait. The newest order wins; at most two are on their way.
+class Stream {
+public:
+  explicit Stream(Link& link) : link_(link) {}
+  ~Stream() { stop(); }
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+
+  /// False when memory or the device is missing.
+  [[nodiscard]] bool start();
+  /// Sends an order without force and waits until the device has it, at most half a second.
+  void stop() noexcept;
+
+  /// For the servo's thread.
+  void send(const Order& order) noexcept;
+  /// True when an answer came since the last call; latest() is then the newest.
+  [[nodiscard]] bool receive() noexcept { return frames_.read(); }
+  [[nodiscard]] const Frame& latest() const noexcept { return frames_.latest(); }
+
+  /// The device has left the bus, or its line has failed for good.
+  [[nodiscard]] bool lost() const noexcept { return lost_.load(std::memory_order_acquire); }
+  struct Counts {
+    std::uint64_t sent, answered, broken, skipped, failed;
+  };
+  /// Orders sent, answers, broken packets, orders that a newer one replaced, failed transfers.
+  [[nodiscard]] Counts counts() const noexcept;
+
+private:
+  struct Numbered {
+    Order order{};
+    std::uint64_t number = 0;
+  };
+  struct Transfer {
+    Stream* stream = nullptr;
+    libusb_transfer* usb = nullptr;
+    std::array<unsigned char, kTransferBytes> bytes{};
+    std::atomic<bool> under_way{false};
+    std::uint64_t number = 0;
+  };
+
+  static void LIBUSB_CALL on_in(libusb_transfer* transfer);
+  static void LIBUSB_CALL on_out(libusb_transfer* transfer);
+  bool submit(Transfer& transfer) noexcept;
+  void take(const Transfer& transfer) noexcept;
+  void failed() noexcept;
+  void send_orders() noexcept;
+  void handle_events() noexcept;
+  void wake() noexcept;
+  [[nodiscard]] bool idle() const noexcept;
+
+  Link& link_;
+  std::array<Transfer, 2> in_, out_;
+  haptic::Mailbox<Numbered> orders_;
+  haptic::Mailbox<Frame> frames_;
+  AnswerStream answers_;
+  std::uint64_t ordered_ = 0; // by the servo
+  std::uint64_t frame_ = 0;
+  int failures_ = 0; // in a row
+  std::atomic<std::uint64_t> delivered_{0};
+  std::atomic<std::uint64_t> sent_{0}, answered_{0}, broken_{0}, skipped_{0}, failed_{0};
+  std::atomic<int> wakes_{0};
+  std::atomic<bool> waiting_{false}, lost_{false}, stopping_{false}, ended_{false};
+  std::thread sender_, handler_;
+};
+
+} // namespace tactus::devices::falcon

@@ -1,0 +1,115 @@
+#include "tests/devices/falcon/live/rig.hpp"
+
+#include <doctest/doctest.h>
+
+using tactus::haptic::State;
+
+TEST_CASE("a Falcon on the bus is listed, and one that has left is not") {
+  Rig rig;
+  const auto* driver = tactus::devices::find_driver("falcon");
+  REQUIRE(driver);
+  CHECK(driver->obstacle().empty());
+  auto found = driver->list();
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].driver == "falcon");
+  CHECK(found[0].state == "ready");
+  CHECK(found[0].identity.model == "Falcon");
+  rig.control.ask("unplug");
+  CHECK(driver->list().empty());
+  CHECK(rig.falcon.open().find("plugged in") != std::string::npos);
+}
+
+TEST_CASE(
+    "without firmware the driver says where it comes from, and with a bad file what is wrong") {
+  Rig rig;
+  rig.control.ask("forget");
+  CHECK(rig.falcon.open().find("firmware FILE") != std::string::npos);
+  static_cast<void>(rig.set({"firmware", "/nowhere/firmware.bin"}));
+  CHECK(rig.falcon.open().find("/nowhere/firmware.bin cannot be read") != std::string::npos);
+  CHECK(rig.open(0).find("0 bytes") != std::string::npos);
+  rig.set({"device", "no such"});
+  CHECK(rig.open().find("no Falcon is called no such") != std::string::npos);
+}
+
+TEST_CASE("firmware is uploaded in spite of deaf greetings and two wrong echoes, and not twice") {
+  Rig rig;
+  rig.control.ask("forget");
+  rig.control.ask("deaf 2");
+  rig.control.ask("echo 2");
+  const long before = rig.control.value("uploads");
+  REQUIRE(rig.open() == "");
+  CHECK(rig.control.value("uploads") == before + 3);
+  CHECK(rig.control.value("firmware") == 500);
+  CHECK(rig.control.value("latency") == 1);
+  rig.falcon.close();
+  REQUIRE(rig.open() == "");
+  CHECK(rig.control.value("uploads") == before + 3);
+  SUBCASE("unless it is asked for") {
+    rig.falcon.close();
+    CHECK(rig.set({"reload"}) == "");
+    REQUIRE(rig.open() == "");
+    CHECK(rig.control.value("uploads") == before + 4);
+  }
+}
+
+TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with advice") {
+  Rig rig;
+  rig.control.ask("forget");
+  rig.control.ask("echo 1000");
+  const std::string obstacle = rig.open(200);
+  rig.control.ask("echo 0");
+  CHECK(obstacle.find("echoed the firmware wrongly near byte 62") != std::string::npos);
+  CHECK(obstacle.find("another port") != std::string::npos);
+  CHECK(rig.open() == "");
+}
+
+TEST_CASE("no force before homing, full force half a second after") {
+  Rig rig;
+  rig.control.ask("still");
+  REQUIRE(rig.open() == "");
+  rig.control.ask("unhome");
+  REQUIRE(rig.until([&] { return !rig.homed(); }));
+  bool silent = true;
+  REQUIRE(rig.until(
+      [&] {
+        silent = silent && (rig.homed() || rig.control.value("motor2") == 0);
+        return rig.homed();
+      },
+      5000, {0, 0, 2}));
+  CHECK(silent);
+  CHECK(rig.falcon.trouble().empty());
+  rig.run(50, {0, 0, 2});
+  const long early = std::abs(rig.control.value("motor2"));
+  rig.run(700, {0, 0, 2});
+  const long late = std::abs(rig.control.value("motor2"));
+  CHECK(early < 0.5 * static_cast<double>(late));
+  CHECK(late > 100);
+  CHECK(rig.control.value("flags") == 2); // green
+}
+
+TEST_CASE("lights and homing follow their messages, and what is misspelt is explained") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  CHECK(rig.set({"led", "red", "blue"}) == "");
+  rig.run(30);
+  CHECK(rig.control.value("flags") == 12);
+  CHECK(rig.set({"led", "auto"}) == "");
+  CHECK(rig.set({"home"}) == "");
+  rig.run(30, {0, 1, 0});
+  CHECK_FALSE(rig.homed());
+  CHECK(rig.control.value("flags") == 9);
+  CHECK(rig.says("pull the grip out"));
+  CHECK(rig.home());
+  for (const auto& words : std::vector<std::vector<std::string>>{{},
+                                                                 {"led"},
+                                                                 {"led", "pink"},
+                                                                 {"led", "off", "red"},
+                                                                 {"gain", "nan"},
+                                                                 {"gain", "1"},
+                                                                 {"gain", "1e4x"},
+                                                                 {"firmware"},
+                                                                 {"dance"}})
+    CHECK_FALSE(rig.falcon.configure(words).empty());
+  CHECK(rig.set({"gain", "12000"}) == "");
+}

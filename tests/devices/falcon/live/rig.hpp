@@ -1,0 +1,86 @@
+#pragma once
+
+#include "devices/driver.hpp"
+#include "devices/falcon/falcon.hpp"
+#include "tests/devices/mock/control.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <unistd.h>
+
+/// A Falcon of our driver in front of the double, stepped in real time.
+struct Rig {
+  tactus::mock::Control control;
+  tactus::devices::falcon::Falcon falcon;
+  tactus::haptic::State state{};
+  tactus::haptic::Tick tick{};
+  int failed_reads = 0, failed_writes = 0, longest_gap = 0;
+
+  Rig() {
+    if (control.present())
+      control.ask("plug");
+  }
+  ~Rig() {
+    falcon.close();
+    std::remove(file.c_str());
+  }
+
+  std::string set(std::vector<std::string> words) { return falcon.configure(words); }
+
+  /// Opens with a firmware of so many arbitrary bytes.
+  std::string open(std::size_t bytes = 500) {
+    std::ofstream out(file, std::ios::binary);
+    for (std::size_t i = 0; i < bytes; ++i)
+      out.put(static_cast<char>(i * i * 7 + i));
+    out.close();
+    static_cast<void>(set({"firmware", file}));
+    return falcon.open();
+  }
+
+  /// One servo tick: read, then write.
+  bool step(const tactus::haptic::Vec3& force = {}) {
+    using Clock = std::chrono::steady_clock;
+    next =
+        std::max(next + std::chrono::milliseconds(1), Clock::now() - std::chrono::milliseconds(3));
+    std::this_thread::sleep_until(next);
+    ++tick.index;
+    tick.time_s = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+    const bool well = falcon.read(tick, state);
+    gap = well ? 0 : gap + 1;
+    longest_gap = std::max(longest_gap, gap);
+    failed_reads += !well;
+    failed_writes += !falcon.write(force);
+    return well;
+  }
+  void run(int ticks, const tactus::haptic::Vec3& force = {}) {
+    for (int i = 0; i < ticks; ++i)
+      step(force);
+  }
+  /// Steps until the condition holds; false when it does not within so many ticks.
+  template <class Condition>
+  bool until(Condition condition, int ticks = 5000, const tactus::haptic::Vec3& force = {}) {
+    for (int i = 0; i < ticks; ++i) {
+      step(force);
+      if (condition())
+        return true;
+    }
+    return false;
+  }
+  [[nodiscard]] bool homed() const { return (state.flags & tactus::haptic::State::kHomed) != 0; }
+  bool home() {
+    return until([this] { return homed(); });
+  }
+  [[nodiscard]] bool says(const std::string& word) const {
+    return falcon.trouble().find(word) != std::string::npos;
+  }
+
+private:
+  std::string file = "falcon_firmware_" + std::to_string(getpid()) + ".bin";
+  std::chrono::steady_clock::time_point next = std::chrono::steady_clock::now();
+  int gap = 0;
+};

@@ -1,0 +1,163 @@
+#include "tests/devices/falcon/live/rig.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace tactus::devices::falcon;
+using tactus::haptic::State;
+
+TEST_CASE("five hundred frames carry positions in and the right motor commands out") {
+  Rig rig;
+  rig.control.ask("still");
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  const long before = rig.control.value("frames");
+  rig.run(1500, {1, 0.5, -2});
+  CHECK(rig.control.value("frames") - before >= 500);
+  // The double's hand has come to rest: its counts say where.
+  const auto count = [&](int i) {
+    return static_cast<std::int16_t>(rig.control.value("count" + std::to_string(i)));
+  };
+  const Counts counts{count(0), count(1), count(2)};
+  const Forward found = forward(angles_of(counts));
+  REQUIRE(found.found);
+  CHECK(norm(rig.state.position - (found.position - kCentre)) < 0.1e-3);
+  const Counts expected = motor_counts(torques(found.position, {1, 0.5, -2}), 10000);
+  for (int i = 0; i < 3; ++i)
+    CHECK(std::abs(rig.control.value("motor" + std::to_string(i)) -
+                   expected[static_cast<std::size_t>(i)]) <= 5);
+  CHECK(rig.control.value("broken") == 0);
+  rig.control.ask("buttons 5");
+  CHECK(rig.until([&] { return rig.state.buttons == 5; }));
+  rig.control.ask("buttons 0");
+}
+
+TEST_CASE("the simulated hand yields to the force in its direction") {
+  Rig rig;
+  rig.control.ask("still");
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(300);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double rest = rig.state.position[axis];
+    tactus::haptic::Vec3 force;
+    force[axis] = 2;
+    CHECK(rig.until([&] { return rig.state.position[axis] - rest > 2e-3; }, 5000, force));
+    CHECK(rig.until([&] { return std::abs(rig.state.position[axis] - rest) < 0.5e-3; }));
+  }
+}
+
+TEST_CASE("noise on the line, lost bytes and split packets cost frames and nothing else") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  tactus::haptic::Vec3 last = rig.state.position;
+  double leap = 0;
+  for (const char* fault : {"garbage 37", "bad 3", "lose 4", "split 5", "garbage 200"}) {
+    CHECK(rig.control.ask(fault) == "ok");
+    for (int i = 0; i < 150; ++i) {
+      rig.step({0, 1, 0});
+      leap = std::max(leap, norm(rig.state.position - last));
+      last = rig.state.position;
+    }
+  }
+  rig.control.ask("split 62");
+  rig.run(100);
+  CHECK(rig.homed());
+  CHECK(leap < 5e-3); // the hand moves at some 0.1 m/s; a wrong packet would leap by centimetres
+  CHECK(rig.step());
+  CHECK(rig.failed_writes == 0);
+}
+
+TEST_CASE("a line that is silent for 300 ms fails the reads and then comes back") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(100);
+  rig.longest_gap = 0;
+  rig.control.ask("stall 300");
+  rig.run(150);
+  CHECK(rig.longest_gap > 20); // as long as the servo takes to switch the motors off
+  CHECK(rig.says("does not answer"));
+  REQUIRE(rig.until([&] { return rig.falcon.trouble().empty(); }));
+  CHECK(rig.step());
+}
+
+TEST_CASE("homed flags that fall take the force away until the grip has been moved again") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(700, {0, 0, 1});
+  rig.control.ask("unhome");
+  REQUIRE(rig.until([&] { return !rig.homed(); }, 5000, {0, 0, 1}));
+  rig.step({0, 0, 1});
+  REQUIRE(
+      rig.until([&] { return rig.control.value("flags") == 9 || rig.homed(); }, 100, {0, 0, 1}));
+  CHECK(rig.control.value("motor0") == 0);
+  CHECK(rig.home());
+}
+
+TEST_CASE("encoders that stand still under force are a fault, and moving again clears it") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(700, {0, 0, 4});
+  rig.control.ask("freeze 1");
+  const auto faulty = [&] { return (rig.state.flags & State::kFault) != 0; };
+  CHECK_FALSE(faulty());
+  REQUIRE(rig.until(faulty, 6000, {0, 0, 4}));
+  CHECK(rig.says("stand still"));
+  SUBCASE("moving again") {
+    rig.control.ask("freeze 0");
+    CHECK(rig.until([&] { return !faulty(); }, 2000));
+  }
+  SUBCASE("opening again loads the firmware") {
+    const long uploads = rig.control.value("uploads");
+    rig.falcon.close();
+    rig.control.ask("freeze 0");
+    REQUIRE(rig.open() == "");
+    CHECK(rig.control.value("uploads") == uploads + 1);
+    CHECK(rig.home());
+  }
+}
+
+TEST_CASE("pulled out, the driver fails at once; plugged in, it opens again") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.control.ask("unplug");
+  REQUIRE(rig.until([&] { return rig.says("left the bus"); }, 1000, {0, 1, 0}));
+  CHECK_FALSE(rig.step());
+  CHECK_FALSE(rig.falcon.write({0, 1, 0}));
+  rig.falcon.close();
+  CHECK(rig.falcon.trouble().empty());
+  CHECK_FALSE(rig.step());
+  CHECK_FALSE(rig.open().empty());
+  rig.control.ask("plug");
+  rig.control.ask("forget");
+  REQUIRE(rig.open() == "");
+  CHECK(rig.home());
+}
+
+TEST_CASE("closing leaves no force in the motors") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(700, {0, 0, 3});
+  REQUIRE(rig.control.value("motor0") != 0);
+  rig.falcon.close();
+  for (const char* motor : {"motor0", "motor1", "motor2"})
+    CHECK(rig.control.value(motor) == 0);
+}
+
+TEST_CASE("forces that are no numbers reach no motor") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  for (const double value : std::vector<double>{NAN, INFINITY, -INFINITY, 1e308, 5e-324})
+    rig.run(20, {value, 0, 1});
+  for (int i = 0; i < 3; ++i)
+    CHECK(rig.control.value("largest" + std::to_string(i)) <= 4096);
+  CHECK(rig.failed_writes == 0);
+}
