@@ -78,12 +78,14 @@ TEST_CASE("no force before homing, full force half a second after") {
       5000, {0, 0, 2}));
   CHECK(silent);
   CHECK(rig.falcon.trouble().empty());
-  rig.run(50, {0, 0, 2});
-  const long early = std::abs(rig.control.value("motor2"));
-  rig.run(700, {0, 0, 2});
-  const long late = std::abs(rig.control.value("motor2"));
-  CHECK(early < 0.5 * static_cast<double>(late));
+  const double homed_s = rig.tick.time_s;
+  const auto motor = [&] { return std::abs(rig.control.value("motor2")); };
+  const long early = motor();
+  const double early_s = rig.tick.time_s - homed_s;
+  rig.until([&] { return rig.tick.time_s - homed_s > 0.7; }, 5000, {0, 0, 2});
+  const auto late = static_cast<double>(motor());
   CHECK(late > 100);
+  CHECK(static_cast<double>(early) < (0.1 + 2 * early_s) * late);
   CHECK(rig.control.value("flags") == 2); // green
 }
 

@@ -19,7 +19,8 @@ struct Rig {
   tactus::devices::falcon::Falcon falcon;
   tactus::haptic::State state{};
   tactus::haptic::Tick tick{};
-  int failed_reads = 0, failed_writes = 0, longest_gap = 0;
+  int failed_reads = 0, failed_writes = 0;
+  double gap_s = 0; ///< since the last read that went well
 
   Rig() {
     if (control.present())
@@ -51,8 +52,8 @@ struct Rig {
     ++tick.index;
     tick.time_s = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
     const bool well = falcon.read(tick, state);
-    gap = well ? 0 : gap + 1;
-    longest_gap = std::max(longest_gap, gap);
+    well_s = well ? tick.time_s : well_s;
+    gap_s = tick.time_s - well_s;
     failed_reads += !well;
     failed_writes += !falcon.write(force);
     return well;
@@ -82,5 +83,5 @@ struct Rig {
 private:
   std::string file = "falcon_firmware_" + std::to_string(getpid()) + ".bin";
   std::chrono::steady_clock::time_point next = std::chrono::steady_clock::now();
-  int gap = 0;
+  double well_s = 0;
 };
