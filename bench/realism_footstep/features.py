@@ -17,6 +17,11 @@ FRAME, HOP, BANDS = 512, 128, 26
 FREQUENCY = np.fft.rfftfreq(FRAME, 1 / RATE)
 WINDOW = np.hanning(FRAME)
 SMALL = 1e-12
+VECTOR = """cepstrum_1 cepstrum_2 cepstrum_3 cepstrum_4 cepstrum_5 cepstrum_6 cepstrum_7 cepstrum_8 cepstrum_9
+    cepstrum_10 cepstrum_11 cepstrum_12 frames_1 frames_2 frames_3 frames_4 frames_5 duration attack
+    middle skew crest kurtosis decay20 density events centroid bandwidth rolloff flatness crossings
+    centroid_spread peakiness harmonicity flux high_3hz high_12hz high_40hz high_120hz high_depth
+    low_3hz low_12hz low_40hz low_120hz low_depth""".split()
 
 
 def mel_centres():

@@ -18,7 +18,7 @@ import numpy as np
 
 import judge
 import targets
-from features import RATE
+from features import RATE, VECTOR
 from population import Population
 from recordings import fetch, recordings
 from steps import measure, render
@@ -86,6 +86,18 @@ def against_stand_in(measured, vectors, labels):
     return made | {"mean": mean_of(made), "mean of the real recordings": mean_of(real)}
 
 
+def most_out(measured, vectors, labels):
+    """Rows of the features in which our medians differ most from the recordings' over all materials
+    at once: a fault of the model rather than of a recipe. In units of the recordings' spread."""
+    within = Population(vectors, labels).within
+    known = [c for c in measured if c in set(labels)]
+    off = np.array([(np.median(measured[c][0], axis=0) - np.median(vectors[labels == c], axis=0))
+                    / within for c in known])
+    order = np.argsort(-np.sqrt((off ** 2).mean(axis=0)))[:8]
+    return {VECTOR[i]: {"mean": off[:, i].mean(), "rms": np.sqrt((off[:, i] ** 2).mean())}
+            for i in order} | {"all 45": {"mean": off.mean(), "rms": np.sqrt((off ** 2).mean())}}
+
+
 def percent(x):
     return f"{100 * x:.0f}"
 
@@ -124,6 +136,8 @@ def write_report(folder, tables, taken, measured):
         lines += ["", f"{len(taken)} recordings; left out one by one they are named right in "
                   f"{percent(first)} % (first) and {percent(three)} % (first three).", "",
                   *table(against_recordings(measured, vectors, labels), COLUMNS), "",
+                  "Features most out over all materials, in units of the recordings' spread:", "",
+                  *table(most_out(measured, vectors, labels), {"mean": "mean", "rms": "rms"}), "",
                   "Among 396 sounds drawn from the tables (population.py):", "",
                   *table(against_stand_in(measured, vectors, labels),
                          {k: v for k, v in COLUMNS.items() if v != "left_out"})]
