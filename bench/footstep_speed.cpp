@@ -21,6 +21,12 @@ constexpr std::string_view kTwelveModes = "[solid]\nmodes 12\nfrequency 120\nrat
                                           "[grains]\ncount 220\nheel 0.6\nball 0.4\ndecay 0.1\n"
                                           "length 0.003\n";
 
+/// The same in a room and with a rustle, as grounds in data/surfaces have them.
+constexpr std::string_view kFurnished = "[solid]\nmodes 12\nfrequency 120\nratio 1.4\nt60 0.2\n"
+                                        "[grains]\ncount 220\nheel 0.6\nball 0.4\ndecay 0.1\n"
+                                        "length 0.003\n[rustle]\ndecay 0.1\n"
+                                        "[room]\nlevel -12\nt60 0.4\n";
+
 struct Walker48k {
   Walker48k(std::uint64_t seed, std::string_view text) : foot(std::make_unique<Foot>()) {
     Recipe recipe;
@@ -55,6 +61,15 @@ void one_foot(benchmark::State& state) {
   count(state, 4800.0 * static_cast<double>(state.iterations()));
 }
 BENCHMARK(one_foot);
+
+void one_foot_with_rustle_and_room(benchmark::State& state) {
+  Walker48k walker(1, kFurnished);
+  for (auto _ : state)
+    for (int n = 0; n < 4800; ++n)
+      benchmark::DoNotOptimize(walker.next());
+  count(state, 4800.0 * static_cast<double>(state.iterations()));
+}
+BENCHMARK(one_foot_with_rustle_and_room);
 
 void forty_walkers(benchmark::State& state) {
   std::vector<Walker48k> crowd;
