@@ -10,7 +10,7 @@
 namespace tactus::reed {
 
 /// Delay line of the bore's round trip, for stretches of at most `longest` samples that are shorter
-/// than the delay: a stretch is read before it is written.
+/// than the delay: a stretch is read, into the place of its samples to come, before it is written.
 template <class V, int longest> class BoreLine {
 public:
   /// Room for `delay` samples; silent. Allocates.
@@ -59,13 +59,11 @@ public:
       wave[i] = simd::select(simd::absolute(sum) < V(silence), V(0.0), sum);
     }
   }
-  void write(const V* wave, int count) noexcept {
-    const auto all = static_cast<std::size_t>(count);
-    const std::size_t first = std::min(all, line_.size() - slot(written_));
-    std::copy_n(wave, first, line_.data() + slot(written_));
-    std::copy_n(wave + first, all - first, line_.data());
-    written_ = (written_ + count) & mask_;
-  }
+  /// Where the next samples go, so that they can be made in place: room() of them in one piece.
+  [[nodiscard]] V* next() noexcept { return line_.data() + written_; }
+  [[nodiscard]] int room() const noexcept { return static_cast<int>(mask_ + 1 - written_); }
+  /// So many have been made there.
+  void advance(int count) noexcept { written_ = (written_ + count) & mask_; }
 
 private:
   /// Third-order Lagrange interpolation in the middle of its four points, where |H| <= 1.

@@ -10,6 +10,7 @@
 namespace tactus::reed {
 ReedGradient::ReedGradient(Instructions instructions)
     : ensemble_(make_reed_ensemble(instructions)) {
+  ensemble_->judge_first(GradientStencil::kPoints);
   guidance_.set(guidance_settings_);
 }
 
@@ -53,7 +54,7 @@ void ReedGradient::let_go() noexcept {
 
 void ReedGradient::reset() noexcept {
   ensemble_->reset();
-  aimed_ = false;
+  aimed_ = pushing_ = false;
   phase_ = 0;
   let_go();
 }
@@ -68,7 +69,9 @@ void ReedGradient::move(double y, double z, double bore_frequency) noexcept {
     retune_ = true;
   }
   aim();
-  push();
+  if (pushing_)
+    push();
+  pushing_ = !pushing_;
 }
 
 /// Pressures are on their way from the last targets to those of the hand's new place.
@@ -96,10 +99,10 @@ void ReedGradient::aim() noexcept {
   aimed_ = true;
 }
 
-/// Gradient and force until the hand is read again.
+/// Gradient and force for the next two readings of the hand.
 void ReedGradient::push() noexcept {
   gradient_ = find_gradient();
-  const double elapsed_s = static_cast<double>(kHold) / sample_rate_;
+  const double elapsed_s = static_cast<double>(kForceHold) / sample_rate_;
   if (mode_ == Mode::kGuide) {
     force_ = guide_ != nullptr ? guidance_.advance(guide_->way, stencil_.y[0], stencil_.z[0],
                                                    playability(), elapsed_s)

@@ -19,8 +19,9 @@ namespace tactus::reed {
 ///   guide    the way to where a note grows (GuidanceField), and Guidance's force.
 /// The force of the first two is gradient_force() through a ForceSmoother of 30 ms and 20 N/s.
 ///
-/// The hand's place is read every 32 samples; then the force advances, pressures set out for the
-/// new place in straight lines, reed frequencies at the reeds' own pace.
+/// The hand's place is read every 32 samples; then pressures set out for the new place in straight
+/// lines, reed frequencies at the reeds' own pace. The force advances at every second reading, from
+/// the second on: in the middle of a host's block of 64.
 class ReedGradient {
 public:
   enum class Mode { kReed, kGrowth, kGuide };
@@ -54,11 +55,11 @@ public:
 
   /// f_p of the reed at the hand.
   [[nodiscard]] double playability() const noexcept { return ensemble_->playability(0); }
-  /// Towards where it plays better, for one unit of y and of z, since the last reading of the hand.
+  /// Towards where it plays better, for one unit of y and of z, since the last step of the force.
   /// In mode guide the slope of the distance, turned round: of length 1, or 0 where there is no
   /// way. 0 without a guide.
   [[nodiscard]] const Gradient& gradient() const noexcept { return gradient_; }
-  /// On the hand, N, towards where it plays better; since the last reading of the hand.
+  /// On the hand, N, towards where it plays better; since the last step of the force.
   [[nodiscard]] const PlaneForce& force() const noexcept { return force_; }
   /// No force, as long as the hand is not read again.
   void let_go() noexcept;
@@ -75,7 +76,8 @@ public:
   [[nodiscard]] Mode mode() const noexcept { return mode_; }
   [[nodiscard]] double ceiling() const noexcept { return guidance_settings_.ceiling_n; }
   [[nodiscard]] double force_gain() const noexcept { return force_gain_n_; }
-  static constexpr std::size_t kHold = 32; // samples between readings of the hand
+  static constexpr std::size_t kHold = 32;             // samples between readings of the hand
+  static constexpr std::size_t kForceHold = 2 * kHold; // and between steps of the force
 
 private:
   void aim() noexcept;
@@ -92,7 +94,7 @@ private:
   ReedEnsemble::Pressure mouth_{};
   ReedEnsemble::PerLane target_{}, reed_frequency_{};
   std::size_t phase_ = 0;
-  bool aimed_ = false, retune_ = true;
+  bool aimed_ = false, retune_ = true, pushing_ = false;
   bool resting_ = false; // the hand has not moved since the last reading, nor do the pressures
   unsigned revision_ = 0;
   const PlaneGuide* guide_ = nullptr;

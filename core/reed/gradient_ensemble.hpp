@@ -36,6 +36,8 @@ public:
   virtual void process(const Pressure& mouth, const PerLane& reed_frequency, double bore_frequency,
                        std::size_t frames, std::span<double> sound) noexcept = 0;
 
+  /// Only the first count lanes are judged from now on (all from the start).
+  virtual void judge_first(std::size_t count) noexcept = 0;
   /// theta, rad, and f_p of a lane as they are now.
   [[nodiscard]] virtual double angle(std::size_t lane) const noexcept = 0;
   [[nodiscard]] virtual double bore_pressure(std::size_t lane) const noexcept = 0;

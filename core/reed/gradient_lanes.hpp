@@ -38,30 +38,34 @@ public:
       simd::set_lane(slope, lane, static_cast<Scalar>(mouth.slope[at]));
     }
     constexpr int kStretch = ReedBank<V>::kControlPeriod;
-    V pressure[kStretch], angle[kStretch], bore[kStretch], flow[kStretch];
-    double radiated[kStretch];
+    V pressure[kStretch + 1], angle[kStretch], bore[kStretch], flow[kStretch];
+    double unheard[kStretch];
     for (int done = 0; done < static_cast<int>(frames);) {
       if (bank_.until_control() == 0)
         bank_.control(reed, bore_frequency);
       int count = static_cast<int>(frames) - done;
       if (count > bank_.until_control())
         count = bank_.until_control();
-      V at(static_cast<double>(mouth.first) + done);
-      for (int i = 0; i < count; ++i) {
-        at += V(1.0);
-        pressure[i] = clamp_pressure(start + slope * at);
+      // Side by side, because each has to wait for itself.
+      V odd(static_cast<double>(mouth.first) + done + 1), even(odd + V(1.0));
+      for (int i = 0; i < count; i += 2) {
+        pressure[i] = clamp_pressure(start + slope * odd);
+        pressure[i + 1] = clamp_pressure(start + slope * even);
+        odd += V(2.0);
+        even += V(2.0);
       }
+      double* radiated = sound.empty() ? unheard : sound.data() + done;
       bank_.run(pressure, {radiated, angle, bore, flow}, count);
       follower_.run(angle, count);
-      if (!sound.empty())
-        for (int i = 0; i < count; ++i)
-          sound.data()[done + i] = radiated[i];
       angle_ = angle[count - 1];
       pressure_ = bore[count - 1];
       done += count;
     }
   }
 
+  void judge_first(std::size_t count) noexcept override {
+    follower_.follow_first(static_cast<int>(std::clamp<std::size_t>(count, 1, kLanes)));
+  }
   double angle(std::size_t lane) const noexcept override { return at(angle_, lane); }
   double bore_pressure(std::size_t lane) const noexcept override { return at(pressure_, lane); }
   double playability(std::size_t lane) const noexcept override {

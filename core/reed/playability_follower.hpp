@@ -29,7 +29,8 @@ struct PlayabilityParameters {
 ///   C    = clip((z/z_mean - 1.5)/1.5, 0, 1), z the crossings a second in the window, z_mean their
 ///          mean over 0.5 s of sound: a jump to twice the usual rate or more. It is 0 until one
 ///          window of sound has passed, so that the start of a note is no jump.
-/// Allocates nothing; an input that is no number counts as the last one that was.
+/// Allocates nothing; one valve's input that is no number counts as the last one that was. Several
+/// valves' angles must be numbers, as a ReedBank's are.
 template <class V> class PlayabilityFollower {
 public:
   using Scalar = typename simd::LaneTraits<V>::Scalar;
@@ -76,6 +77,9 @@ public:
       mean_[i] = rate_[i] = 0;
     }
   }
+
+  /// Only the first 1 <= count <= lanes are judged; the others' playability means nothing.
+  void follow_first(int count) noexcept { followed_ = count; }
 
   /// The next angle, rad.
   void tick(const V& angle) noexcept { run(&angle, 1); }
@@ -151,7 +155,6 @@ private:
   static constexpr double kMeanTime = 0.5; // s
   static constexpr double kAudible = 0.02; // of the reference: above, the valve sounds
   static constexpr std::uint32_t kTimes = 17;
-  static constexpr int kStretch = 32; // samples looked at in one go
 
   static V usable(const V& angle, const V& otherwise) noexcept {
     return simd::select(simd::absolute(angle) < V(1e6), angle, otherwise);
@@ -159,33 +162,23 @@ private:
 
   /// Samples of one hop.
   void follow(const V* angles, int count) noexcept {
-    for (; count > kStretch; angles += kStretch, count -= kStretch)
-      follow_stretch(angles, kStretch);
-    follow_stretch(angles, count);
-  }
-
-  /// Crossings come without warning, so that branches for several lanes would often be guessed
-  /// wrong: theirs are only marked on the way, and noted afterwards.
-  void follow_stretch(const V* angles, int count) noexcept {
     using namespace simd;
     const V pole(pole_), attack(attack_), release(release_);
     const V rising(1 - attack_), falling(1 - release_);
     const V hysteresis(parameters_.hysteresis), least(1e-9);
+    const bool quick_attack = attack_ <= release_;
     V last = last_, high = high_, envelope = envelope_;
     auto armed = armed_;
-    typename LaneTraits<V>::MaskType marked{};
-    V highs[kStretch + 1], levels[kStretch];
-    std::uint32_t crossed[kStretch];
-    highs[0] = high;
+    const std::uint32_t followed = (1u << followed_) - 1;
     for (int i = 0; i < count; ++i) {
-      const V angle = usable(angles[i], last), before = high;
+      const V angle = lanes == 1 ? usable(angles[i], last) : angles[i], before = high;
       high = angle - last + pole * high;
       last = angle;
       const V size = absolute(high);
-      // Both candidates before the choice: half the latency of choosing v first.
-      const V rise = attack * envelope + rising * size;
-      const V fall = release * envelope + falling * size;
-      envelope = select(size > envelope, rise, fall);
+      // Of the two, the quicker one lies further on the way to |t~|: no need to ask where that is.
+      const V rise = rising * size + attack * envelope;
+      const V fall = falling * size + release * envelope;
+      envelope = quick_attack ? maximum(rise, fall) : minimum(rise, fall);
       const V h = hysteresis * envelope + least;
       const auto above = high > h;
       armed = armed | (high < -h);
@@ -195,23 +188,18 @@ private:
         if (crossing)
           note(0, before, high, h, i);
       } else {
-        marked = marked | crossing;
-        crossed[i] = bits(crossing);
-        highs[i + 1] = high;
-        levels[i] = h;
+        const std::uint32_t crossed = bits(crossing) & followed;
+        if (crossed != 0) [[unlikely]]
+          for (int k = 0; crossed >> k != 0; ++k)
+            if ((crossed >> k & 1) != 0)
+              note(k, static_cast<double>(lane(before, k)), static_cast<double>(lane(high, k)),
+                   static_cast<double>(lane(h, k)), i);
       }
     }
     last_ = last;
     high_ = high;
     envelope_ = envelope;
     armed_ = armed;
-    if (any(marked))
-      for (int i = 0; i < count; ++i)
-        for (int k = 0; crossed[i] >> k != 0; ++k)
-          if ((crossed[i] >> k & 1) != 0)
-            note(k, static_cast<double>(lane(highs[i], k)),
-                 static_cast<double>(lane(highs[i + 1], k)),
-                 static_cast<double>(lane(levels[i], k)), i);
     now_ += count;
   }
 
@@ -225,7 +213,7 @@ private:
 
   void end_hop() noexcept {
     hop_index_ = hop_index_ + 1 < window_ ? hop_index_ + 1 : 0;
-    for (int i = 0; i < lanes; ++i) {
+    for (int i = 0; i < followed_; ++i) {
       // What was counted in the hop that ended comes in, the oldest hop goes out.
       const int ended = hop_index_ > 0 ? hop_index_ - 1 : window_ - 1;
       total_[i] += counts_[i][ended];
@@ -263,6 +251,7 @@ private:
   double sample_rate_ = 0;
   double pole_ = 0, attack_ = 0, release_ = 0, mean_gain_ = 0, rate_of_one_ = 0;
   int hop_ = 24, window_ = 0, place_ = 0, hop_index_ = 0;
+  int followed_ = lanes;
   bool primed_ = false;
   V last_{0.0}, high_{0.0}, envelope_{0.0};
   typename simd::LaneTraits<V>::MaskType armed_{};

@@ -286,7 +286,6 @@ private:
 
   /// count internal samples.
   void advance(const V* mouth, const Outputs& out, int count) noexcept {
-    Signal wave;
     std::array<double, kChunk> noise;
     const bool noisy = parameters_.breath_noise > 0;
     if (noisy) {
@@ -299,21 +298,22 @@ private:
       const int phase = phase_ * oversampling_ + done;
       const double first = delay_from_ + phase / period() * (trip_.delay - delay_from_);
       const int room = static_cast<int>(std::min(first, trip_.delay)) - 1;
-      const int part = std::min(count - done, room);
+      const int part = std::min({count - done, room, line_.room()});
+      V* wave = line_.next();
       if (delay_from_ == trip_.delay)
-        line_.read(first, kSilence, wave.data(), part);
+        line_.read(first, kSilence, wave, part);
       else
-        line_.read_moving(delay_from_, trip_.delay, phase, period(), kSilence, wave.data(), part);
-      travel(wave.data(), out.radiated + done, part);
+        line_.read_moving(delay_from_, trip_.delay, phase, period(), kSilence, wave, part);
+      travel(wave, out.radiated + done, part);
       if (reed_moves_)
         for (int i = 0; i < part; ++i)
           moving_[index(i)] = ReedCoefficients<V>::at(
               constants_, omega_from_ + V((phase + i + 1) / period()) * (omega_to_ - omega_from_));
       step(reed_moves_ ? moving_.data() : &steady_, reed_moves_ ? 1 : 0,
-           {mouth + done, noisy ? noise.data() + done : nullptr, wave.data(), out.angle + done,
+           {mouth + done, noisy ? noise.data() + done : nullptr, wave, out.angle + done,
             out.bore_pressure + done, out.flow + done},
            part);
-      line_.write(wave.data(), part);
+      line_.advance(part);
       done += part;
     }
     if (radiation_.steepens())
@@ -362,16 +362,26 @@ private:
     const auto beyond = [](const V& value, double limit) { // or no number
       return simd::any(!(simd::absolute(value) < V(limit)));
     };
-    V even(0.0), odd(0.0); // side by side: each has to wait for itself
-    int i = 0;
-    for (; i + 1 < count; i += 2) {
-      even = simd::maximum(simd::absolute(out.bore_pressure[i]), even);
-      odd = simd::maximum(simd::absolute(out.bore_pressure[i + 1]), odd);
+    bool sane = true;
+    if constexpr (std::is_same_v<V, double>) {
+      V even(0.0), odd(0.0); // side by side: each has to wait for itself
+      int i = 0;
+      for (; i + 1 < count; i += 2) {
+        even = simd::maximum(simd::absolute(out.bore_pressure[i]), even);
+        odd = simd::maximum(simd::absolute(out.bore_pressure[i + 1]), odd);
+      }
+      if (i < count)
+        even = simd::maximum(simd::absolute(out.bore_pressure[i]), even);
+      sane = !beyond(simd::maximum(even, odd), 1e9);
+    } else { // lanes have masks, which do not wait
+      const V limit(1e9);
+      auto within = simd::absolute(out.bore_pressure[0]) < limit;
+      for (int i = 1; i < count; ++i)
+        within = within & (simd::absolute(out.bore_pressure[i]) < limit);
+      sane = !simd::any(!within);
     }
-    if (i < count)
-      even = simd::maximum(simd::absolute(out.bore_pressure[i]), even);
-    if (!beyond(simd::maximum(even, odd), 1e9) && !beyond(state_.bore_pressure(), 1e9) &&
-        !beyond(state_.jet_velocity, 1e6) && !beyond(state_.velocity(), 1e9) && radiation_.sane())
+    if (sane && !beyond(state_.bore_pressure(), 1e9) && !beyond(state_.jet_velocity, 1e6) &&
+        !beyond(state_.velocity(), 1e9) && radiation_.sane())
       return;
     std::fill_n(out.radiated, count, 0.0);
     for (V* signal : {out.angle, out.bore_pressure, out.flow})

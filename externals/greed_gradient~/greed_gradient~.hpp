@@ -59,7 +59,7 @@ public:
       "a reed and the slope of its playability in one object",
       "Five reeds of one instrument, one at the hand's place in the plane of mouth pressure and "
       "reed frequency and one on each side of it, judged as by playability~; their differences "
-      "are the slope that guides the hand. Costs as much as one and a half greed~. In mode growth the "
+      "are the slope that guides the hand. Costs a third more than one greed~. In mode growth the "
       "slope comes from linear theory and leads also out of silence, in mode guide the force pulls "
       "to the nearest note and leaves the hand alone there. Both need a map, made in a thread of "
       "its own when anything changes, while the last one goes on: map 0..1 at the info outlet.",
