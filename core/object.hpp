@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <initializer_list>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -61,6 +62,18 @@ public:
   [[nodiscard]] virtual std::string new_file(std::string_view name) const = 0;
   /// Contents of the host's named array; false when there is none.
   virtual bool read_array(std::string_view name, std::vector<double>& values) const = 0;
+  /// Whether the host's time is the wall's; false in a render that runs as fast as it can.
+  [[nodiscard]] virtual bool real_time() const { return true; }
+  /// Gives other objects something under a name, whatever module they come from; null takes it
+  /// back, and so does the object's end. False while another object holds the name. The name says
+  /// what it is, version included: nothing else tells its type.
+  virtual bool offer(std::string_view name, std::shared_ptr<void> what) {
+    return static_cast<void>(name), static_cast<void>(what), false;
+  }
+  /// What an object of this host offers under that name now; null when none does.
+  [[nodiscard]] virtual std::shared_ptr<void> offered(std::string_view name) const {
+    return static_cast<void>(name), nullptr;
+  }
   /// The one member that any thread may call: posted() follows soon in host time.
   virtual void wake_from_thread() noexcept = 0;
 

@@ -20,6 +20,8 @@
 namespace tactus::devices {
 namespace {
 
+constexpr int kDriversOwn = 3;
+
 using Steady = std::chrono::steady_clock;
 
 struct MonotonicClock final : haptic::Clock {
@@ -64,7 +66,7 @@ double ServoThread::now_s() noexcept {
 }
 
 std::string_view ServoThread::scheduling() const noexcept {
-  constexpr std::array<std::string_view, 4> names{"", "fifo", "nice", "other"};
+  constexpr std::array<std::string_view, 5> names{"", "fifo", "nice", "other", "driver"};
   return names[static_cast<std::size_t>(scheduling_.load(std::memory_order_relaxed) + 1)];
 }
 
@@ -75,7 +77,31 @@ void ServoThread::start(haptic::Servo& servo, double period_s) {
   thread_ = std::thread([this, &servo, period_s] { run(servo, period_s); });
 }
 
+bool ServoThread::start(haptic::Servo& servo, haptic::Backend& device, double period_s) {
+  if (!device.owns_thread()) {
+    start(servo, period_s);
+    return true;
+  }
+  stop();
+  servo_ = &servo;
+  period_s_ = period_s;
+  scheduling_ = kDriversOwn;
+  driver_ = &device;
+  if (!device.run(&ServoThread::follow, this))
+    driver_ = nullptr;
+  return driver_ != nullptr;
+}
+
+void ServoThread::follow(void* self) noexcept {
+  MonotonicClock clock;
+  auto& thread = *static_cast<ServoThread*>(self);
+  thread.servo_->follow(clock, thread.period_s_);
+}
+
 void ServoThread::stop() noexcept {
+  if (driver_)
+    driver_->halt();
+  driver_ = nullptr;
   if (!thread_.joinable())
     return;
   stopping_ = true;

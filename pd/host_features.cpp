@@ -1,9 +1,16 @@
 #include "pd/host_features.hpp"
 
+#include <cstdio>
+#include <string>
+#include <string_view>
+
 #ifdef _WIN32
 #include <windows.h>
 #else
 #include <dlfcn.h>
+#endif
+#ifdef __APPLE__
+#include <crt_externs.h>
 #endif
 
 namespace tactus::pd {
@@ -19,6 +26,27 @@ template <class Function> void look_up(Function& function, const char* name) noe
 #else
   function = reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, name));
 #endif
+}
+
+/// The process's arguments, each with a zero in front and behind.
+std::string command_line() {
+  std::string all(1, '\0');
+#if defined(_WIN32)
+  for (const char* c = GetCommandLineA(); *c; ++c)
+    all += *c == ' ' ? '\0' : *c;
+#elif defined(__APPLE__)
+  for (int i = 0; i < *_NSGetArgc(); ++i)
+    all.append((*_NSGetArgv())[i]).push_back('\0');
+#else
+  if (std::FILE* file = std::fopen("/proc/self/cmdline", "r")) {
+    char part[4096];
+    for (std::size_t n; (n = std::fread(part, 1, sizeof part, file)) > 0;)
+      all.append(part, n);
+    std::fclose(file);
+  }
+#endif
+  all.push_back('\0');
+  return all;
 }
 
 /// Layout published with Pd 0.54.
@@ -42,6 +70,14 @@ const HostFeatures& host_features() noexcept {
     return found;
   }();
   return features;
+}
+
+bool runs_in_batch() noexcept {
+  static const bool batch = [] {
+    constexpr std::string_view kFlag("\0-batch", 8);
+    return command_line().find(std::string(kFlag) + std::string(1, '\0')) != std::string::npos;
+  }();
+  return batch;
 }
 
 int channel_count(const t_signal* signal) noexcept {

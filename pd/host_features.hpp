@@ -19,6 +19,10 @@ struct HostFeatures {
 };
 [[nodiscard]] const HostFeatures& host_features() noexcept;
 
+/// Whether Pd was started to render as fast as it can (-batch). It exports no word about it: its
+/// command line tells.
+[[nodiscard]] bool runs_in_batch() noexcept;
+
 /// The class flag of multichannel objects (CLASS_MULTICHANNEL since 0.54).
 inline constexpr int kMultichannelFlag = 0x10;
 

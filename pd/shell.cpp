@@ -2,11 +2,13 @@
 
 #include "core/words.hpp"
 #include "pd/host_features.hpp"
+#include "pd/offers.hpp"
 #include "pd/parse.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <new>
 #include <string>
@@ -176,6 +178,15 @@ public:
       values[static_cast<std::size_t>(i)] = static_cast<double>(words[i].w_float);
     return true;
   }
+  bool real_time() const override { return !runs_in_batch(); }
+  bool offer(std::string_view name, std::shared_ptr<void> what) override {
+    if (!what) return offers_.erase(std::string(name)) > 0;
+    auto made = Offer::make(name, std::move(what));
+    return made && offers_.emplace(std::string(name), std::move(made)).second;
+  }
+  std::shared_ptr<void> offered(std::string_view name) const override {
+    return pd::offered(name);
+  }
   void wake_from_thread() noexcept override {
     if (posted_.exchange(true, std::memory_order_acq_rel)) return;
     if (const auto queue = host_features().queue_message)
@@ -308,6 +319,7 @@ private:
   t_clock* report_clock_ = nullptr;
   t_clock* post_clock_ = nullptr;
   std::atomic<bool> posted_{false};
+  std::map<std::string, std::unique_ptr<Offer>> offers_;
   std::vector<const t_sample*> in_;
   std::vector<t_sample*> out_;
 };

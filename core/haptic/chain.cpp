@@ -165,7 +165,8 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
 
   state.commanded = interpolated(state, settings);
 
-  Vec3 force = state.commanded + limited(input.local_force, kLongestLocal_n);
+  const Vec3 asked = state.commanded + limited(input.patch_force, kLongestLocal_n);
+  Vec3 force = asked + limited(input.local_force, kLongestLocal_n);
   force -= limited(input.velocity * settings.damping_n_s_per_m, kLongestLocal_n);
   if (settings.wall_n_per_m > 0.0)
     force += limited(soft_walls(settings, input.position), kLongestLocal_n);
@@ -196,7 +197,7 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
     force = {};
   }
   state.position = input.position;
-  state.asked = state.commanded * gain;
+  state.asked = asked * gain;
   state.written = force;
   ++state.tick;
   ++state.counters.ticks;

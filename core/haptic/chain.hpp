@@ -7,7 +7,8 @@
 /// The safety chain: nothing reaches a motor without it. One pure step over a state, shared by
 /// every device and by the haptic server; docs/phantom.md has the equations and the reasons.
 ///
-///   interpolate -> + local model, damping, walls -> clamp -> watchdog and enable gain -> slew
+///   interpolate -> + patch's signal, local model, damping, walls -> clamp -> watchdog and enable
+///   gain -> slew
 ///               -> passivity -> clamp
 ///
 /// A tick costs bounded time, allocates nothing and takes any input. The written force is finite
@@ -42,6 +43,7 @@ struct ChainInput {
   Vec3 position{};        ///< m
   Vec3 velocity{};        ///< m/s
   Vec3 local_force{};     ///< N, of models that live inside the servo
+  Vec3 patch_force{};     ///< N, what the patch adds at this very tick
 };
 
 struct ChainCounters {
@@ -65,7 +67,7 @@ struct ChainState {
   bool motors = true, latched = false;
   double enable_gain = 1;
 
-  Vec3 asked{};   // the target's share of the last force, before clamp and slew
+  Vec3 asked{};   // the patch's share of the last force, before clamp and slew
   Vec3 slewed{};  // output of the slew stage
   Vec3 written{}; // what the device holds now
   Vec3 position{};

@@ -33,6 +33,10 @@ public:
     return true;
   }
 
+  /// What waits to be read. For the reading thread.
+  [[nodiscard]] std::size_t size() const noexcept {
+    return end_.load(std::memory_order_acquire) - begin_.load(std::memory_order_relaxed);
+  }
   [[nodiscard]] std::uint64_t dropped() const noexcept {
     return dropped_.load(std::memory_order_relaxed);
   }

@@ -6,11 +6,14 @@ constexpr double kDeaf_s = 0.02; // a device silent for this long has failed
 constexpr int kActionsPerTick = 64;
 } // namespace
 
-void Servo::attach(Backend& device, LocalModel* model) noexcept {
+void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexcept {
   device_ = &device;
   model_ = model;
-  if (model_)
-    model_->begin();
+  patch_ = patch;
+  for (LocalModel* one : {model_, patch_})
+    if (one)
+      one->begin();
+  followed_ = 0;
   refresh_caps();
   chain_ = {};
   statistics_ = {};
@@ -77,12 +80,12 @@ State Servo::sense(const Tick& tick) noexcept {
   if (!device_->read(tick, raw) || !is_finite(raw.position)) {
     ++statistics_.device_errors;
     if (++unread_ * tick.period_s >= kDeaf_s)
-      fail(tick);
+      fail(tick, Event::kSilent);
     return state_;
   }
   unread_ = 0;
   if (raw.flags & State::kFault)
-    fail(tick);
+    fail(tick, Event::kSaysSo);
   State state = raw;
   state.position = settings_.map.to_project(raw.position);
   state.velocity = caps_.has_velocity && is_finite(raw.velocity)
@@ -91,12 +94,12 @@ State Servo::sense(const Tick& tick) noexcept {
   return state;
 }
 
-void Servo::fail(const Tick& tick) noexcept {
+void Servo::fail(const Tick& tick, Event::Fault fault) noexcept {
   if (failed_)
     return;
   failed_ = true;
   emergency_stop(chain_);
-  exchange_.events.push({Event::Kind::kFault, 0, true, tick.time_s});
+  exchange_.events.push({Event::Kind::kFault, fault, true, tick.time_s});
 }
 
 void Servo::notice(const Tick& tick, const State& state) noexcept {
@@ -125,13 +128,15 @@ void Servo::step(const Tick& tick) noexcept {
   input.velocity = state.velocity;
   if (model_)
     input.local_force = model_->force(tick, state);
+  if (patch_)
+    input.patch_force = patch_->force(tick, state);
   const Vec3 force = haptic::step(chain_, settings_.chain, input);
   if (device_->write(settings_.map.to_device(force))) {
     unwritten_ = 0;
   } else {
     ++statistics_.device_errors;
     if (++unwritten_ * tick.period_s >= kDeaf_s)
-      fail(tick);
+      fail(tick, Event::kSilent);
   }
 
   notice(tick, state);
@@ -161,6 +166,17 @@ void Servo::wake(Clock& clock) noexcept {
     ++statistics_.overruns;
   statistics_.skipped += wake.skipped;
   step(wake.tick);
+  statistics_.work.add(clock.now_s() - now_s);
+}
+
+void Servo::follow(Clock& clock, double period_s) noexcept {
+  const double now_s = clock.now_s();
+  const double late_s = followed_ > 0 ? std::max(now_s - followed_s_ - period_s, 0.0) : 0.0;
+  statistics_.lateness.add(late_s);
+  if (late_s >= period_s)
+    ++statistics_.overruns;
+  followed_s_ = now_s;
+  step({followed_++, now_s, period_s});
   statistics_.work.add(clock.now_s() - now_s);
 }
 

@@ -59,8 +59,10 @@ struct Report {
 
 struct Event {
   enum class Kind { kButton, kWatchdog, kFault };
+  /// Of a fault, as its number: the device says so itself, or it does not answer any more.
+  enum Fault { kSaysSo = 0, kSilent = 1 };
   Kind kind = Kind::kButton;
-  int number = 0;
+  int number = 0; ///< of a button
   bool on = false;
   double time_s = 0;
 };
@@ -89,8 +91,10 @@ class Servo {
 public:
   static constexpr std::uint64_t kStatisticsTicks = 128;
 
-  /// While no step runs. Starts with no force, fresh chain and statistics.
-  void attach(Backend& device, LocalModel* model = nullptr) noexcept;
+  /// While no step runs. Starts with no force, fresh chain and statistics. The second model's force
+  /// is the patch's own, that comes tick by tick: it is not interpolated, and what it does to the
+  /// hand is within the passivity controller's allowance, as for commands.
+  void attach(Backend& device, LocalModel* model = nullptr, LocalModel* patch = nullptr) noexcept;
   void detach() noexcept { device_ = nullptr; }
   /// While no step runs: the device's abilities have changed.
   void refresh_caps() noexcept;
@@ -104,6 +108,9 @@ public:
   [[nodiscard]] double deadline_s() const noexcept { return pacer_.deadline_s(); }
   /// Runs the tick that is due and counts how late it is and how long it took.
   void wake(Clock& clock) noexcept;
+  /// Runs one tick now, for a driver that keeps the time itself: what comes later after the last
+  /// tick than the period is its lateness.
+  void follow(Clock& clock, double period_s) noexcept;
 
   [[nodiscard]] const ChainState& chain() const noexcept { return chain_; }
   [[nodiscard]] const ServoStatistics& statistics() const noexcept { return statistics_; }
@@ -113,11 +120,11 @@ private:
   void obey(Action action) noexcept;
   State sense(const Tick& tick) noexcept;
   void notice(const Tick& tick, const State& state) noexcept;
-  void fail(const Tick& tick) noexcept;
+  void fail(const Tick& tick, Event::Fault fault) noexcept;
 
   Exchange exchange_;
   Backend* device_ = nullptr;
-  LocalModel* model_ = nullptr;
+  LocalModel *model_ = nullptr, *patch_ = nullptr;
   Caps caps_{};
   ServoSettings settings_{};
   ChainState chain_{};
@@ -126,6 +133,8 @@ private:
   ServoStatistics statistics_{};
   State state_{};
   Command command_{};
+  std::uint64_t followed_ = 0;
+  double followed_s_ = 0;
   int unread_ = 0, unwritten_ = 0;
   bool failed_ = false, tripped_ = false, has_heartbeat_ = false;
 };

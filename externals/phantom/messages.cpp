@@ -1,6 +1,7 @@
+#include "core/words.hpp"
 #include "externals/phantom/numbers.hpp"
-#include "externals/phantom/path_message.hpp"
 #include "externals/phantom/phantom.hpp"
+#include "externals/phantom/tags.hpp"
 
 #include <cmath>
 
@@ -10,15 +11,6 @@ namespace tactus {
 using namespace phantom;
 using haptic::Vec3;
 
-namespace {
-
-constexpr std::array<std::string_view, 7> kTags{"mm",     "vel",    "force", "button",
-                                                "status", "jitter", "error"};
-
-Vec3 metres(const double* mm) { return Vec3{mm[0], mm[1], mm[2]} * 1e-3; }
-
-} // namespace
-
 void Phantom::on_list(Words words, Host& host) {
   for (const Atom& atom : words)
     if (atom.is_word)
@@ -27,31 +19,29 @@ void Phantom::on_list(Words words, Host& host) {
     scalar(inlet, words[inlet].number, host);
 }
 
-void Phantom::on_backend(Words words, Host& host) {
-  if (!is(words[0], "sim"))
-    return host.error(expected("backend", words[0], "sim, the only driver in this build"));
-  if (words.size() > 1)
-    return host.error("backend sim: takes no arguments");
-  if (created_ && !open_)
-    open(host);
-}
-
 void Phantom::on_clock(Words words, Host& host) {
-  if (is(words[0], "auto") || is(words[0], "logical"))
-    wall_ = false;
+  if (is(words[0], "logical") && driver_ && link_ != Link::kClosed)
+    return host.error("clock logical: a real device cannot be stepped by the patch's time");
+  if (is(words[0], "auto"))
+    clock_ = Clock::kAuto;
+  else if (is(words[0], "logical"))
+    clock_ = Clock::kLogical;
   else if (is(words[0], "wall"))
-    wall_ = true;
+    clock_ = Clock::kWall;
   else
     return host.error(expected("clock", words[0], "auto, logical or wall"));
+  if (driver_)
+    return; // it runs on the wall's time in any case
+  wall_ = clock_ == Clock::kWall;
   restart(host);
 }
 
 void Phantom::on_workspace(Words words, Host& host) {
   haptic::Workspace& workspace = settings_.chain.workspace;
   if (words.size() == 1 && is(words[0], "device")) {
-    const haptic::Caps caps = simulated_.caps();
+    const haptic::Caps caps = device().caps();
     workspace = {caps.workspace_min, caps.workspace_max};
-    learning_ = false;
+    learning_ = own_workspace_ = false;
   } else if (words.size() == 2 && is(words[0], "learn") && !words[1].is_word) {
     const bool begin = words[1].number != 0;
     if (begin && has_report_ && !learning_) {
@@ -61,6 +51,7 @@ void Phantom::on_workspace(Words words, Host& host) {
     if (learning_ && !begin)
       send_workspace(host);
     learning_ = begin;
+    own_workspace_ = true;
   } else if (words.size() == 6) {
     constexpr Range ranges[] = {millimetres("xmin"), millimetres("ymin"), millimetres("zmin"),
                                 millimetres("xmax"), millimetres("ymax"), millimetres("zmax")};
@@ -73,16 +64,12 @@ void Phantom::on_workspace(Words words, Host& host) {
       return host.error("workspace: each minimum must not exceed its maximum");
     workspace = wanted;
     learning_ = false;
+    own_workspace_ = true;
   } else {
     return host.error(
         "workspace: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm");
   }
   settle();
-}
-
-void Phantom::send_workspace(Host& host) const {
-  const Vec3 low = settings_.chain.workspace.min * 1e3, high = settings_.chain.workspace.max * 1e3;
-  host.info({"workspace", low.x, low.y, low.z, high.x, high.y, high.z});
 }
 
 void Phantom::on_map(Words words, Host& host) {
@@ -125,155 +112,36 @@ void Phantom::on_watchdog(Words words, Host& host) {
   settle();
 }
 
-void Phantom::on_report(Words words, Host& host) {
-  for (std::size_t i = 0; i < kTags.size(); ++i)
-    if (is(words[0], kTags[i])) {
-      if (words[1].is_word)
-        return host.error(expected("report", words[1], "0 or 1"));
-      reported_[i] = words[1].number != 0;
-      return;
-    }
-  host.error(expected("report", words[0], "mm, vel, force, button, status, jitter or error"));
-}
-
-void Phantom::on_stats(Words words, Host& host) {
-  if (!words.empty() && !is(words[0], "reset"))
-    return host.error(expected("stats", words[0], "reset"));
-  if (!words.empty()) {
-    servo_.exchange().actions.push(haptic::Action::kResetStatistics);
+void Phantom::on_scene(Words words, Host& host) {
+  if (const std::string refusal = scene_.obey(words, host); !refusal.empty())
+    return host.error(refusal);
+  touched_.publish(scene_.snapshot());
+  if (is(words[0], "move") || is(words[0], "del"))
     return;
-  }
-  collect(host);
-  const haptic::ServoStatistics s = statistics();
-  const haptic::Report& r = servo_.exchange().reports.latest();
-  const auto line = [&host](std::string_view name, double value) {
-    host.info({"stats", name, value});
-  };
-  const auto count = [&line](std::string_view name, std::uint64_t value) {
-    line(name, static_cast<double>(value));
-  };
-  count("ticks", s.ticks);
-  count("overruns", s.overruns);
-  count("skipped", s.skipped);
-  line("late_mean_ms", s.lateness.mean_s() * 1e3);
-  line("late_p50_ms", s.lateness.quantile_s(0.5) * 1e3);
-  line("late_p99_ms", s.lateness.quantile_s(0.99) * 1e3);
-  line("late_max_ms", s.lateness.longest_s() * 1e3);
-  line("work_mean_ms", s.work.mean_s() * 1e3);
-  line("work_max_ms", s.work.longest_s() * 1e3);
-  count("device_errors", s.device_errors);
-  count("watchdog_trips", r.counters.watchdog_trips);
-  count("clamped", r.counters.clamped);
-  count("slewed", r.counters.slewed);
-  count("braked", r.counters.braked);
-  count("refused", r.counters.refused);
-  count("events_lost", servo_.exchange().events.dropped());
-  count("trace_lost", servo_.exchange().trace.dropped());
-  line("energy_j", r.energy_j);
-  line("lowest_energy_j", r.lowest_energy_j);
+  const SceneBook::Stiffest stiffest = scene_.stiffest();
+  warn_of_stiffness("scene: " + stiffest.name, stiffest.stiffness_n_per_m, host);
 }
 
-void Phantom::on_trace(Words words, Host& host) {
-  if (!words[0].is_word)
-    return host.error(expected("trace", words[0], "a file name or stop"));
-  drain_trace();
-  servo_.exchange().tracing = false;
-  const std::string rest = trace_.close();
-  if (!rest.empty())
-    host.error("trace: " + rest);
-  if (is(words[0], "stop"))
+/// Colgate's bound on a sampled spring: K < 2 (B + b)/T; or the device's own word.
+void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host) {
+  const double own = device().caps().stiffness_limit_n_per_m;
+  const double viscous = driver_ ? 0.0 : values_[kViscous];
+  const double bound = own > 0 ? own : 2 * (values_[kDamp] + viscous) / period_s();
+  if (!(stiffness_n_per_m > bound) || stiffness_n_per_m <= warned_n_per_m_)
     return;
-  const std::string path = host.new_file(words[0].word);
-  const std::string refusal = trace_.open(path);
-  if (!refusal.empty())
-    return host.error("trace " + std::string(words[0].word) + ": cannot be written, " + refusal);
-  servo_.exchange().tracing = true;
-}
-
-void Phantom::on_hand(Words words, Host& host) {
-  using Hold = haptic::HandSettings::Hold;
-  haptic::HandSettings hand = simulation_.hand;
-  if (is(words[0], "free"))
-    hand.hold = Hold::kFree;
-  else if (is(words[0], "rigid"))
-    hand.hold = Hold::kRigid;
-  else if (is(words[0], "spring"))
-    hand.hold = Hold::kSpring;
-  else if (is(words[0], "person"))
-    hand.hold = Hold::kPerson;
-  else
-    return host.error(expected("hand", words[0], "free, rigid, spring or person"));
-
-  constexpr Range ranges[] = {{"K", "N/m", 0, 20000},
-                              {"B", "N s/m", 0, 1000},
-                              {"tremor", "mm", 0, 10},
-                              {"wander", "mm", 0, 50},
-                              {"yield", "ms", 0, 60000}};
-  const std::size_t given = words.size() - 1;
-  const bool person = hand.hold == Hold::kPerson, spring = hand.hold == Hold::kSpring;
-  if (given != 0 && !(spring && given == 2) && !(person && (given == 2 || given == 5)))
-    return host.error("hand " + std::string(words[0].word) +
-                      (spring   ? ": expected K B"
-                       : person ? ": expected K B or K B tremor wander yield"
-                                : ": takes no numbers"));
-  double values[5] = {};
-  const std::string refusal = read_numbers(words.subspan(1), std::span(ranges, given), values);
-  if (!refusal.empty())
-    return host.error("hand: " + refusal);
-  if (given >= 2) {
-    hand.stiffness_n_per_m = values[0];
-    hand.damping_n_s_per_m = values[1];
-  }
-  if (given == 5) {
-    hand.tremor_m = values[2] * 1e-3;
-    hand.wander_m = values[3] * 1e-3;
-    hand.yield_s = values[4] * 1e-3;
-  }
-  simulation_.hand = hand;
-  settle_device();
-}
-
-void Phantom::on_path(Words words, Host& host) {
-  PathChoice choice = choose_path(words, host);
-  if (!choice.refusal.empty())
-    return host.error(choice.refusal);
-  path_name_ = words[0].word;
-  with_device([this, &choice] { simulated_.follow(std::move(choice.path)); });
-}
-
-void Phantom::on_target(Words words, Host& host) {
-  constexpr Range ranges[] = {millimetres("x"), millimetres("y"), millimetres("z")};
-  double mm[3];
-  const std::string refusal = read_numbers(words, ranges, mm);
-  if (!refusal.empty())
-    return host.error("target: " + refusal);
-  path_name_ = "target";
-  with_device([this, &mm] { simulated_.reach_for(metres(mm)); });
-}
-
-void Phantom::on_seek(Words words, Host& host) {
-  constexpr Range ranges[] = {{"time", "ms", -1e9, 1e9}};
-  double ms = 0;
-  const std::string refusal = read_numbers(words, ranges, &ms);
-  if (!refusal.empty())
-    return host.error("seek: " + refusal);
-  with_device([this, ms] { simulated_.seek(ms * 1e-3); });
-}
-
-void Phantom::on_button(Words words, Host& host) {
-  constexpr Range ranges[] = {{"number", "", 0, 31}, {"state", "", 0, 1}};
-  double values[2];
-  const std::string refusal = read_numbers(words, ranges, values);
-  if (!refusal.empty())
-    return host.error("button: " + refusal);
-  with_device([this, &values] { simulated_.press(static_cast<int>(values[0]), values[1] != 0); });
+  warned_n_per_m_ = stiffness_n_per_m;
+  host.log(what + " has " + number_text(stiffness_n_per_m) + " N/m, above the " +
+           number_text(bound) +
+           " N/m that this device holds quiet: it may hum. Raise damp or rate, "
+           "or lower the stiffness");
+  if (reported_[kStatus])
+    host.info({"status", "stiff", stiffness_n_per_m, bound});
 }
 
 void Phantom::dump(Host& host) {
   using Interpolation = haptic::ChainSettings::Interpolation;
-  using Hold = haptic::HandSettings::Hold;
   const auto& chain = settings_.chain;
-  host.info({"backend", "sim"});
+  host.info({"backend", driver_name()});
   host.info({"name", std::string_view(name_)});
   host.info({"clock", wall_ ? "wall" : "logical"});
   send_workspace(host);
@@ -287,23 +155,9 @@ void Phantom::dump(Host& host) {
   else
     host.info({"interp", chain.interpolation == Interpolation::kAuto ? "auto" : "off"});
   host.info({"watchdog", chain.hold_s * 1e3, chain.ramp_s * 1e3});
-  host.info({"path", std::string_view(path_name_)});
-  const auto& hand = simulation_.hand;
-  switch (hand.hold) {
-  case Hold::kFree:
-    host.info({"hand", "free"});
-    break;
-  case Hold::kRigid:
-    host.info({"hand", "rigid"});
-    break;
-  case Hold::kSpring:
-    host.info({"hand", "spring", hand.stiffness_n_per_m, hand.damping_n_s_per_m});
-    break;
-  case Hold::kPerson:
-    host.info({"hand", "person", hand.stiffness_n_per_m, hand.damping_n_s_per_m,
-               hand.tremor_m * 1e3, hand.wander_m * 1e3, hand.yield_s * 1e3});
-    break;
-  }
+  scene_.dump(host);
+  if (!driver_)
+    dump_hand(host);
 }
 
 } // namespace tactus

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/haptic/vec3.hpp"
 #include "core/object.hpp"
 
 #include <span>
@@ -19,6 +20,10 @@ struct Range {
 
 constexpr Range millimetres(std::string_view name) {
   return {name, "mm", -kFarthest_mm, kFarthest_mm};
+}
+
+[[nodiscard]] inline haptic::Vec3 metres(const double* mm) {
+  return haptic::Vec3{mm[0], mm[1], mm[2]} * 1e-3;
 }
 
 /// Reads numbers from the words on, one a range; a sentence when one is missing or outside.

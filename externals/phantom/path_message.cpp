@@ -16,8 +16,6 @@ using Words = std::span<const Atom>;
 
 constexpr Range kPeriod{"period", "ms", 1, 1e6};
 
-Vec3 metres(const double* mm) { return Vec3{mm[0], mm[1], mm[2]} * 1e-3; }
-
 PathChoice line(Words words) {
   constexpr Range ranges[] = {millimetres("x1"),
                               millimetres("y1"),

@@ -1,12 +1,14 @@
 #include "externals/phantom/phantom.hpp"
 
-#include "core/words.hpp"
+#include "externals/phantom/signal_link_name.hpp"
+#include "externals/phantom/tags.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <thread>
 
+/// Time: what steps the servo, and when the outlets speak.
 namespace tactus {
 namespace {
 
@@ -17,8 +19,8 @@ constexpr double kHeartbeat_ms = 5;
 // Time always goes on between two wake-ups, whatever happens in between.
 constexpr double kShortestWake_ms = 1e-3;
 constexpr double kGraceful_s = 0.2;
-
-enum Tag : std::size_t { kMm, kVel, kForce, kButtonTag, kStatus, kJitter, kError };
+// Audio that has not run for this long, and two blocks, no longer steps the servo.
+constexpr double kAudioGone_ms = 20;
 
 } // namespace
 
@@ -28,11 +30,21 @@ using haptic::Action;
 Phantom::Phantom() {
   for (std::size_t i = 0; i < kParameters.size(); ++i)
     values_[i] = kParameters[i].initial;
+  signals_->watch(touched_);
   settle();
   settle_device();
 }
 
-Phantom::~Phantom() { fade_out(); }
+Phantom::~Phantom() {
+  let_go();
+  signals_->place(haptic::SignalLink::Time::kNone, 0, {});
+}
+
+double Phantom::period_s() const noexcept {
+  if (driver_ && open() && device_->owns_thread())
+    return 1.0 / std::clamp(device_->caps().rate_hz, 1.0, 1e5);
+  return 1.0 / values_[kRate];
+}
 
 /// Ends a servo thread with the force down by its slew, or after 200 ms whatever it does.
 void Phantom::fade_out() noexcept {
@@ -56,17 +68,23 @@ void Phantom::set(std::size_t parameter, double value) noexcept {
     servo_.exchange().actions.push(on(kMotors) ? Action::kMotorsOn : Action::kMotorsOff);
   if (parameter == kRate || parameter == kOutRate)
     new_grids_ = true;
+  if (parameter == kRate && driver_ && runner_.running() && !device_->owns_thread()) {
+    runner_.stop();
+    runner_.start(servo_, period_s());
+  }
   if (parameter == kRate || parameter >= kMass)
     settle_device();
   else
     settle();
+  if (parameter == kRate && open())
+    place_signals();
 }
 
 /// Carries the chain's parameters to the servo.
 void Phantom::settle() noexcept {
   auto& chain = settings_.chain;
   chain.force_limit_n = values_[kForceMax];
-  const double peak_n = simulated_.caps().peak_force_n;
+  const double peak_n = device().caps().peak_force_n;
   if (peak_n > 0)
     chain.force_limit_n = std::min(chain.force_limit_n, peak_n);
   chain.slew_n_per_s = values_[kSlew] * 1e3;
@@ -78,6 +96,7 @@ void Phantom::settle() noexcept {
   chain.damping_n_s_per_m = values_[kDamp];
   chain.wall_n_per_m = values_[kWalls];
   servo_.exchange().settings.write(settings_);
+  signals_->set_workspace(chain.workspace);
 }
 
 /// Carries the simulated device's parameters to it, and a new rate to whoever steps it.
@@ -88,43 +107,34 @@ void Phantom::settle_device() noexcept {
   simulation_.resolution_m = values_[kResolution] * 1e-3;
   simulation_.noise_m = values_[kNoise] * 1e-3;
   simulation_.seed = simulation_.hand.seed = static_cast<std::uint64_t>(values_[kSeed]);
-  with_device([this] {
+  with_simulation([this] {
     const double before = simulated_.caps().position_noise_m;
     simulated_.set(simulation_);
-    if (simulated_.caps().position_noise_m != before)
+    if (!driver_ && simulated_.caps().position_noise_m != before)
       servo_.refresh_caps();
   });
 }
 
 void Phantom::created(Host& host) {
   created_ = true;
-  open(host);
+  host.offer(signal_link_name(name_), signals_);
+  if (!driver_)
+    connect_simulation(host);
 }
 
-void Phantom::open(Host& host) {
-  if (open_)
-    return close(host), open(host);
-  if (const std::string refusal = simulated_.open(); !refusal.empty())
-    return host.error(refusal);
-  open_ = true;
-  servo_.attach(simulated_);
+void Phantom::attach() noexcept {
+  if (driver_)
+    servo_.attach(*device_, &touched_, signals_.get());
+  else
+    servo_.attach(simulated_, &touched_, signals_.get());
   if (!on(kMotors))
     servo_.exchange().actions.push(Action::kMotorsOff);
-  begin(host);
-  if (reported_[kStatus])
-    host.info({"status", "open", "sim"});
 }
 
-void Phantom::close(Host& host) {
-  if (!open_)
-    return;
-  open_ = false;
-  fade_out();
-  servo_.detach();
-  static_cast<void>(simulated_.write({}));
-  simulated_.close();
-  if (reported_[kStatus])
-    host.info({"status", "closed", "sim"});
+void Phantom::place_signals() noexcept {
+  using Time = haptic::SignalLink::Time;
+  signals_->place(wall_ ? Time::kWall : Time::kLogical, 1.0 / period_s(),
+                  {[](void* self) { static_cast<Phantom*>(self)->step_with_audio(); }, this});
 }
 
 /// A fresh grid of servo ticks and one of outputs, both from now on.
@@ -132,20 +142,24 @@ void Phantom::begin(Host& host) {
   origin_ms_ = output_origin_ms_ = host.now_ms();
   steps_ = outputs_ = 0;
   scheduling_told_ = false;
-  if (open_ && wall_) {
-    publish(devices::ServoThread::now_s());
-    runner_.start(servo_, period_s());
+  if (open()) {
+    place_signals();
+    if (wall_) {
+      publish(devices::ServoThread::now_s());
+      if (!driver_)
+        runner_.start(servo_, period_s());
+      else if (!runner_.start(servo_, *device_, period_s()))
+        return lose(host);
+    }
   }
   host.wake_in(kSchedule, 0);
 }
 
 void Phantom::restart(Host& host) {
-  if (!created_ || !open_)
+  if (!created_ || !open())
     return;
   fade_out();
-  servo_.attach(simulated_);
-  if (!on(kMotors))
-    servo_.exchange().actions.push(Action::kMotorsOff);
+  attach();
   begin(host);
 }
 
@@ -164,39 +178,44 @@ void Phantom::publish(double now_s) noexcept {
   servo_.exchange().commands.write(command_);
 }
 
-void Phantom::tick(std::size_t timer, Host& host) {
-  if (timer == kForces) {
-    if (refused_now_) {
-      ++command_.refused;
-      command_.last_refused = true;
-      if (host.now_ms() - last_error_ms_ >= 1000) {
-        last_error_ms_ = host.now_ms();
-        host.error("force: not a finite number; the last good force stays for the watchdog's time");
-        if (reported_[kError])
-          host.info({"error", "nan", "force", "refused"});
-      }
-    } else if (changed_now_) {
-      const double unit_n = on(kUnitsParameter) ? settings_.chain.force_limit_n : 1.0;
-      command_.force_n = asked_ * unit_n;
-      ++command_.number;
-      command_.last_refused = false;
+/// What came to the inlets at this instant is one force.
+void Phantom::force_changed(Host& host) {
+  if (refused_now_) {
+    ++command_.refused;
+    command_.last_refused = true;
+    if (host.now_ms() - last_error_ms_ >= 1000) {
+      last_error_ms_ = host.now_ms();
+      host.error("force: not a finite number; the last good force stays for the watchdog's time");
+      if (reported_[kError])
+        host.info({"error", "nan", "force", "refused"});
     }
-    refused_now_ = changed_now_ = false;
-    return publish(wall_ ? devices::ServoThread::now_s() : host.now_ms() * 1e-3);
+  } else if (changed_now_) {
+    const double unit_n = on(kUnitsParameter) ? settings_.chain.force_limit_n : 1.0;
+    command_.force_n = asked_ * unit_n;
+    ++command_.number;
+    command_.last_refused = false;
   }
+  refused_now_ = changed_now_ = false;
+  publish(wall_ ? devices::ServoThread::now_s() : host.now_ms() * 1e-3);
+}
+
+void Phantom::tick(std::size_t timer, Host& host) {
+  if (timer == kForces)
+    return force_changed(host);
   if (new_grids_) {
     new_grids_ = false;
     origin_ms_ = output_origin_ms_ = host.now_ms();
     steps_ = outputs_ = 0;
   }
-  if (!open_)
+  if (!open())
     return;
   const double now = host.now_ms() + kSameInstant_ms;
   const double period_ms = 1e3 * period_s();
   if (!wall_) {
     // One tick at most: a host that jumps forward gets no burst.
     if (origin_ms_ + static_cast<double>(steps_) * period_ms <= now) {
-      step(host);
+      if (!audio_steps(host))
+        step(host.now_ms() * 1e-3);
       ++steps_;
     }
   } else {
@@ -213,7 +232,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
 }
 
 void Phantom::schedule(Host& host) {
-  if (!open_)
+  if (!open())
     return; // opening starts the grids anew
   const double now = host.now_ms(), rate = values_[kOutRate], period_ms = 1e3 * period_s();
   double next = now + kHeartbeat_ms;
@@ -235,102 +254,26 @@ void Phantom::schedule(Host& host) {
   host.wake_in(kSchedule, std::max(kShortestWake_ms, next - now));
 }
 
-void Phantom::step(Host& host) {
-  const double now_s = host.now_ms() * 1e-3;
+void Phantom::step(double now_s) noexcept {
   publish(now_s);
+  stepped_s_ = now_s;
   servo_.step({index_++, now_s, period_s()});
 }
 
-/// Takes over what the servo has to tell.
-void Phantom::collect(Host& host) {
-  has_report_ = servo_.exchange().reports.read() || has_report_;
-  drain_trace();
-  if (learning_ && has_report_) {
-    const auto before = settings_.chain.workspace;
-    settings_.chain.workspace.include(servo_.exchange().reports.latest().state.position);
-    if (!(before == settings_.chain.workspace))
-      servo_.exchange().settings.write(settings_);
+/// Audio steps the servo where its ticks lie among the samples; the grid goes on from the last.
+void Phantom::step_with_audio() noexcept {
+  if (open() && !wall_)
+    step(stepped_s_ + period_s());
+}
+
+/// Whether an object with signals steps the servo, so that the clock must not.
+bool Phantom::audio_steps(Host& host) noexcept {
+  const std::uint64_t blocks = signals_->blocks();
+  if (blocks != audio_blocks_) {
+    audio_blocks_ = blocks;
+    audio_ms_ = host.now_ms();
   }
-  haptic::Event event;
-  for (int taken = 0; taken < 256 && servo_.exchange().events.pop(event); ++taken)
-    send_event(event, host);
-  if (!wall_)
-    return;
-  if (!scheduling_told_ && !runner_.scheduling().empty()) {
-    scheduling_told_ = true;
-    if (reported_[kStatus])
-      host.info({"status", "sched", runner_.scheduling()});
-  }
-  if (reported_[kJitter] && host.now_ms() - last_timing_ms_ >= 1000)
-    send_timing(host);
-}
-
-void Phantom::drain_trace() {
-  haptic::Report report;
-  for (int taken = 0; taken < 1024 && servo_.exchange().trace.pop(report); ++taken)
-    trace_.write(report);
-}
-
-void Phantom::send_event(const haptic::Event& event, Host& host) {
-  using Kind = haptic::Event::Kind;
-  switch (event.kind) {
-  case Kind::kButton:
-    if (reported_[kButtonTag])
-      host.info({"button", static_cast<double>(event.number), event.on ? 1.0 : 0.0});
-    break;
-  case Kind::kWatchdog:
-    if (reported_[kStatus])
-      host.info({"status", "watchdog", event.on ? 1.0 : 0.0});
-    break;
-  case Kind::kFault:
-    host.error("the device has failed and its motors are off; check it, then send motors 1");
-    if (reported_[kStatus])
-      host.info({"status", "fault", 1.0});
-    break;
-  }
-}
-
-void Phantom::send_position(Host& host, bool always) {
-  if (!has_report_)
-    return;
-  const auto position =
-      settings_.chain.workspace.normalised(servo_.exchange().reports.latest().state.position);
-  if (!always && sent_ && *sent_ == position)
-    return;
-  sent_ = position;
-  host.send(2, {position.z});
-  host.send(1, {position.y});
-  host.send(0, {position.x});
-}
-
-void Phantom::send_values(Host& host, bool all) {
-  if (!has_report_)
-    return;
-  const haptic::Report report = servo_.exchange().reports.latest();
-  const auto triple = [&host](std::string_view tag, const haptic::Vec3& v) {
-    host.info({tag, v.x, v.y, v.z});
-  };
-  if (all || reported_[kMm])
-    triple("mm", report.state.position * 1e3);
-  if (all || reported_[kVel])
-    triple("vel", report.state.velocity);
-  if (all || reported_[kForce])
-    triple("force", report.force_n);
-}
-
-haptic::ServoStatistics Phantom::statistics() noexcept {
-  if (!runner_.running())
-    return servo_.statistics();
-  servo_.exchange().statistics.read();
-  return servo_.exchange().statistics.latest();
-}
-
-void Phantom::send_timing(Host& host) {
-  last_timing_ms_ = host.now_ms();
-  const auto s = statistics();
-  host.info({"jitter", s.lateness.mean_s() * 1e3, s.lateness.quantile_s(0.5) * 1e3,
-             s.lateness.quantile_s(0.95) * 1e3, s.lateness.quantile_s(0.99) * 1e3,
-             s.lateness.longest_s() * 1e3});
+  return host.now_ms() - audio_ms_ <= kAudioGone_ms + 2e3 * signals_->longest_block_s();
 }
 
 void Phantom::message(std::size_t index, Words arguments, Host& host) {
@@ -344,16 +287,21 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
   case kBackend:
     return on_backend(arguments, host);
   case kOpen:
-    return open(host);
+    return connect(arguments, host);
   case kClose:
-    return close(host);
+    return disconnect(host);
   case kName:
-    name_ =
-        arguments[0].is_word ? std::string(arguments[0].word) : number_text(arguments[0].number);
-    return;
+    return on_name(arguments, host);
   case kDevices:
-    return host.info({"device", "sim", 0.0, "tactus", "simulated", std::string_view(name_),
-                      open_ ? "open" : "closed"});
+    return on_devices(host);
+  case kDriver:
+    return on_setting(arguments, host);
+  case kFirmware:
+    return on_setting(arguments, host, "firmware");
+  case kHome:
+    return on_setting(arguments, host, "home");
+  case kCalibrate:
+    return on_setting(arguments, host, "calibrate");
   case kClock:
     return on_clock(arguments, host);
   case kWorkspace:
@@ -364,6 +312,8 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
     return on_interp(arguments, host);
   case kWatchdog:
     return on_watchdog(arguments, host);
+  case kScene:
+    return on_scene(arguments, host);
   case kEstop:
     servo_.exchange().actions.push(Action::kEmergencyStop);
     if (reported_[kStatus])

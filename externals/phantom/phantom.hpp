@@ -1,12 +1,18 @@
 #pragma once
 
+#include "core/haptic/scene/scene_model.hpp"
 #include "core/haptic/servo.hpp"
+#include "core/haptic/signal_link.hpp"
 #include "core/haptic/simulated_device.hpp"
 #include "core/object.hpp"
 #include "devices/servo_thread.hpp"
 #include "externals/phantom/declaration.hpp"
+#include "externals/phantom/device_worker.hpp"
+#include "externals/phantom/live_connections.hpp"
+#include "externals/phantom/scene_book.hpp"
 #include "externals/phantom/trace.hpp"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,15 +20,17 @@
 namespace tactus {
 
 /// [phantom]: a haptic device in a patch. Forces in, normalised positions out; between them the
-/// servo of core/haptic, stepped by the host's logical time or by a thread of its own.
-class Phantom {
+/// servo of core/haptic, stepped by the host's logical time, by a thread of its own or by the
+/// device's driver.
+class Phantom final : private phantom::LiveConnection {
 public:
   static constexpr Declaration declaration{
       "phantom",
       "haptic device: force in, position out",
       "Reads a haptic device, or a simulated one, a thousand times a second, sends the position of "
-      "its handle and applies the forces that the patch sends, through a chain that keeps the hand "
-      "safe: interpolation, limit, watchdog, slew and passivity control.",
+      "its handle and applies the forces that the patch sends and those of the scene that the "
+      "handle touches, through a chain that keeps the hand safe: interpolation, limit, watchdog, "
+      "slew and passivity control.",
       "haptic force feedback device simulation",
       phantom::kInlets,
       phantom::kOutlets,
@@ -41,65 +49,105 @@ public:
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void scalar(std::size_t inlet, double value, Host& host);
   void tick(std::size_t timer, Host& host);
+  void posted(Host& host);
   void created(Host& host);
   void dump(Host& host);
 
 private:
   enum Timer : std::size_t { kSchedule, kForces };
+  enum class Clock { kAuto, kLogical, kWall };
+  enum class Link { kClosed, kOpening, kOpen, kLost };
   using Words = std::span<const Atom>;
+  using Device = phantom::DeviceWorker::Device;
 
   // phantom.cpp: time and exchange
   [[nodiscard]] bool on(phantom::ParameterIndex p) const noexcept { return values_[p] >= 0.5; }
-  [[nodiscard]] double period_s() const noexcept { return 1.0 / values_[phantom::kRate]; }
+  [[nodiscard]] bool open() const noexcept { return link_ == Link::kOpen; }
+  [[nodiscard]] double period_s() const noexcept;
   void begin(Host& host);
   void schedule(Host& host);
-  void step(Host& host);
+  void force_changed(Host& host);
+  void step(double now_s) noexcept;
+  void step_with_audio() noexcept;
+  void place_signals() noexcept;
+  [[nodiscard]] bool audio_steps(Host& host) noexcept;
   void publish(double now_s) noexcept;
   void settle() noexcept;
   void settle_device() noexcept;
-  void open(Host& host);
-  void close(Host& host);
   void restart(Host& host);
   void fade_out() noexcept;
-  /// Changes the device between two ticks, whoever steps it.
-  template <class Change> void with_device(Change&& change) {
-    const bool was_running = runner_.running();
-    runner_.stop();
+  void attach() noexcept;
+  /// Changes the simulated device between two ticks, whoever steps it.
+  template <class Change> void with_simulation(Change&& change) {
+    const bool was_running = !driver_ && runner_.running();
+    if (was_running)
+      runner_.stop();
     change();
     if (was_running)
       runner_.start(servo_, period_s());
   }
+
+  // connection.cpp: which device, and its comings and goings
+  [[nodiscard]] const haptic::Backend& device() const noexcept;
+  [[nodiscard]] std::string_view driver_name() const noexcept;
+  [[nodiscard]] phantom::DeviceWorker& worker(Host& host);
+  [[nodiscard]] static std::string configure(haptic::Backend& device, Words words, bool which);
+  void connect(Words which, Host& host);
+  void connect_simulation(Host& host);
+  void disconnect(Host& host);
+  void opened(const phantom::DeviceWorker::Answer&, Host&);
+  void listed(const phantom::DeviceWorker::Answer&, Host&);
+  void lose(Host& host);
+  void send_identity(Host& host) const;
+  void send_status(std::string_view word, Host& host) const;
+  void watch_flags(Host& host);
+  [[nodiscard]] bool for_simulation(std::string_view message, Host& host) const;
+  void let_go() noexcept override;
+  void on_backend(Words, Host&);
+  void on_setting(Words, Host&, std::string_view name = {});
+  void on_devices(Host&);
+  void on_name(Words, Host&);
+
+  // output.cpp: what leaves the object
   void collect(Host& host);
   void send_position(Host& host, bool always);
   void send_values(Host& host, bool all);
   void send_event(const haptic::Event& event, Host& host);
+  void send_contact(const haptic::ContactEvent& event, Host& host);
   void send_timing(Host& host);
+  void send_workspace(Host& host) const;
   void drain_trace();
   [[nodiscard]] haptic::ServoStatistics statistics() noexcept;
+  void on_stats(Words, Host&);
+  void on_trace(Words, Host&);
+  void on_report(Words, Host&);
 
-  // messages.cpp
+  // messages.cpp: settings
   void on_list(Words, Host&);
-  void on_backend(Words, Host&);
   void on_clock(Words, Host&);
   void on_workspace(Words, Host&);
   void on_map(Words, Host&);
   void on_interp(Words, Host&);
   void on_watchdog(Words, Host&);
-  void on_report(Words, Host&);
-  void on_stats(Words, Host&);
-  void on_trace(Words, Host&);
+  void on_scene(Words, Host&);
+  void warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host);
+
+  // simulation.cpp: the simulated device's own
   void on_hand(Words, Host&);
   void on_path(Words, Host&);
   void on_target(Words, Host&);
   void on_seek(Words, Host&);
   void on_button(Words, Host&);
-  void send_workspace(Host& host) const;
+  void dump_hand(Host& host) const;
 
   std::array<double, phantom::kParameterCount> values_{};
   haptic::Servo servo_{};
   haptic::SimulatedDevice simulated_{};
+  haptic::SceneModel touched_{};
+  std::shared_ptr<haptic::SignalLink> signals_ = std::make_shared<haptic::SignalLink>();
   devices::ServoThread runner_{};
   phantom::Trace trace_{};
+  phantom::SceneBook scene_{};
 
   haptic::ServoSettings settings_{};
   haptic::SimulatedDevice::Settings simulation_{};
@@ -107,18 +155,30 @@ private:
   haptic::Vec3 asked_{}; // inlets, in the chosen units
   bool refused_now_ = false, changed_now_ = false;
 
+  const devices::Driver* driver_ = nullptr; // null: the simulated device
+  Device device_{};                         // the driver's
+  Link link_ = Link::kClosed;
+  std::uint64_t ticket_ = 0; // of the latest wish to open
+  std::uint32_t flags_ = haptic::State::kHomed;
+  std::unique_ptr<phantom::DeviceWorker> worker_{};
+
   std::string path_name_ = "still";
   std::string name_ = "-";
+  Clock clock_ = Clock::kAuto;
   bool wall_ = false; // stepped by a thread instead of the host's logical time
-  bool created_ = false, open_ = false, learning_ = false, new_grids_ = false;
+  bool created_ = false, learning_ = false, new_grids_ = false, own_workspace_ = false;
   double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
   std::uint64_t steps_ = 0, outputs_ = 0;       // grid points since their origins
   std::uint64_t index_ = 0;                     // servo ticks in logical time
+  double stepped_s_ = 0;                        // when the last of them was
+  std::uint64_t audio_blocks_ = 0;
+  double audio_ms_ = -1e9; // when audio was last seen to step
 
   std::optional<haptic::Vec3> sent_{};
   bool has_report_ = false;
-  std::array<bool, 7> reported_{false, false, false, true, true, false, true};
+  std::array<bool, 10> reported_{false, false, false, true, true, false, true, true, true, true};
   double last_error_ms_ = -1e9, last_timing_ms_ = 0;
+  double warned_n_per_m_ = 0;
   bool scheduling_told_ = false;
 };
 

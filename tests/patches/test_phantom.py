@@ -352,7 +352,7 @@ def test_closing_stops_and_opening_starts_afresh(tmp_path):
 # ---- refusals -----------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("message, sentence", [
-    ("backend falcon", "backend falcon: expected sim, the only driver in this build"),
+    ("backend sim 3", "backend sim: takes no arguments"),
     ("hand soft", "hand soft: expected free, rigid, spring or person"),
     ("hand spring 1", "hand spring: expected K B"),
     ("hand spring -1 2", "hand: K -1 N/m: expected 0..20000 N/m"),
@@ -371,7 +371,8 @@ def test_closing_stops_and_opening_starts_afresh(tmp_path):
     ("workspace 5 0 0 1 1 1", "workspace: each minimum must not exceed its maximum"),
     ("workspace 1 2",
      "workspace: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm"),
-    ("report x 1", "report x: expected mm, vel, force, button, status, jitter or error"),
+    ("report x 1", "report x: expected mm, vel, force, button, status, jitter, "
+     "error, hit, contact or release"),
     ("list 1 2", "list: expected 3 arguments (fx fy fz), got 2"),
     ("list 1 two 3", "list two: expected three numbers, fx fy fz"),
     ("button 40 1", "button: number 40: expected 0..31"),
@@ -400,12 +401,12 @@ def test_a_path_file_that_is_wrong_names_the_line(tmp_path):
 
 # ---- anything goes -----------------------------------------------------------------------------
 
-NAMES = ("bang list backend open close devices workspace map interp watchdog estop report stats "
+NAMES = ("bang list scene backend open close devices driver home workspace map interp watchdog estop report stats "
          "hand path target seek button rate outrate repeat units forcemax slew extrap strict "
          "passivity tank allowance damp walls motors mass viscous stops resolution noise seed get "
          "dump trace").split()
 WORDS = ("sim device learn auto off zxy xyz reset free rigid spring person line circle lissajous "
-         "array mm vel force button norm newton logical stop yz nonsense").split()
+         "array add mat move del k sphere box plane disk all mm vel force button norm newton logical stop yz nonsense").split()
 NUMBERS = (0, 1, -1, 0.001, 2, 5, 10, 50, 200, 999, 4000, -300, 1e6, 1e30, -1e30, 1e-30, 0.5)
 
 

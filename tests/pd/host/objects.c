@@ -235,3 +235,15 @@ void host_message(host_object* o, int inlet, const char* selector, int count,
   }
   free(given);
 }
+
+const char* class_getname(const t_class* c) { return c->name->s_name; }
+
+/* Names hold one thing: what is bound here takes care of that itself. */
+void pd_bind(t_pd* thing, t_symbol* s) {
+  if (s->s_thing) host_die("pd_bind to a name that is taken");
+  s->s_thing = thing;
+}
+void pd_unbind(t_pd* thing, t_symbol* s) {
+  if (s->s_thing != thing) host_die("pd_unbind of what is not bound");
+  s->s_thing = 0;
+}

@@ -1,0 +1,207 @@
+#include "externals/phantom/numbers.hpp"
+#include "externals/phantom/phantom.hpp"
+#include "externals/phantom/tags.hpp"
+
+/// What leaves [phantom].
+namespace tactus {
+
+using namespace phantom;
+
+/// Takes over what the servo has to tell.
+void Phantom::collect(Host& host) {
+  has_report_ = servo_.exchange().reports.read() || has_report_;
+  drain_trace();
+  if (learning_ && has_report_) {
+    const auto before = settings_.chain.workspace;
+    settings_.chain.workspace.include(servo_.exchange().reports.latest().state.position);
+    if (!(before == settings_.chain.workspace)) {
+      servo_.exchange().settings.write(settings_);
+      signals_->set_workspace(settings_.chain.workspace);
+    }
+  }
+  haptic::Event event;
+  for (int taken = 0; taken < 256 && servo_.exchange().events.pop(event); ++taken)
+    send_event(event, host);
+  haptic::ContactEvent contact;
+  for (int taken = 0; taken < 256 && touched_.events().pop(contact); ++taken)
+    send_contact(contact, host);
+  touched_.collect();
+  watch_flags(host);
+  if (!wall_)
+    return;
+  if (!scheduling_told_ && !runner_.scheduling().empty()) {
+    scheduling_told_ = true;
+    if (reported_[kStatus])
+      host.info({"status", "sched", runner_.scheduling()});
+  }
+  if (reported_[kJitter] && host.now_ms() - last_timing_ms_ >= 1000)
+    send_timing(host);
+}
+
+void Phantom::drain_trace() {
+  haptic::Report report;
+  for (int taken = 0; taken < 1024 && servo_.exchange().trace.pop(report); ++taken)
+    trace_.write(report);
+}
+
+void Phantom::send_event(const haptic::Event& event, Host& host) {
+  using Kind = haptic::Event::Kind;
+  switch (event.kind) {
+  case Kind::kButton:
+    if (reported_[kButtonTag])
+      host.info({"button", static_cast<double>(event.number), event.on ? 1.0 : 0.0});
+    break;
+  case Kind::kWatchdog:
+    if (reported_[kStatus])
+      host.info({"status", "watchdog", event.on ? 1.0 : 0.0});
+    break;
+  case Kind::kFault:
+    if (driver_ && event.number == haptic::Event::kSilent)
+      return lose(host);
+    host.error("the device has failed and its motors are off; check it, then send motors 1");
+    if (reported_[kStatus])
+      host.info({"status", "fault", 1.0});
+    break;
+  }
+}
+
+void Phantom::send_contact(const haptic::ContactEvent& event, Host& host) {
+  using Kind = haptic::ContactEvent::Kind;
+  const Atom body = scene_.name_of(event.key);
+  // In the patch's time, whatever clock the servo has.
+  const double ms = wall_ ? host.now_ms() - (devices::ServoThread::now_s() - event.time_s) * 1e3
+                          : event.time_s * 1e3;
+  const haptic::Vec3 p = event.point * 1e3, &n = event.normal, &f = event.force_n;
+  switch (event.kind) {
+  case Kind::kHit:
+    if (reported_[kHitTag])
+      host.info({"hit", ms, body, p.x, p.y, p.z, n.x, n.y, n.z, event.approach_m_per_s,
+                 event.slip_m_per_s});
+    break;
+  case Kind::kContact:
+    if (reported_[kContactTag])
+      host.info({"contact", ms, body, event.depth_m * 1e3, f.x, f.y, f.z});
+    break;
+  case Kind::kRelease:
+    if (reported_[kReleaseTag])
+      host.info({"release", ms, body});
+    break;
+  }
+}
+
+void Phantom::send_position(Host& host, bool always) {
+  if (!has_report_)
+    return;
+  const auto position =
+      settings_.chain.workspace.normalised(servo_.exchange().reports.latest().state.position);
+  if (!always && sent_ && *sent_ == position)
+    return;
+  sent_ = position;
+  host.send(2, {position.z});
+  host.send(1, {position.y});
+  host.send(0, {position.x});
+}
+
+void Phantom::send_values(Host& host, bool all) {
+  if (!has_report_)
+    return;
+  const haptic::Report report = servo_.exchange().reports.latest();
+  const auto triple = [&host](std::string_view tag, const haptic::Vec3& v) {
+    host.info({tag, v.x, v.y, v.z});
+  };
+  if (all || reported_[kMm])
+    triple("mm", report.state.position * 1e3);
+  if (all || reported_[kVel])
+    triple("vel", report.state.velocity);
+  if (all || reported_[kForce])
+    triple("force", report.force_n);
+}
+
+void Phantom::send_workspace(Host& host) const {
+  const haptic::Vec3 low = settings_.chain.workspace.min * 1e3,
+                     high = settings_.chain.workspace.max * 1e3;
+  host.info({"workspace", low.x, low.y, low.z, high.x, high.y, high.z});
+}
+
+haptic::ServoStatistics Phantom::statistics() noexcept {
+  if (!runner_.running())
+    return servo_.statistics();
+  servo_.exchange().statistics.read();
+  return servo_.exchange().statistics.latest();
+}
+
+void Phantom::send_timing(Host& host) {
+  last_timing_ms_ = host.now_ms();
+  const auto s = statistics();
+  host.info({"jitter", s.lateness.mean_s() * 1e3, s.lateness.quantile_s(0.5) * 1e3,
+             s.lateness.quantile_s(0.95) * 1e3, s.lateness.quantile_s(0.99) * 1e3,
+             s.lateness.longest_s() * 1e3});
+}
+
+void Phantom::on_report(Words words, Host& host) {
+  for (std::size_t i = 0; i < kTags.size(); ++i)
+    if (is(words[0], kTags[i])) {
+      if (words[1].is_word)
+        return host.error(expected("report", words[1], "0 or 1"));
+      reported_[i] = words[1].number != 0;
+      return;
+    }
+  host.error(expected("report", words[0],
+                      "mm, vel, force, button, status, jitter, error, hit, contact or release"));
+}
+
+void Phantom::on_stats(Words words, Host& host) {
+  if (!words.empty() && !is(words[0], "reset"))
+    return host.error(expected("stats", words[0], "reset"));
+  if (!words.empty()) {
+    servo_.exchange().actions.push(haptic::Action::kResetStatistics);
+    return;
+  }
+  collect(host);
+  const haptic::ServoStatistics s = statistics();
+  const haptic::Report& r = servo_.exchange().reports.latest();
+  const auto line = [&host](std::string_view name, double value) {
+    host.info({"stats", name, value});
+  };
+  const auto count = [&line](std::string_view name, std::uint64_t value) {
+    line(name, static_cast<double>(value));
+  };
+  count("ticks", s.ticks);
+  count("overruns", s.overruns);
+  count("skipped", s.skipped);
+  line("late_mean_ms", s.lateness.mean_s() * 1e3);
+  line("late_p50_ms", s.lateness.quantile_s(0.5) * 1e3);
+  line("late_p99_ms", s.lateness.quantile_s(0.99) * 1e3);
+  line("late_max_ms", s.lateness.longest_s() * 1e3);
+  line("work_mean_ms", s.work.mean_s() * 1e3);
+  line("work_max_ms", s.work.longest_s() * 1e3);
+  count("device_errors", s.device_errors);
+  count("watchdog_trips", r.counters.watchdog_trips);
+  count("clamped", r.counters.clamped);
+  count("slewed", r.counters.slewed);
+  count("braked", r.counters.braked);
+  count("refused", r.counters.refused);
+  count("events_lost", servo_.exchange().events.dropped() + touched_.events().dropped());
+  count("trace_lost", servo_.exchange().trace.dropped());
+  line("energy_j", r.energy_j);
+  line("lowest_energy_j", r.lowest_energy_j);
+}
+
+void Phantom::on_trace(Words words, Host& host) {
+  if (!words[0].is_word)
+    return host.error(expected("trace", words[0], "a file name or stop"));
+  drain_trace();
+  servo_.exchange().tracing = false;
+  const std::string rest = trace_.close();
+  if (!rest.empty())
+    host.error("trace: " + rest);
+  if (is(words[0], "stop"))
+    return;
+  const std::string path = host.new_file(words[0].word);
+  const std::string refusal = trace_.open(path);
+  if (!refusal.empty())
+    return host.error("trace " + std::string(words[0].word) + ": cannot be written, " + refusal);
+  servo_.exchange().tracing = true;
+}
+
+} // namespace tactus

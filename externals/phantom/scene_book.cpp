@@ -1,0 +1,229 @@
+#include "externals/phantom/scene_book.hpp"
+
+#include "core/words.hpp"
+#include "externals/phantom/numbers.hpp"
+#include "externals/phantom/scene_shape.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+
+namespace tactus::phantom {
+namespace {
+
+constexpr Range kStiffness{"k", "N/m", 0, 1e5};
+
+std::string text_of(const Atom& atom) {
+  return atom.is_word ? std::string(atom.word) : number_text(atom.number);
+}
+
+bool is_mesh(const haptic::Body& body) {
+  return std::holds_alternative<haptic::MeshSurface>(body.shape);
+}
+
+/// The words of a line, numbers as numbers; a comment and a closing semicolon left out.
+std::vector<Atom> words_of(std::string_view line) {
+  std::vector<Atom> words;
+  constexpr std::string_view kBlanks = " \t\r,;";
+  line = line.substr(0, line.find('#'));
+  while (true) {
+    const std::size_t begin = line.find_first_not_of(kBlanks);
+    if (begin == std::string_view::npos)
+      return words;
+    line.remove_prefix(begin);
+    const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
+    double number = 0;
+    const auto read = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (read.ec == std::errc() && read.ptr == word.data() + word.size())
+      words.emplace_back(number);
+    else
+      words.emplace_back(word);
+    line.remove_prefix(word.size());
+  }
+}
+
+} // namespace
+
+SceneBook::Entry* SceneBook::find(const Atom& name) noexcept {
+  const std::string text = text_of(name);
+  const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& e) { return e.name == text; });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+void SceneBook::forget(const Entry& entry) {
+  gone_.push_back({entry.body.key, entry.name, entry.is_number});
+  if (gone_.size() > kMostGone)
+    gone_.pop_front();
+}
+
+std::string SceneBook::obey(Words words, const Host& host) {
+  const Words rest = words.subspan(1);
+  std::string refusal;
+  if (is(words[0], "add"))
+    refusal = add(rest, host);
+  else if (is(words[0], "mat"))
+    refusal = set_material(rest);
+  else if (is(words[0], "move"))
+    refusal = move(rest);
+  else if (is(words[0], "del"))
+    refusal = remove(rest);
+  else if (is(words[0], "load"))
+    refusal = load(rest, host);
+  else if (is(words[0], "k")) {
+    double k[1] = {};
+    refusal = read_numbers(rest, {{kStiffness}}, k);
+    if (refusal.empty())
+      material_.stiffness_n_per_m = k[0];
+  } else {
+    return expected("scene", words[0], "add, mat, move, del, k or load");
+  }
+  return refusal.empty() ? refusal : "scene " + text_of(words[0]) + ": " + refusal;
+}
+
+std::string SceneBook::add(Words words, const Host& host) {
+  if (words.size() < 2)
+    return "expected a name and a shape";
+  ShapeChoice choice = choose_shape(words.subspan(1), host);
+  if (!choice.refusal.empty())
+    return std::move(choice.refusal);
+  Entry* old = find(words[0]);
+  Entry entry{text_of(words[0]), !words[0].is_word, {}, {}};
+  entry.body.key = ++keys_;
+  entry.body.shape = std::move(choice.shape);
+  entry.body.pose = choice.pose;
+  entry.body.material = material_;
+  for (const Atom& word : words.subspan(1))
+    entry.description += (entry.description.empty() ? "" : " ") + text_of(word);
+  const auto same = std::count_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
+    return &e != old && is_mesh(e.body) == is_mesh(entry.body);
+  });
+  const std::size_t most = is_mesh(entry.body) ? kMostMeshes : kMostSolids;
+  if (static_cast<std::size_t>(same) >= most)
+    return "the scene has " + std::to_string(most) + (is_mesh(entry.body) ? " meshes" : " bodies") +
+           " already, the most there can be";
+  if (old) {
+    forget(*old);
+    *old = std::move(entry);
+  } else {
+    entries_.push_back(std::move(entry));
+  }
+  return {};
+}
+
+std::string SceneBook::set_material(Words words) {
+  constexpr Range ranges[] = {kStiffness, {"b", "N s/m", 0, 1000}, {"mu", "", 0, 10}};
+  Entry* entry = words.empty() ? nullptr : find(words[0]);
+  if (!entry)
+    return (words.empty() ? "" : text_of(words[0])) + ": no such body";
+  const std::size_t given = words.size() - 1;
+  if (given < 1 || given > 3)
+    return "expected k, b and mu";
+  double v[3] = {0, entry->body.material.damping_n_s_per_m, entry->body.material.friction};
+  if (std::string refusal = read_numbers(words.subspan(1), std::span(ranges, given), v);
+      !refusal.empty())
+    return refusal;
+  entry->body.material = {v[0], v[1], v[2]};
+  return {};
+}
+
+std::string SceneBook::move(Words words) {
+  constexpr Range ranges[] = {
+      millimetres("x"), millimetres("y"), millimetres("z"), {"time", "ms", 0, 1e5}};
+  Entry* entry = words.empty() ? nullptr : find(words[0]);
+  if (!entry)
+    return (words.empty() ? "" : text_of(words[0])) + ": no such body";
+  double v[4] = {};
+  const std::size_t count = words.size() > 4 ? 4 : 3;
+  if (std::string refusal = read_numbers(words.subspan(1), std::span(ranges, count), v);
+      !refusal.empty())
+    return refusal;
+  entry->body.pose.position = metres(v);
+  entry->body.glide_s = v[3] * 1e-3;
+  return {};
+}
+
+std::string SceneBook::remove(Words words) {
+  if (words.size() != 1)
+    return "expected a name or all";
+  if (is(words[0], "all")) {
+    for (const Entry& entry : entries_)
+      forget(entry);
+    entries_.clear();
+    return {};
+  }
+  const Entry* entry = find(words[0]);
+  if (!entry)
+    return text_of(words[0]) + ": no such body";
+  forget(*entry);
+  entries_.erase(entries_.begin() + (entry - entries_.data()));
+  return {};
+}
+
+std::string SceneBook::load(Words words, const Host& host) {
+  if (words.size() != 1 || !words[0].is_word)
+    return "expected a file name";
+  const std::string name(words[0].word), found = host.find_file(name);
+  std::ifstream stream(found);
+  if (found.empty() || !stream)
+    return name + ": no such file";
+  SceneBook changed = *this;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const std::vector<Atom> all = words_of(line);
+    const Words here = !all.empty() && is(all[0], "scene") ? Words(all).subspan(1) : Words(all);
+    if (here.empty())
+      continue;
+    std::string refusal =
+        is(here[0], "load") ? "load: a scene file loads no other" : changed.obey(here, host);
+    if (!refusal.empty())
+      return name + " line " + std::to_string(number) + ": " + refusal;
+  }
+  *this = std::move(changed);
+  return {};
+}
+
+std::unique_ptr<const haptic::Scene> SceneBook::snapshot() const {
+  auto scene = std::make_unique<haptic::Scene>();
+  scene->bodies.reserve(entries_.size());
+  for (const Entry& entry : entries_)
+    scene->bodies.push_back(entry.body);
+  return scene;
+}
+
+Atom SceneBook::name_of(std::uint64_t key) const noexcept {
+  const auto atom = [](const std::string& name, bool is_number) {
+    double number = 0;
+    if (is_number)
+      std::from_chars(name.data(), name.data() + name.size(), number);
+    return is_number ? Atom(number) : Atom(std::string_view(name));
+  };
+  for (const Entry& entry : entries_)
+    if (entry.body.key == key)
+      return atom(entry.name, entry.is_number);
+  for (const Gone& gone : gone_)
+    if (gone.key == key)
+      return atom(gone.name, gone.is_number);
+  return Atom("-");
+}
+
+SceneBook::Stiffest SceneBook::stiffest() const {
+  Stiffest found;
+  for (const Entry& entry : entries_)
+    if (entry.body.material.stiffness_n_per_m > found.stiffness_n_per_m)
+      found = {entry.name, entry.body.material.stiffness_n_per_m};
+  return found;
+}
+
+void SceneBook::dump(Host& host) const {
+  for (const Entry& entry : entries_) {
+    const haptic::Material& m = entry.body.material;
+    const haptic::Vec3 p = entry.body.pose.position * 1e3;
+    host.info({"scene", "add", std::string_view(entry.name), std::string_view(entry.description)});
+    host.info({"scene", "move", std::string_view(entry.name), p.x, p.y, p.z});
+    host.info({"scene", "mat", std::string_view(entry.name), m.stiffness_n_per_m,
+               m.damping_n_s_per_m, m.friction});
+  }
+}
+
+} // namespace tactus::phantom

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "core/haptic/scene/scene.hpp"
+#include "core/object.hpp"
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tactus::phantom {
+
+/// The bodies of a scene by the names that a patch gives them.
+class SceneBook {
+public:
+  static constexpr std::size_t kMostSolids = 64, kMostMeshes = 8;
+  using Words = std::span<const Atom>;
+
+  /// One of the scene's messages: add, mat, move, del, k or load. A sentence when it is refused;
+  /// nothing has changed then.
+  [[nodiscard]] std::string obey(Words words, const Host& host);
+  /// What the servo is to feel.
+  [[nodiscard]] std::unique_ptr<const haptic::Scene> snapshot() const;
+  /// The name of a body, also of one that is gone since a short time.
+  [[nodiscard]] Atom name_of(std::uint64_t key) const noexcept;
+  /// The stiffest body and its name; none in an empty scene.
+  struct Stiffest {
+    std::string name;
+    double stiffness_n_per_m = 0;
+  };
+  [[nodiscard]] Stiffest stiffest() const;
+  void dump(Host& host) const;
+
+private:
+  struct Entry {
+    std::string name;
+    bool is_number = false;
+    haptic::Body body;
+    std::string description; ///< as it was added
+  };
+  struct Gone {
+    std::uint64_t key;
+    std::string name;
+    bool is_number;
+  };
+  static constexpr std::size_t kMostGone = 128;
+
+  [[nodiscard]] std::string add(Words words, const Host& host);
+  [[nodiscard]] std::string set_material(Words words);
+  [[nodiscard]] std::string move(Words words);
+  [[nodiscard]] std::string remove(Words words);
+  [[nodiscard]] std::string load(Words words, const Host& host);
+  [[nodiscard]] Entry* find(const Atom& name) noexcept;
+  void forget(const Entry& entry);
+
+  std::vector<Entry> entries_;
+  std::deque<Gone> gone_;
+  std::uint64_t keys_ = 0;
+  haptic::Material material_{}; // of bodies that are added from now on
+};
+
+} // namespace tactus::phantom

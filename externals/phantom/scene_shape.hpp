@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/haptic/scene/scene.hpp"
+#include "core/object.hpp"
+
+#include <string>
+
+namespace tactus::phantom {
+
+/// A shape and its place from the words of `scene add NAME ...`.
+struct ShapeChoice {
+  haptic::Shape shape{haptic::Plane{}};
+  haptic::Pose pose{};
+  std::string refusal; ///< one sentence when the words are wrong
+};
+[[nodiscard]] ShapeChoice choose_shape(std::span<const Atom> words, const Host& host);
+
+} // namespace tactus::phantom

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+namespace tactus::phantom {
+
+/// What `report TAG 0|1` switches.
+enum Tag : std::size_t {
+  kMm,
+  kVel,
+  kForce,
+  kButtonTag,
+  kStatus,
+  kJitter,
+  kError,
+  kHitTag,
+  kContactTag,
+  kReleaseTag
+};
+inline constexpr std::array<std::string_view, 10> kTags{
+    "mm", "vel", "force", "button", "status", "jitter", "error", "hit", "contact", "release"};
+
+} // namespace tactus::phantom
