@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/haptic/vec3.hpp"
+#include "devices/hid/knob.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace tactus::devices::hid {
+
+/// Which axis of the device drives which of ours: three of position, three of rotation.
+struct AxisTable {
+  struct Source {
+    int axis = -1; ///< index into Knob::share, -1: none
+    double sign = 1;
+  };
+  std::array<Source, 6> rows{};
+
+  /// HID's conventions are X right, Y towards the user, Z down: so ours are X, -Z, Y. A device
+  /// without Z gives its slider as height.
+  [[nodiscard]] static AxisTable usual(std::uint32_t axes) noexcept;
+  /// Reads rows "x -Z", "rz Ry", "y none", # comments; rows that are not there keep what they are.
+  /// Empty when the text is good, else a sentence; then nothing changes.
+  [[nodiscard]] std::string read(std::string_view text);
+
+  [[nodiscard]] haptic::Vec3 position(const Knob& knob) const noexcept;
+  [[nodiscard]] haptic::Vec3 rotation(const Knob& knob) const noexcept;
+};
+
+/// 0 below the dead zone, from there straight to 1 at full deflection.
+[[nodiscard]] double beyond_dead_zone(double share, double dead_zone) noexcept;
+
+} // namespace tactus::devices::hid

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "devices/hid/hid_library.hpp"
+#include "devices/hid/report_descriptor.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace tactus::devices::hid {
+
+/// A HID device that the driver can use.
+struct Entry {
+  std::string path;
+  haptic::Identity identity;
+  std::uint16_t vendor = 0, product = 0;
+  bool space_mouse = false; ///< decode as one: a six-axis controller by its usage or its known id
+  std::string obstacle;     ///< empty when it can be opened
+};
+
+/// The product ids of six-axis controllers, for a transport that does not tell the usage.
+[[nodiscard]] bool is_known_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept;
+
+/// Six-axis controllers first, then joysticks and game pads. With all, whatever HID there is.
+[[nodiscard]] std::vector<Entry> catalogue(HidLibrary& library, bool all = false);
+
+/// The device's own description; nothing when this transport does not tell.
+[[nodiscard]] std::optional<ReportDescriptor> describe(HidLibrary& library, hid_device* device,
+                                                       const std::string& path);
+
+} // namespace tactus::devices::hid

@@ -1,0 +1,203 @@
+#include "devices/hid/hid.hpp"
+
+#include "devices/thread_priority.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace tactus::devices::hid {
+namespace {
+
+constexpr double kHalf_m = 0.05; // the workspace is +-50 mm
+constexpr int kWait_ms = 20;     // between two looks at what the other threads want
+constexpr int kLowBattery = 10;
+constexpr std::uint8_t kLightReport = 4;
+
+} // namespace
+
+std::string Hid::open() {
+  close();
+  Settings settings;
+  {
+    const std::scoped_lock lock(mutex_);
+    settings = settings_;
+  }
+  std::string obstacle;
+  library_ = HidLibrary::get(settings.transport, obstacle);
+  if (!library_)
+    return obstacle;
+  Entry entry;
+  obstacle = find(settings, entry);
+  if (!obstacle.empty())
+    return obstacle;
+  device_ = library_->open_path(entry.path.c_str());
+  if (!device_)
+    return entry.identity.model + " at " + entry.path + " cannot be opened: " +
+           (entry.obstacle.empty() ? "close the program that has it, or plug it in again"
+                                   : entry.obstacle);
+  obstacle = prepare(settings, entry);
+  if (obstacle.empty()) {
+    stopping_ = lost_ = false;
+    try {
+      listener_ = std::thread([this] { listen(); });
+    } catch (const std::system_error&) {
+      obstacle = "no thread can be started for the device: close other programs";
+    }
+  }
+  if (!obstacle.empty())
+    close();
+  const std::scoped_lock lock(mutex_);
+  identity_ = entry.identity;
+  return obstacle;
+}
+
+std::string Hid::find(const Settings& settings, Entry& entry) {
+  const std::string& which = settings.device;
+  const bool by_path = which.find('/') != std::string::npos || which.find(':') != std::string::npos;
+  const std::vector<Entry> entries = catalogue(*library_, by_path);
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (which.empty() || which == std::to_string(i) || which == entries[i].path ||
+        which == entries[i].identity.serial) {
+      entry = entries[i];
+      return {};
+    }
+  if (entries.empty())
+    return "no six-axis controller, joystick or game pad is plugged in: check its cable or "
+           "receiver";
+  return "no HID device is called " + which + ": send devices for a list, or give its path";
+}
+
+std::string Hid::prepare(const Settings& settings, const Entry& entry) {
+  const auto description = describe(*library_, device_, entry.path);
+  space_mouse_ = entry.space_mouse;
+  if (space_mouse_)
+    decoder_ = Decoder::space_mouse(description.value_or(ReportDescriptor{}));
+  else if (description)
+    decoder_ = Decoder::described(*description);
+  else
+    return entry.identity.model + " does not say what its reports mean through this hidapi: "
+                                  "install Debian's libhidapi-hidraw0";
+  axes_ = decoder_.axes();
+  step_ = decoder_.step();
+  has_buttons_ = decoder_.has_buttons();
+  if (axes_ == 0)
+    return entry.identity.model + " has no axis: choose another device";
+  table_ = AxisTable::usual(axes_);
+  if (!settings.table.empty()) {
+    std::ifstream in(settings.table);
+    if (!in)
+      return "the axis table " + settings.table + " cannot be read: check its path";
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::string mistake = table_.read(text);
+    if (!mistake.empty())
+      return settings.table + ": " + mistake;
+  }
+  knobs_.write(Knob{});
+  battery_percent_ = -1;
+  position_ = {};
+  begun_ = false;
+  return {};
+}
+
+void Hid::close() noexcept {
+  stopping_ = true;
+  if (listener_.joinable())
+    listener_.join();
+  if (device_)
+    library_->close(device_);
+  device_ = nullptr;
+}
+
+void Hid::light(bool on) noexcept {
+  const std::array<std::uint8_t, 2> report{kLightReport, static_cast<std::uint8_t>(on)};
+  library_->write(device_, report.data(), report.size());
+}
+
+void Hid::listen() noexcept {
+  raise_thread_priority(kDeviceThreadPriority);
+  bool lit = false;
+  while (!stopping_) {
+    if (space_mouse_ && lit != light_) {
+      lit = light_;
+      light(lit);
+    }
+    std::array<std::uint8_t, 256> report{};
+    const int length = library_->read_timeout(device_, report.data(), report.size(), kWait_ms);
+    if (length < 0) {
+      lost_ = true;
+      return;
+    }
+    if (length == 0)
+      continue;
+    const auto count = std::min(static_cast<std::size_t>(length), report.size());
+    if (!decoder_.take({report.data(), count}))
+      continue;
+    knobs_.write(decoder_.knob());
+    battery_percent_.store(decoder_.knob().battery_percent, std::memory_order_relaxed);
+  }
+  if (space_mouse_ && lit)
+    light(false);
+}
+
+haptic::Caps Hid::caps() const noexcept {
+  haptic::Caps caps;
+  caps.axes_out = 0;
+  caps.workspace_min = {-kHalf_m, -kHalf_m, -kHalf_m};
+  caps.workspace_max = {kHalf_m, kHalf_m, kHalf_m};
+  caps.position_noise_m = rate_ ? 0 : 0.5 * step_ * kHalf_m;
+  caps.has_buttons = has_buttons_;
+  caps.has_rotation = (axes_ & 0x38) != 0;
+  return caps;
+}
+
+bool Hid::read(const haptic::Tick& tick, haptic::State& state) noexcept {
+  const double passed_s = begun_ ? std::clamp(tick.time_s - time_s_, 0.0, 0.1) : 0;
+  time_s_ = tick.time_s;
+  begun_ = true;
+  if (!device_ || lost_.load(std::memory_order_relaxed))
+    return false;
+  knobs_.read();
+  const Knob& knob = knobs_.latest();
+  const double dead_zone = dead_zone_.load(std::memory_order_relaxed);
+  haptic::Vec3 share = table_.position(knob), turn = table_.rotation(knob);
+  for (int axis = 0; axis < 3; ++axis) {
+    share[axis] = beyond_dead_zone(share[axis], dead_zone);
+    turn[axis] = beyond_dead_zone(turn[axis], dead_zone);
+  }
+  if (rate_.load(std::memory_order_relaxed)) {
+    const double speed = speed_m_per_s_.load(std::memory_order_relaxed);
+    for (int axis = 0; axis < 3; ++axis)
+      position_[axis] =
+          std::clamp(position_[axis] + share[axis] * speed * passed_s, -kHalf_m, kHalf_m);
+  } else {
+    position_ = share * kHalf_m;
+  }
+  state.position = position_;
+  state.rotation = turn;
+  state.buttons = knob.buttons;
+  state.flags = haptic::State::kHomed;
+  return true;
+}
+
+bool Hid::write(const haptic::Vec3&) noexcept {
+  return device_ && !lost_.load(std::memory_order_relaxed);
+}
+
+haptic::Identity Hid::identity() const {
+  const std::scoped_lock lock(mutex_);
+  return identity_;
+}
+
+std::string Hid::trouble() const {
+  if (lost_)
+    return "the device has gone: plug it in, or switch it on, and open it again";
+  const int battery = battery_percent_;
+  if (battery >= 0 && battery <= kLowBattery)
+    return "the device's battery is at " + std::to_string(battery) + " %: charge it";
+  return {};
+}
+
+} // namespace tactus::devices::hid

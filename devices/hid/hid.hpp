@@ -1,0 +1,71 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "core/haptic/mailbox.hpp"
+#include "devices/hid/axis_table.hpp"
+#include "devices/hid/catalogue.hpp"
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+namespace tactus::devices::hid {
+
+/// A SpaceMouse, or any HID with axes: position without force. A thread of its own waits for
+/// reports and decodes them; the servo takes the newest out of a mailbox. Settings: device WHICH,
+/// mapping position|rate, speed MM_PER_S, deadzone PERCENT, led 0|1, table FILE,
+/// transport any|hidraw|libusb. docs/devices/hid.md
+class Hid final : public haptic::Backend {
+public:
+  ~Hid() override { close(); }
+
+  [[nodiscard]] std::string open() override;
+  void close() noexcept override;
+  [[nodiscard]] haptic::Caps caps() const noexcept override;
+  [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
+  /// Accepted and without effect: there are no motors.
+  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  [[nodiscard]] std::string configure(std::span<const std::string> words) override;
+  [[nodiscard]] haptic::Identity identity() const override;
+  [[nodiscard]] std::string trouble() const override;
+
+private:
+  struct Settings {
+    std::string device, table;
+    Transport transport = Transport::kAny;
+  };
+  [[nodiscard]] std::string find(const Settings& settings, Entry& entry);
+  [[nodiscard]] std::string prepare(const Settings& settings, const Entry& entry);
+  void listen() noexcept;
+  void light(bool on) noexcept;
+  [[nodiscard]] std::string set_number(const std::string& name, const std::string& text);
+  [[nodiscard]] std::string set_name(const std::string& name, const std::string& value);
+
+  mutable std::mutex mutex_; // of the next two, held briefly and never in the servo
+  Settings settings_;
+  haptic::Identity identity_;
+
+  HidLibrary* library_ = nullptr;
+  hid_device* device_ = nullptr;
+  bool space_mouse_ = false;
+  std::thread listener_;
+
+  // between the threads
+  haptic::Mailbox<Knob> knobs_;
+  std::atomic<bool> stopping_{false}, lost_{false}, rate_{false}, light_{true};
+  std::atomic<double> speed_m_per_s_{0.1}, dead_zone_{0.03};
+  std::atomic<int> battery_percent_{-1};
+
+  Decoder decoder_; // the listener's
+  AxisTable table_; // fixed while it is open
+  std::uint32_t axes_ = 0;
+  double step_ = 0;
+  bool has_buttons_ = false;
+
+  // the servo's
+  haptic::Vec3 position_{};
+  double time_s_ = 0;
+  bool begun_ = false;
+};
+
+} // namespace tactus::devices::hid

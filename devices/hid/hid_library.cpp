@@ -1,0 +1,65 @@
+#include "devices/hid/hid_library.hpp"
+
+#include <array>
+
+namespace tactus::devices::hid {
+
+std::string HidLibrary::load(Transport transport) {
+  if (ready_)
+    return {};
+#if defined(__linux__)
+  constexpr std::array<const char*, 2> kHidrawNames{"libhidapi-hidraw.so.0", "libhidapi-hidraw.so"};
+  constexpr std::array<const char*, 2> kLibusbNames{"libhidapi-libusb.so.0", "libhidapi-libusb.so"};
+  hidraw = transport == Transport::kHidraw;
+  const bool loaded = library_.load(hidraw ? kHidrawNames : kLibusbNames);
+#else
+  static_cast<void>(transport);
+  constexpr std::array<const char*, 2> kNames{"libhidapi.dylib", "hidapi.dll"};
+  const bool loaded = library_.load(kNames);
+#endif
+  if (!loaded)
+    return "hidapi cannot be loaded (" + library_.error() +
+           "): install Debian's libhidapi-hidraw0, or hidapi from github.com/libusb/hidapi";
+  const char* missing = nullptr;
+  const auto find = [&](const char* name, auto& function) {
+    if (!library_.symbol(name, function))
+      missing = name;
+  };
+  find("hid_init", init);
+  find("hid_enumerate", enumerate);
+  find("hid_free_enumeration", free_enumeration);
+  find("hid_open_path", open_path);
+  find("hid_close", close);
+  find("hid_read_timeout", read_timeout);
+  find("hid_write", write);
+  library_.symbol("hid_get_report_descriptor", get_report_descriptor);
+  if (missing)
+    return library_.name() + " has no " + missing + ": install hidapi 0.8 or newer";
+  if (init() != 0)
+    return library_.name() + " does not start: is /dev there?";
+  ready_ = true;
+  return {};
+}
+
+HidLibrary* HidLibrary::get(Transport transport, std::string& obstacle) {
+  static std::mutex mutex;
+  static HidLibrary hidraw_library, libusb_library;
+  const std::scoped_lock lock(mutex);
+  if (transport != Transport::kLibusb) {
+    obstacle = hidraw_library.load(Transport::kHidraw);
+    if (obstacle.empty())
+      return &hidraw_library;
+  }
+  if (transport != Transport::kHidraw) {
+    const std::string reason = libusb_library.load(Transport::kLibusb);
+    if (reason.empty()) {
+      obstacle.clear();
+      return &libusb_library;
+    }
+    if (obstacle.empty())
+      obstacle = reason;
+  }
+  return nullptr;
+}
+
+} // namespace tactus::devices::hid

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "devices/hid/report_descriptor.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+/// From input reports to the deflections of six axes.
+namespace tactus::devices::hid {
+
+constexpr std::size_t kAxes = 9; ///< X Y Z Rx Ry Rz Slider Dial Wheel, in the order of their usages
+
+/// What the reports have said so far.
+struct Knob {
+  std::array<double, kAxes> share{}; ///< of full deflection, -1..1
+  std::uint32_t buttons = 0;
+  int battery_percent = -1; ///< -1: it has not said
+};
+
+/// Decodes the reports of one device.
+class Decoder {
+public:
+  /// Of the SpaceMouse family: the reports' length decides what they are, as devices differ from
+  /// their descriptions. The full scale comes from the description where it has one.
+  [[nodiscard]] static Decoder space_mouse(const ReportDescriptor& description);
+  /// Of anything else: by its description.
+  [[nodiscard]] static Decoder described(const ReportDescriptor& description);
+
+  /// True when the report said something that the knob now shows.
+  bool take(std::span<const std::uint8_t> report) noexcept;
+  [[nodiscard]] const Knob& knob() const noexcept { return knob_; }
+  /// Bit n: there is such an axis.
+  [[nodiscard]] std::uint32_t axes() const noexcept { return axes_; }
+  [[nodiscard]] bool has_buttons() const noexcept { return buttons_; }
+  /// The coarsest step of X, Y, Z, as a share.
+  [[nodiscard]] double step() const noexcept { return step_; }
+
+private:
+  bool take_space_mouse(std::span<const std::uint8_t> report) noexcept;
+  bool take_described(std::span<const std::uint8_t> report) noexcept;
+
+  Knob knob_;
+  bool space_mouse_ = false, buttons_ = false;
+  double full_scale_ = 350, step_ = 1.0 / 350;
+  std::uint32_t axes_ = 0;
+  std::vector<Field> fields_;
+};
+
+} // namespace tactus::devices::hid

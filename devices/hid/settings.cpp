@@ -1,0 +1,65 @@
+#include "devices/hid/hid.hpp"
+
+#include <charconv>
+
+namespace tactus::devices::hid {
+
+std::string Hid::configure(std::span<const std::string> words) {
+  if (words.size() == 2) {
+    const std::string& name = words[0];
+    if (name == "device" || name == "table") {
+      const std::scoped_lock lock(mutex_);
+      (name == "device" ? settings_.device : settings_.table) = words[1];
+      return {};
+    }
+    if (name == "mapping" || name == "transport")
+      return set_name(name, words[1]);
+    if (name == "speed" || name == "deadzone" || name == "led")
+      return set_number(name, words[1]);
+  }
+  const std::string name = words.empty() ? "a setting" : words[0];
+  return "hid: " + name +
+         " is not understood: expected device WHICH, mapping position|rate, speed MM_PER_S, "
+         "deadzone PERCENT, led 0|1, table FILE, or transport any|hidraw|libusb";
+}
+
+std::string Hid::set_name(const std::string& name, const std::string& value) {
+  if (name == "mapping") {
+    if (value != "position" && value != "rate")
+      return "hid: mapping " + value + " is not known: expected position or rate";
+    rate_ = value == "rate";
+    return {};
+  }
+  const std::scoped_lock lock(mutex_);
+  if (value == "any")
+    settings_.transport = Transport::kAny;
+  else if (value == "hidraw")
+    settings_.transport = Transport::kHidraw;
+  else if (value == "libusb")
+    settings_.transport = Transport::kLibusb;
+  else
+    return "hid: transport " + value + " is not known: expected any, hidraw or libusb";
+  return {};
+}
+
+std::string Hid::set_number(const std::string& name, const std::string& text) {
+  double number = 0;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  const double most = name == "speed" ? 1000 : name == "deadzone" ? 90 : 1;
+  const bool good = read.ec == std::errc() && read.ptr == end && number >= 0 && number <= most;
+  if (!good || (name == "led" && number != 0 && number != 1))
+    return "hid: " + name + " " + text + " is not possible: expected " +
+           (name == "speed"      ? "0 to 1000 mm/s"
+            : name == "deadzone" ? "0 to 90 % of full deflection"
+                                 : "0 or 1");
+  if (name == "speed")
+    speed_m_per_s_ = number * 1e-3;
+  else if (name == "deadzone")
+    dead_zone_ = number * 1e-2;
+  else
+    light_ = number == 1;
+  return {};
+}
+
+} // namespace tactus::devices::hid

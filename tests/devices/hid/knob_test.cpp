@@ -1,0 +1,100 @@
+#include "devices/hid/knob.hpp"
+
+#include "core/dsp/random.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace tactus::devices::hid;
+
+namespace {
+using Bytes = std::vector<std::uint8_t>;
+
+double counts(const Decoder& decoder, std::size_t axis) { return decoder.knob().share[axis] * 350; }
+} // namespace
+
+TEST_CASE("a SpaceMouse's reports of seven bytes bring three axes each") {
+  Decoder decoder = Decoder::space_mouse({});
+  CHECK(decoder.take(Bytes{0x01, 0x5e, 0x01, 0xa2, 0xfe, 0x0a, 0x00}));
+  CHECK(decoder.take(Bytes{0x02, 0x01, 0x00, 0xff, 0xff, 0x00, 0x01}));
+  const double expected[] = {350, -350, 10, 1, -1, 256};
+  for (std::size_t axis = 0; axis < 6; ++axis)
+    CHECK(counts(decoder, axis) == doctest::Approx(expected[axis]).epsilon(1e-12));
+}
+
+TEST_CASE("reports of thirteen bytes bring all six, from the same device") {
+  Decoder decoder = Decoder::space_mouse({});
+  CHECK(decoder.take(
+      Bytes{0x01, 0x0a, 0x00, 0xec, 0xff, 0x1e, 0x00, 0xd8, 0xff, 0x32, 0x00, 0xc4, 0xff}));
+  const double expected[] = {10, -20, 30, -40, 50, -60};
+  for (std::size_t axis = 0; axis < 6; ++axis)
+    CHECK(counts(decoder, axis) == doctest::Approx(expected[axis]).epsilon(1e-12));
+  CHECK(decoder.take(Bytes{0x01, 0x5e, 0x01, 0x00, 0x00, 0x00, 0x00}));
+  CHECK(counts(decoder, 0) == doctest::Approx(350));
+  CHECK(counts(decoder, 5) == doctest::Approx(-60));
+}
+
+TEST_CASE("buttons, battery, and what is beyond full scale") {
+  Decoder decoder = Decoder::space_mouse({});
+  CHECK(decoder.take(Bytes{0x03, 0x02, 0x01, 0x00, 0x80}));
+  CHECK(decoder.knob().buttons == 0x80000102u);
+  CHECK(decoder.take(Bytes{0x03, 0x00}));
+  CHECK(decoder.knob().buttons == 0);
+  CHECK(decoder.knob().battery_percent == -1);
+  CHECK(decoder.take(Bytes{0x17, 0x2a, 0x00}));
+  CHECK(decoder.knob().battery_percent == 42);
+  CHECK(decoder.take(Bytes{0x01, 0xff, 0x7f, 0x00, 0x80, 0x00, 0x00}));
+  CHECK(decoder.knob().share[0] == 1);
+  CHECK(decoder.knob().share[1] == -1);
+  for (const Bytes& report : {Bytes{}, Bytes{0x01}, Bytes{0x01, 1, 2, 3, 4, 5}, Bytes{0x02, 0},
+                              Bytes{0x03}, Bytes{0x17, 0xff}, Bytes{0x99, 1, 2, 3, 4, 5, 6}})
+    CHECK_FALSE(decoder.take(report));
+}
+
+TEST_CASE("the full scale is the description's, if that can be believed") {
+  const auto with_range = [](std::int32_t high) {
+    ReportDescriptor description;
+    description.fields.push_back(
+        {1, 8, 16, kDesktopPage, static_cast<std::uint16_t>(Usage::kX), -high, high});
+    return Decoder::space_mouse(description);
+  };
+  Decoder wide = with_range(500), absurd = with_range(32767);
+  const Bytes report{0x01, 0xfa, 0x00, 0, 0, 0, 0}; // 250
+  CHECK(wide.take(report));
+  CHECK(wide.knob().share[0] == doctest::Approx(0.5));
+  CHECK(absurd.take(report));
+  CHECK(absurd.knob().share[0] == doctest::Approx(250.0 / 350));
+}
+
+TEST_CASE("a described device's axes are shares of their range around its middle") {
+  const Bytes text{0x05, 0x01, 0x09, 0x05, 0xa1, 0x01, 0x15, 0x00, 0x26, 0xff, 0x00, 0x75, 0x08,
+                   0x95, 0x02, 0x09, 0x30, 0x09, 0x36, 0x81, 0x02, 0x05, 0x09, 0x19, 0x01, 0x29,
+                   0x03, 0x15, 0x01, 0x25, 0x03, 0x75, 0x08, 0x95, 0x02, 0x81, 0x00, 0xc0};
+  Decoder decoder = Decoder::described(parse_report_descriptor(text));
+  CHECK(decoder.axes() == 0x41u);
+  CHECK(decoder.has_buttons());
+  CHECK(decoder.step() == doctest::Approx(2.0 / 255));
+  CHECK(decoder.take(Bytes{0, 255, 3, 1}));
+  CHECK(decoder.knob().share[0] == -1);
+  CHECK(decoder.knob().share[6] == 1);
+  CHECK(decoder.knob().buttons == 5); // two choices at once: buttons 3 and 1
+  CHECK(decoder.take(Bytes{0, 255, 0, 0}));
+  CHECK(decoder.knob().buttons == 0);
+}
+
+TEST_CASE("random reports leave shares within one") {
+  tactus::Random random(22);
+  Decoder decoder = Decoder::space_mouse({});
+  for (int i = 0; i < 100000; ++i) {
+    Bytes report(random.next() % 20);
+    for (auto& byte : report)
+      byte = static_cast<std::uint8_t>(random.next());
+    if (!report.empty() && i % 2)
+      report[0] = static_cast<std::uint8_t>(1 + random.next() % 3);
+    static_cast<void>(decoder.take(report));
+    for (const double share : decoder.knob().share)
+      if (!(std::abs(share) <= 1))
+        FAIL("a share of " << share);
+  }
+}

@@ -1,0 +1,150 @@
+#include "core/haptic/workspace.hpp"
+#include "tests/devices/hid/live/rig.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+using tactus::haptic::Vec3;
+
+namespace {
+
+bool skipped() { return Rig::is("pad"); }
+
+// A deflection in counts along X, Y, Z, in the reports of the device at hand.
+std::string report(int x, int y, int z) {
+  std::string text = "report 01";
+  for (const int count : {x, y, z}) {
+    char hex[5];
+    const auto word = static_cast<unsigned>(count) & 0xffffu;
+    std::snprintf(hex, sizeof hex, "%02x%02x", word & 255, word >> 8);
+    text += hex;
+  }
+  return Rig::is("compact") ? text + "000000000000" : text;
+}
+
+} // namespace
+
+TEST_CASE("a SpaceMouse is listed with its name" * doctest::skip(skipped())) {
+  Rig rig;
+  std::string obstacle;
+  auto* library = tactus::devices::hid::HidLibrary::get(
+      Rig::world("TRANSPORT") == "libusb" ? tactus::devices::hid::Transport::kLibusb
+                                          : tactus::devices::hid::Transport::kHidraw,
+      obstacle);
+  REQUIRE_MESSAGE(library, obstacle);
+  const auto entries = tactus::devices::hid::catalogue(*library);
+  REQUIRE(entries.size() == 1);
+  CHECK(entries[0].space_mouse);
+  CHECK(entries[0].identity.model ==
+        (Rig::is("compact") ? "SpaceMouse Compact" : "SpaceNavigator"));
+  CHECK(entries[0].obstacle.empty());
+}
+
+TEST_CASE("full deflection to the right is the workspace's edge" * doctest::skip(skipped())) {
+  Rig rig;
+  REQUIRE(rig.device.open() == "");
+  CHECK(rig.reaches({0, 0, 0}));
+  rig.control.ask(report(350, 0, 0));
+  CHECK(rig.reaches({50, 0, 0}));
+  const auto caps = rig.device.caps();
+  CHECK(tactus::haptic::Workspace{caps.workspace_min, caps.workspace_max}.normalised(
+            rig.state.position) == Vec3{1, 0.5, 0.5});
+  CHECK(caps.axes_out == 0);
+  CHECK(caps.has_rotation);
+  // towards the user and down: HID's Y and Z
+  rig.control.ask(report(0, 350, 350));
+  CHECK(rig.reaches({0, -50, 50}));
+  rig.control.ask(report(5, -5, 10)); // within the dead zone of 3 %: 10.5 counts
+  CHECK(rig.reaches({0, 0, 0}));
+}
+
+TEST_CASE("all six axes come through in both styles of report" * doctest::skip(skipped())) {
+  Rig rig;
+  REQUIRE(rig.set({"deadzone", "0"}) == "");
+  REQUIRE(rig.device.open() == "");
+  if (Rig::is("compact")) {
+    rig.control.ask("report 01 0a00 ecff 1e00 d8ff 3200 c4ff");
+  } else {
+    rig.control.ask("report 01 0a00 ecff 1e00");
+    rig.control.ask("report 02 d8ff 3200 c4ff");
+  }
+  REQUIRE(rig.until([&] { return rig.state.rotation.x != 0; }));
+  const double scale = 50.0 / 350;
+  CHECK(norm(rig.state.position * 1e3 - Vec3{10, -30, -20} * scale) < 1e-9);
+  CHECK(norm(rig.state.rotation * 350 - Vec3{-40, 60, 50}) < 1e-9);
+}
+
+TEST_CASE("buttons come, the light goes out and on" * doctest::skip(skipped())) {
+  Rig rig;
+  REQUIRE(rig.device.open() == "");
+  REQUIRE(
+      rig.until([&] { return rig.control.ask("state").find("last=0401") != std::string::npos; }));
+  rig.control.ask("report 03 0200");
+  CHECK(rig.until([&] { return rig.state.buttons == 2; }));
+  rig.control.ask("report 03 0000");
+  CHECK(rig.until([&] { return rig.state.buttons == 0; }));
+  CHECK(rig.set({"led", "0"}) == "");
+  CHECK(rig.until([&] { return rig.control.ask("state").find("last=0400") != std::string::npos; }));
+  CHECK(rig.set({"led", "1"}) == "");
+  CHECK(rig.until([&] { return rig.control.ask("state").find("last=0401") != std::string::npos; }));
+  rig.control.ask("report 17 07");
+  CHECK(rig.until([&] { return rig.device.trouble().find("7 %") != std::string::npos; }));
+  rig.device.close();
+  CHECK(rig.control.ask("state").find("last=0400") != std::string::npos);
+}
+
+TEST_CASE("as a rate, deflection moves and the workspace ends it" * doctest::skip(skipped())) {
+  Rig rig;
+  REQUIRE(rig.set({"mapping", "rate"}) == "");
+  REQUIRE(rig.set({"speed", "200"}) == "");
+  REQUIRE(rig.device.open() == "");
+  rig.control.ask(report(-350, 0, 0));
+  REQUIRE(rig.until([&] { return rig.state.position.x < 0; }));
+  const double begin = rig.state.position.x;
+  for (int i = 0; i < 100; ++i)
+    rig.step();
+  CHECK(rig.state.position.x - begin == doctest::Approx(-0.2 * 0.1).epsilon(1e-9));
+  CHECK(rig.reaches({-50, 0, 0}));
+  rig.control.ask(report(0, 0, 0));
+  for (int i = 0; i < 50; ++i)
+    rig.step();
+  CHECK(rig.reaches({-50, 0, 0})); // it stays where it was led
+}
+
+TEST_CASE("pulled out it fails, plugged in it opens again" * doctest::skip(skipped())) {
+  Rig rig;
+  REQUIRE(rig.device.open() == "");
+  CHECK(rig.step({1, 2, 3}));
+  rig.control.ask("unplug");
+  REQUIRE(rig.until([&] { return !rig.device.trouble().empty(); }));
+  CHECK_FALSE(rig.step());
+  rig.device.close();
+  CHECK(rig.device.open().find("plugged in") != std::string::npos);
+  rig.control.ask("plug");
+  REQUIRE(rig.device.open() == "");
+  rig.control.ask(report(350, 0, 0));
+  CHECK(rig.reaches({50, 0, 0}));
+}
+
+TEST_CASE("settings that make no sense are explained" * doctest::skip(skipped())) {
+  Rig rig;
+  for (const auto& words : std::vector<std::vector<std::string>>{{},
+                                                                 {"speed"},
+                                                                 {"speed", "-1"},
+                                                                 {"speed", "nan"},
+                                                                 {"speed", "1e9"},
+                                                                 {"deadzone", "95"},
+                                                                 {"led", "0.5"},
+                                                                 {"mapping", "sideways"},
+                                                                 {"transport", "pigeon"},
+                                                                 {"dance", "1"}})
+    CHECK(rig.device.configure(words).find("expected") != std::string::npos);
+  static_cast<void>(rig.set({"device", "no such"}));
+  CHECK(rig.device.open().find("no such") != std::string::npos);
+  static_cast<void>(rig.set({"device", "0"}));
+  static_cast<void>(rig.set({"table", "/nowhere/table"}));
+  CHECK(rig.device.open().find("/nowhere/table") != std::string::npos);
+}
