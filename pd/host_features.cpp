@@ -74,8 +74,8 @@ const HostFeatures& host_features() noexcept {
 
 bool runs_in_batch() noexcept {
   static const bool batch = [] {
-    constexpr std::string_view kFlag("\0-batch", 8);
-    return command_line().find(std::string(kFlag) + std::string(1, '\0')) != std::string::npos;
+    constexpr std::string_view kFlag("\0-batch\0", 8);
+    return command_line().find(kFlag) != std::string::npos;
   }();
   return batch;
 }

@@ -1,0 +1,241 @@
+"""Unmodified Pd in real time: [phantom] drives doubles of devices that it takes for real.
+
+No test asserts how fast anything is; they wait for what must happen."""
+
+import os
+import re
+import shlex
+import socket
+import subprocess
+import time
+
+import pytest
+
+PD = [os.environ.get("TACTUS_PD", "pd"), "-nogui", "-oss", "-noaudio", "-nomidi", "-noprefs",
+      "-stderr", "-path", os.environ["TACTUS_STAGE"]]
+
+
+class Patch:
+    """One [phantom] with a print on each outlet and messages at given times."""
+
+    def __init__(self, arguments):
+        self.lines = ["#N canvas 0 0 800 600 12;"]
+        self.cords = []
+        self.box = self.obj(f"phantom {arguments}")
+        self.start = self.obj("loadbang")
+        for outlet, name in enumerate(("x", "y", "z", "info")):
+            self.cord(self.box, outlet, self.obj(f"print {name}"), 0)
+
+    def obj(self, text, kind="obj"):
+        self.lines.append(f"#X {kind} 10 10 {text};")
+        return len(self.lines) - 2
+
+    def cord(self, source, outlet, sink, inlet):
+        self.cords.append(f"#X connect {source} {outlet} {sink} {inlet};")
+
+    def at(self, ms, message):
+        delay, box = self.obj(f"delay {ms}"), self.obj(message, "msg")
+        self.cord(self.start, 0, delay, 0)
+        self.cord(delay, 0, box, 0)
+        self.cord(box, 0, self.box, 0)
+
+    def listen(self, port):
+        """Messages from outside: `quit` ends Pd, all else goes to [phantom]."""
+        door = self.obj(f"netreceive -u {port}")
+        route, leave = self.obj("route quit"), self.obj(r"\; pd quit", "msg")
+        self.cord(door, 0, route, 0)
+        self.cord(route, 0, leave, 0)
+        self.cord(route, 1, self.box, 0)
+
+    def save(self, folder):
+        file = folder / "patch.pd"
+        file.write_text("\n".join(self.lines + self.cords) + "\n")
+        return file
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
+        door.bind(("127.0.0.1", 0))
+        return door.getsockname()[1]
+
+
+class Live:
+    """Pd running in a double's world; reads what the patch prints as it comes."""
+
+    def __init__(self, folder, patch, wrapper=(), environment=None):
+        self.report, self.text, self.bytes = folder / "double.txt", "", b""
+        self.port = free_port()
+        patch.listen(self.port)
+        self.process = subprocess.Popen([*wrapper, *PD, "-open", str(patch.save(folder))],
+                                        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.PIPE,
+                                        env=dict(os.environ, **(environment or {})))
+        os.set_blocking(self.process.stderr.fileno(), False)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+
+    def read(self):
+        self.bytes += self.process.stderr.read() or b""
+        whole, line_end, self.bytes = self.bytes.rpartition(b"\n")
+        self.text += (whole + line_end).decode()
+        return self.text
+
+    def wait_for(self, pattern, count=1, seconds=40):
+        """Until the pattern has been printed so often."""
+        end = time.monotonic() + seconds
+        while len(re.findall(pattern, self.read(), re.M)) < count:
+            assert time.monotonic() < end, f"no {pattern!r} in:\n{self.text[-3000:]}"
+            assert self.process.poll() is None, f"Pd ended:\n{self.text[-3000:]}"
+            time.sleep(0.02)
+
+    def wait_until(self, true, seconds=40):
+        end = time.monotonic() + seconds
+        while not true():
+            assert time.monotonic() < end, f"in vain; Pd said:\n{self.read()[-3000:]}"
+            time.sleep(0.05)
+
+    def tell_double(self, line):
+        self.process.stdin.write(f"{line}\n".encode())
+        self.process.stdin.flush()
+
+    def tell_phantom(self, message):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
+            door.sendto(f"{message};\n".encode(), ("127.0.0.1", self.port))
+
+    def state(self):
+        try:
+            lines = self.report.read_text().split()
+        except FileNotFoundError:
+            return {}
+        return {name: int(value) for name, value in (line.split("=") for line in lines)}
+
+    def end(self):
+        """What the double saw last, after Pd was told to quit."""
+        self.tell_phantom("quit")
+        self.process.wait(30)
+        self.read()
+        return self.state()
+
+    def positions(self):
+        return [float(x) for x in re.findall(r"^x: (\S+)$", self.read(), re.M)]
+
+
+def falcon_world(folder, *options):
+    double = os.environ.get("FALCON_DOUBLE")
+    if not double:
+        pytest.skip("umockdev is missing: apt-get install umockdev libumockdev-dev")
+    return [*shlex.split(double), "--stdin", "--report", str(folder / "double.txt"), *options]
+
+
+def falcon_patch(folder):
+    (folder / "firmware.bin").write_bytes(bytes(i * i * 7 % 251 for i in range(500)))
+    patch = Patch("falcon")
+    patch.at(50, "firmware firmware.bin")
+    patch.at(100, "open")
+    return patch
+
+
+def motors(state):
+    return [state.get(f"motor{i}", 0) for i in range(3)]
+
+
+def test_a_falcon_moves_the_outlets_and_quitting_leaves_it_without_force(tmp_path):
+    with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path)) as live:
+        live.wait_for(r"^info: status opening falcon")
+        live.wait_for(r"^info: status open falcon")
+        live.wait_for(r"^info: status homed 1")
+        live.wait_until(lambda: len(set(live.positions())) > 50)
+        live.tell_phantom("list 0.5 1 2")
+        live.wait_until(lambda: any(abs(m) > 100 for m in motors(live.state())))
+        last = live.end()
+    assert last["frames"] > 100
+    assert motors(last) == [0, 0, 0]
+    assert all(0 <= x <= 1 for x in live.positions())
+    assert "error" not in live.text.replace("device_errors", "")
+
+
+def test_an_unplugged_falcon_is_lost_found_again_and_stays_without_force(tmp_path):
+    with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path)) as live:
+        live.wait_for(r"^info: status homed 1")
+        live.tell_phantom("list 0 0 2")
+        live.wait_until(lambda: any(abs(m) > 100 for m in motors(live.state())))
+        live.tell_double("unplug")
+        live.wait_for(r"^info: status lost falcon")
+        assert "the device does not answer any more; check its cable and power" in live.text
+        live.tell_double("forget")
+        live.tell_double("plug")
+        live.wait_for(r"^info: status open falcon", 2)
+        live.wait_for(r"^info: status homed 1", 2)
+        seen = len(live.positions())
+        live.wait_until(lambda: len(live.positions()) > seen + 50)
+        assert motors(live.state()) == [0, 0, 0]  # until motors 1
+        live.tell_phantom("motors 1")
+        live.tell_phantom("list 0 0 2")
+        live.wait_until(lambda: any(abs(m) > 100 for m in motors(live.state())))
+        assert motors(live.end()) == [0, 0, 0]
+
+
+def test_devices_are_listed_with_what_keeps_a_driver_from_working(tmp_path):
+    patch = Patch("")
+    patch.at(50, "devices")
+    with Live(tmp_path, patch, falcon_world(tmp_path),
+              {"PHANTOM_LIBHD": "/nowhere/libHD.so"}) as live:
+        live.wait_for(r"^info: device sim 0 tactus simulated - open")
+        live.wait_for(r"^info: device falcon 0 \S+ .*ready")
+        live.wait_for(r"^info: obstacle openhaptics .*/nowhere/libHD.so")
+        live.end()
+
+
+def test_closing_and_opening_again_works_as_often_as_one_likes(tmp_path):
+    with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
+        for times in range(1, 5):
+            live.wait_for(r"^info: status open falcon", times)
+            live.tell_phantom("list 0 0 1")
+            live.tell_phantom("close")
+            live.wait_for(r"^info: status closed falcon", times)
+            if times < 4:
+                live.tell_phantom("open")
+        live.tell_phantom("backend sim")
+        live.wait_for(r"^info: status open sim")
+        assert motors(live.end()) == [0, 0, 0]
+
+
+def test_a_vendor_library_with_its_own_scheduler_steps_the_servo(tmp_path):
+    if not os.environ.get("FAKE_HD"):
+        pytest.skip("the double of the vendor's library is not built")
+    patch = Patch("openhaptics")
+    patch.at(50, "open")
+    with Live(tmp_path, patch, environment={"PHANTOM_LIBHD": os.environ["FAKE_HD"]}) as live:
+        live.wait_for(r"^info: status open openhaptics")
+        live.wait_for(r"^info: status sched driver")
+        live.tell_phantom("list 1 0 0")
+        live.wait_until(lambda: len(set(live.positions())) > 50)
+        live.tell_phantom("stats")
+        live.wait_for(r"^info: stats ticks \d\d+")
+        live.end()
+
+
+def test_a_device_is_refused_in_batch_unless_the_wall_clock_is_asked_for(tmp_path):
+    patch = Patch("falcon")
+    patch.at(10, "open")
+    patch.at(20, "hand rigid")
+    patch.at(30, "clock logical")
+    patch.at(40, "open")
+    end, leave = patch.obj("delay 100"), patch.obj(r"\; pd quit", "msg")
+    patch.cord(patch.start, 0, end, 0)
+    patch.cord(end, 0, leave, 0)
+    done = subprocess.run([PD[0], "-batch", *PD[1:], "-open", str(patch.save(tmp_path))],
+                          capture_output=True, text=True, timeout=60, check=False)
+    errors = re.findall(r"^error: (.*)$", done.stderr, re.M)
+    assert errors == [
+        "phantom: open: this is a render in batch, faster or slower than a real device; send clock "
+        "wall first to use it all the same",
+        "phantom: hand: only the simulated device has one, not falcon; send backend sim first",
+        "phantom: open: a real device cannot be stepped by the patch's time; send clock auto or "
+        "clock wall first"]
