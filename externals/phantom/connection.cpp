@@ -217,6 +217,7 @@ void Phantom::opened(const Answer& answer, Host& host) {
     return worker_->close(answer.device);
   link_ = Link::kOpen;
   wall_ = true;
+  guard_termination();
   const haptic::Caps caps = device_->caps();
   if (!own_workspace_)
     settings_.chain.workspace = {caps.workspace_min, caps.workspace_max};
@@ -294,6 +295,16 @@ void Phantom::let_go() noexcept {
   link_ = Link::kClosed;
   if (worker_)
     worker_->finish();
+}
+
+void Phantom::stop_now() noexcept {
+  servo_.exchange().actions.push(haptic::Action::kEmergencyStop);
+}
+
+bool Phantom::stopped() noexcept {
+  servo_.exchange().reports.read();
+  const haptic::Report& report = servo_.exchange().reports.latest();
+  return !runner_.running() || (report.latched && norm(report.force_n) == 0.0);
 }
 
 } // namespace tactus

@@ -8,6 +8,13 @@ class LiveConnection {
 public:
   /// Force to zero, device closed, no thread left.
   virtual void let_go() noexcept = 0;
+  /// The process is being terminated and no code but a signal's handler runs any more in the host's
+  /// thread: tells the servo, whose thread still runs, to write no force.
+  virtual void stop_now() noexcept = 0;
+  /// Whether it has.
+  [[nodiscard]] virtual bool stopped() noexcept = 0;
+  /// From now on a SIGTERM that the host leaves alone stops the force first.
+  static void guard_termination() noexcept;
 
 protected:
   LiveConnection();

@@ -103,6 +103,8 @@ private:
   void watch_flags(Host& host);
   [[nodiscard]] bool for_simulation(std::string_view message, Host& host) const;
   void let_go() noexcept override;
+  void stop_now() noexcept override;
+  [[nodiscard]] bool stopped() noexcept override;
   void on_backend(Words, Host&);
   void on_setting(Words, Host&, std::string_view name = {});
   void on_devices(Host&);

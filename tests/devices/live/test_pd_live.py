@@ -3,8 +3,10 @@
 No test asserts how fast anything is; they wait for what must happen."""
 
 import os
+import pathlib
 import re
 import shlex
+import signal
 import socket
 import subprocess
 import time
@@ -158,6 +160,23 @@ def test_a_falcon_moves_the_outlets_and_quitting_leaves_it_without_force(tmp_pat
     assert motors(last) == [0, 0, 0]
     assert all(0 <= x <= 1 for x in live.positions())
     assert "error" not in live.text.replace("device_errors", "")
+
+
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGINT])
+def test_a_terminated_pd_leaves_no_force_either(tmp_path, how):
+    with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
+        live.wait_for(r"^info: status homed 1")
+        live.tell_phantom("list 0 0 2")
+        live.wait_until(lambda: any(abs(m) > 100 for m in motors(live.state())))
+        for entry in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                words = (entry / "cmdline").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if words[0] == PD[0].encode() and bytes(tmp_path / "patch.pd") in words:
+                os.kill(int(entry.name), how)
+        live.process.wait(30)
+        assert motors(live.state()) == [0, 0, 0]
 
 
 def test_an_unplugged_falcon_is_lost_found_again_and_stays_without_force(tmp_path):
