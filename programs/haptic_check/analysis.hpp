@@ -1,0 +1,68 @@
+#pragma once
+
+#include "core/haptic/vec3.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+/// What a recording of the servo's ticks says about device and loop. Pure.
+namespace tactus::haptic_check {
+
+struct Record {
+  std::uint64_t index = 0; ///< of the tick on the servo's grid
+  double time_s = 0;       ///< when it really ran
+  haptic::Vec3 position{}; ///< m
+  haptic::Vec3 velocity{}; ///< m/s
+  haptic::Vec3 force_n{};  ///< sent
+  std::uint32_t buttons = 0, flags = 0;
+};
+
+/// Where the handle has been, and how the readings come.
+struct Motion {
+  haptic::Vec3 lowest{}, highest{};
+  double fastest_m_per_s = 0;
+  double fresh_share = 0;     ///< of the ticks whose reading differs from the one before
+  double smallest_step_m = 0; ///< between two readings that differ
+  std::uint32_t buttons = 0;  ///< all that were pressed
+};
+[[nodiscard]] Motion motion_of(std::span<const Record> records) noexcept;
+
+/// How the ticks followed each other.
+struct Intervals {
+  static constexpr std::array<double, 8> kEdges_s{20e-6,  50e-6, 100e-6, 200e-6,
+                                                  500e-6, 1e-3,  2e-3,   1e9};
+  std::array<std::size_t, 8> counts{}; ///< by how far an interval was from the period
+  double mean_s = 0, deviation_s = 0, longest_s = 0;
+  std::size_t number = 0;
+};
+[[nodiscard]] Intervals intervals_of(std::span<const Record> records, double period_s) noexcept;
+
+/// A wall that pushes along a unit normal from a point on its face.
+struct Wall {
+  haptic::Vec3 point{}, normal{};
+};
+struct WallResult {
+  double deepest_m = 0, largest_n = 0;
+  double stiffness_n_per_m = 0; ///< of the force sent against the depth; 0 without contact
+  double hum_m = 0;             ///< RMS of the motion in the wall that 40 ms of a parabola do not follow
+  std::size_t ticks = 0;        ///< in contact
+};
+/// From the time on when the motors are fully on; a force within 2 % of limit_n is no measure.
+[[nodiscard]] WallResult wall_result(std::span<const Record> records, const Wall& wall,
+                                     double from_s, double limit_n, double period_s);
+
+/// Amplitude and phase of x against the force's x at one frequency, by correlation over whole
+/// periods.
+struct Response {
+  double frequency_hz = 0;
+  double force_n = 0, motion_m = 0;
+  double phase_rad = 0; ///< of the motion behind the force, -pi..pi
+};
+[[nodiscard]] Response response_at(std::span<const Record> records, double frequency_hz,
+                                   double period_s) noexcept;
+
+} // namespace tactus::haptic_check

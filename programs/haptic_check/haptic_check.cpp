@@ -1,0 +1,110 @@
+// haptic_check: looks for haptic devices, lets their owner feel one, and writes a report that can
+// be pasted into an issue. docs/devices/README.md has the whole way.
+#include "devices/driver.hpp"
+#include "programs/haptic_check/report.hpp"
+#include "programs/haptic_check/terminal.hpp"
+
+#include <cstdio>
+#include <fstream>
+
+namespace {
+
+using namespace tactus;
+using namespace tactus::haptic_check;
+
+void print(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines)
+    std::printf("%s\n", line.c_str());
+}
+
+/// The simulated device with somebody who holds it.
+std::unique_ptr<haptic::SimulatedDevice> simulation() {
+  auto device = std::make_unique<haptic::SimulatedDevice>();
+  haptic::SimulatedDevice::Settings settings;
+  settings.hand.hold = haptic::HandSettings::Hold::kSpring;
+  device->set(settings);
+  return device;
+}
+
+int check(const Options& options, const std::vector<std::string>& drivers) {
+  std::unique_ptr<haptic::Backend> device;
+  haptic::SimulatedDevice* simulated = nullptr;
+  if (options.driver == "sim") {
+    auto made = simulation();
+    simulated = made.get();
+    device = std::move(made);
+  } else if (const devices::Driver* driver = devices::find_driver(options.driver)) {
+    if (const std::string obstacle = driver->obstacle(); !obstacle.empty())
+      return std::fprintf(stderr, "haptic_check: %s: %s\n", options.driver.c_str(),
+                          obstacle.c_str()),
+             1;
+    device = driver->make();
+  }
+  if (!device)
+    return std::fprintf(stderr, "haptic_check: there is no driver %s; --list shows all\n",
+                        options.driver.c_str()),
+           2;
+  std::vector<std::vector<std::string>> settings = options.settings;
+  if (!options.which.empty() && !simulated)
+    settings.push_back({"device", options.which});
+  for (const auto& words : settings)
+    if (const std::string refusal = device->configure(words); !refusal.empty())
+      return std::fprintf(stderr, "haptic_check: %s\n", refusal.c_str()), 2;
+
+  Session session(std::move(device), simulated);
+  std::printf("Opening %s ", options.driver.c_str());
+  std::fflush(stdout);
+  std::string error = session.open();
+  std::printf("%s\n", error.empty() ? "done" : "failed");
+  const haptic::Identity identity =
+      simulated ? haptic::Identity{"", "simulated device", ""} : session.device().identity();
+  std::vector<Finding> findings;
+  double force_limit_n = 0;
+  if (error.empty()) {
+    std::printf("Ctrl-C ends everything with no force. Keep your face away from the handle.\n");
+    Stations stations(session, options);
+    error = stations.run();
+    findings = stations.findings();
+    force_limit_n = stations.force_limit_n();
+  }
+  if (interrupted())
+    error = "interrupted";
+  const std::string text = report(options.driver, identity, session.device().caps(), options,
+                                  force_limit_n, findings, error, drivers);
+  std::ofstream file(options.report);
+  file << text;
+  file.close();
+  std::printf("\n%s\n", text.c_str());
+  if (!file)
+    return std::fprintf(stderr, "haptic_check: cannot write %s\n", options.report.c_str()), 1;
+  std::printf("This is in %s, too; paste it into an issue.\n", options.report.c_str());
+  return error.empty() ? 0 : 1;
+}
+
+} // namespace
+
+int main(int count, char** words) {
+  ParsedOptions parsed = parse_options(count, words);
+  if (!parsed.error.empty())
+    return std::fprintf(stderr, "haptic_check: %s\n%s", parsed.error.c_str(), usage()), 2;
+  Options& options = parsed.options;
+  if (options.help)
+    return std::printf("%s", usage()), 0;
+  listen_for_interrupts();
+  std::printf("Looking for devices\n");
+  const std::vector<std::string> drivers = inventory();
+  print(drivers);
+  if (options.list)
+    return 0;
+  if (options.driver.empty()) {
+    const Choice choice = first_ready();
+    if (choice.driver.empty())
+      return std::fprintf(stderr,
+                          "haptic_check: no device is ready; see above what to do, or try the "
+                          "simulated one: --device sim\n"),
+             1;
+    options.driver = choice.driver;
+    options.which = choice.which;
+  }
+  return check(options, drivers);
+}

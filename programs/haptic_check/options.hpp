@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactus::haptic_check {
+
+struct Options {
+  bool list = false, yes = false, help = false;
+  std::string driver, which;                      ///< --device DRIVER[:WHICH]
+  std::vector<std::vector<std::string>> settings; ///< --set "WORD VALUE..."
+  double seconds = 8;                             ///< a station
+  double rate_hz = 1000;
+  std::optional<double> force_n; ///< the most that is asked for
+  std::string report = "haptic_check.txt";
+};
+
+/// Options, or why not.
+struct ParsedOptions {
+  Options options;
+  std::string error;
+};
+[[nodiscard]] ParsedOptions parse_options(int count, const char* const* words);
+[[nodiscard]] const char* usage() noexcept;
+
+} // namespace tactus::haptic_check

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "programs/haptic_check/stations.hpp"
+
+#include <string>
+#include <vector>
+
+namespace tactus::haptic_check {
+
+/// All drivers with what they see or lack, one line each and one a device.
+[[nodiscard]] std::vector<std::string> inventory();
+
+/// A driver and a device of it that is ready; empty when there is none.
+struct Choice {
+  std::string driver, which;
+};
+[[nodiscard]] Choice first_ready();
+
+/// The text to paste into an issue. Names no serial number.
+[[nodiscard]] std::string report(const std::string& driver, const haptic::Identity& identity,
+                                 const haptic::Caps& caps, const Options& options,
+                                 double force_limit_n, const std::vector<Finding>& findings,
+                                 const std::string& error, const std::vector<std::string>& drivers);
+
+} // namespace tactus::haptic_check

@@ -1,0 +1,145 @@
+#include "programs/haptic_check/session.hpp"
+
+#include "programs/haptic_check/terminal.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <future>
+#include <numbers>
+#include <thread>
+
+namespace tactus::haptic_check {
+namespace {
+
+using haptic::Action;
+using Milliseconds = std::chrono::milliseconds;
+
+constexpr double kGraceful_s = 0.3;
+constexpr double kMotorsRise_s = 1;
+
+} // namespace
+
+haptic::Vec3 Sines::force(const haptic::Tick& tick, const haptic::State&) noexcept {
+  const double time_s = static_cast<double>(tick.index) * tick.period_s;
+  for (const Part& part : parts_) {
+    if (time_s < part.from_s || time_s >= part.to_s)
+      continue;
+    const double edge = std::min({time_s - part.from_s, part.to_s - time_s, kFade_s}) / kFade_s;
+    const double fade = 0.5 - 0.5 * std::cos(std::numbers::pi * edge);
+    const double angle = 2 * std::numbers::pi * part.frequency_hz * (time_s - part.from_s);
+    return {part.amplitude_n * fade * std::sin(angle), 0, 0};
+  }
+  return {};
+}
+
+Session::~Session() {
+  fade_out();
+  servo_.detach();
+  device_->close();
+}
+
+std::string Session::open() {
+  auto opening = std::async(std::launch::async, [this] { return device_->open(); });
+  while (opening.wait_for(Milliseconds(500)) == std::future_status::timeout) {
+    std::printf(".");
+    std::fflush(stdout);
+  }
+  return opening.get();
+}
+
+/// Shows the servo that somebody looks after it; without, its force ends within 150 ms.
+void Session::beat() noexcept {
+  haptic::Command command;
+  command.heartbeat_s = devices::ServoThread::now_s();
+  servo_.exchange().commands.write(command);
+}
+
+void Session::fade_out() noexcept {
+  if (!thread_.running())
+    return;
+  servo_.exchange().actions.push(Action::kMotorsOff);
+  const double give_up_s = devices::ServoThread::now_s() + kGraceful_s;
+  while (devices::ServoThread::now_s() < give_up_s) {
+    std::this_thread::sleep_for(Milliseconds(1));
+    servo_.exchange().reports.read();
+    const haptic::Report& report = servo_.exchange().reports.latest();
+    if (!report.motors && norm(report.force_n) == 0.0)
+      break;
+  }
+  thread_.stop();
+}
+
+void Session::drain(Recording& recording) {
+  haptic::Report report;
+  while (servo_.exchange().trace.pop(report))
+    recording.records.push_back({report.tick.index, report.tick.time_s, report.state.position,
+                                 report.state.velocity, report.force_n, report.state.buttons,
+                                 report.state.flags});
+  haptic::ContactEvent event;
+  while (scene_.events().pop(event))
+    if (event.kind == haptic::ContactEvent::Kind::kHit)
+      recording.hits.push_back(event);
+  scene_.collect();
+}
+
+Recording Session::run(const Plan& plan, std::string& error) {
+  Recording recording;
+  recording.records.reserve(static_cast<std::size_t>(plan.seconds / plan.period_s) + 1024);
+  haptic::ServoSettings settings;
+  settings.chain.force_limit_n = plan.force_limit_n;
+  settings.chain.enable_s = kMotorsRise_s;
+  settings.chain.allowance_w = 0.05; // as [phantom]'s
+  const haptic::Caps caps = device_->caps();
+  settings.chain.workspace = {caps.workspace_min, caps.workspace_max};
+  drain(recording); // what an earlier station left
+  recording.records.clear();
+  recording.hits.clear();
+  haptic::Exchange& exchange = servo_.exchange();
+  const std::uint64_t lost_before = exchange.trace.dropped();
+  scene_.publish(std::make_unique<haptic::Scene>(plan.scene));
+  sines_.play(plan.sines);
+  exchange.settings.write(settings);
+  servo_.attach(*device_, &scene_, &sines_);
+  exchange.actions.push(Action::kMotorsOff);
+  if (plan.motors)
+    exchange.actions.push(Action::kMotorsOn); // from none: they rise
+  exchange.tracing = true;
+  beat();
+  if (!thread_.start(servo_, *device_, plan.period_s)) {
+    error = "the device's own scheduler does not start: " + device_->trouble();
+    exchange.tracing = false;
+    return recording;
+  }
+  const double start_s = devices::ServoThread::now_s();
+  LiveLine line;
+  while (!interrupted()) {
+    const double now_s = devices::ServoThread::now_s();
+    if (now_s - start_s >= plan.seconds)
+      break;
+    beat();
+    drain(recording);
+    exchange.reports.read();
+    const haptic::Report& report = exchange.reports.latest();
+    if (std::string trouble = device_->trouble(); !trouble.empty())
+      recording.trouble = trouble;
+    recording.latched = recording.latched || report.latched;
+    if (plan.line)
+      line.show(plan.line(report), now_s);
+    if (plan.enough && plan.enough(report))
+      break;
+    std::this_thread::sleep_for(Milliseconds(5));
+  }
+  line.end();
+  exchange.tracing = false;
+  drain(recording);
+  recording.scheduling = thread_.scheduling();
+  fade_out();
+  recording.statistics = servo_.statistics();
+  recording.counters = servo_.chain().counters;
+  recording.lowest_energy_j = servo_.chain().lowest_energy_j;
+  recording.lost = exchange.trace.dropped() - lost_before;
+  return recording;
+}
+
+} // namespace tactus::haptic_check

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "core/haptic/scene/scene_model.hpp"
+#include "core/haptic/servo.hpp"
+#include "core/haptic/simulated_device.hpp"
+#include "devices/servo_thread.hpp"
+#include "programs/haptic_check/analysis.hpp"
+#include "programs/haptic_check/options.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tactus::haptic_check {
+
+/// Sines along x, one after the other, each rising and falling within a twentieth of a second.
+class Sines final : public haptic::LocalModel {
+public:
+  static constexpr double kFade_s = 0.05;
+  struct Part {
+    double frequency_hz = 0, amplitude_n = 0, from_s = 0, to_s = 0;
+  };
+  /// While no servo runs.
+  void play(std::vector<Part> parts) { parts_ = std::move(parts); }
+  [[nodiscard]] haptic::Vec3 force(const haptic::Tick& tick,
+                                   const haptic::State& state) noexcept override;
+
+private:
+  std::vector<Part> parts_;
+};
+
+/// What one station recorded.
+struct Recording {
+  std::vector<Record> records;
+  std::vector<haptic::ContactEvent> hits;
+  haptic::ServoStatistics statistics{};
+  haptic::ChainCounters counters{};
+  double lowest_energy_j = 0;
+  std::string scheduling;
+  std::string trouble;    ///< the last one that the device told
+  bool latched = false;   ///< the motors stopped by themselves
+  std::uint64_t lost = 0; ///< ticks that nobody took down in time
+};
+
+/// A device with its servo. Every station starts with the motors off and ends with no force.
+class Session {
+public:
+  /// A driver's device, or the simulated one with a simulated hand.
+  explicit Session(std::unique_ptr<haptic::Backend> device, haptic::SimulatedDevice* simulated)
+      : device_(std::move(device)), simulated_(simulated) {}
+  ~Session();
+
+  /// In a thread of its own, with dots for the impatient. Empty, else what to do.
+  [[nodiscard]] std::string open();
+  [[nodiscard]] haptic::Backend& device() noexcept { return *device_; }
+  /// Null for a real device.
+  [[nodiscard]] haptic::SimulatedDevice* simulated() noexcept { return simulated_; }
+
+  struct Plan {
+    double seconds = 8, period_s = 1e-3, force_limit_n = 1;
+    bool motors = false;
+    haptic::Scene scene{};
+    std::vector<Sines::Part> sines{};
+    std::function<std::string(const haptic::Report&)> line{}; ///< for the eyes, while it runs
+    std::function<bool(const haptic::Report&)> enough{};      ///< ends it early
+  };
+  /// Runs the servo for that time. error is empty unless the device's own thread did not start.
+  [[nodiscard]] Recording run(const Plan& plan, std::string& error);
+
+private:
+  void fade_out() noexcept;
+  void beat() noexcept;
+  void drain(Recording& recording);
+
+  std::unique_ptr<haptic::Backend> device_;
+  haptic::SimulatedDevice* simulated_;
+  haptic::Servo servo_;
+  haptic::SceneModel scene_;
+  Sines sines_;
+  devices::ServoThread thread_;
+};
+
+} // namespace tactus::haptic_check

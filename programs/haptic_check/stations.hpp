@@ -1,0 +1,48 @@
+#pragma once
+
+#include "programs/haptic_check/options.hpp"
+#include "programs/haptic_check/session.hpp"
+
+#include <string>
+#include <vector>
+
+namespace tactus::haptic_check {
+
+/// What is kept of a station for the report.
+struct Finding {
+  std::string name;
+  std::vector<std::string> lines; ///< what was measured, or why it was left out
+  std::string answer;             ///< what the owner said
+  Intervals intervals{};
+  haptic::ServoStatistics statistics{};
+  std::string scheduling;
+  bool ran = false;
+};
+
+/// The four stations, one after the other, on an open device.
+class Stations {
+public:
+  Stations(Session& session, const Options& options);
+  /// Empty unless the device failed so that nothing more can be done.
+  [[nodiscard]] std::string run();
+  [[nodiscard]] const std::vector<Finding>& findings() const noexcept { return findings_; }
+  [[nodiscard]] double force_limit_n() const noexcept { return force_limit_n_; }
+
+private:
+  [[nodiscard]] std::string look();
+  [[nodiscard]] std::string wall();
+  [[nodiscard]] std::string sphere();
+  [[nodiscard]] std::string sines();
+  [[nodiscard]] std::string finish(Finding finding, const Recording& recording, bool has_force);
+  [[nodiscard]] haptic::Vec3 where_now(std::string& error);
+  void hand_goes(const haptic::Vec3& from, const haptic::Vec3& to, double period_s);
+  void skip(const std::string& name, const std::string& reason);
+
+  Session& session_;
+  const Options& options_;
+  haptic::Caps caps_;
+  double period_s_, force_limit_n_, stiffness_n_per_m_;
+  std::vector<Finding> findings_;
+};
+
+} // namespace tactus::haptic_check

@@ -1,0 +1,58 @@
+#include "programs/haptic_check/terminal.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+
+#include <unistd.h>
+
+namespace tactus::haptic_check {
+namespace {
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+bool on_terminal() noexcept { return isatty(STDOUT_FILENO) != 0; }
+
+} // namespace
+
+bool interrupted() noexcept { return stop; }
+
+void listen_for_interrupts() noexcept {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop = true; }; // no restart: a question ends, too
+  for (const int one : {SIGINT, SIGTERM, SIGHUP})
+    sigaction(one, &action, nullptr);
+}
+
+std::string ask(const std::string& question, bool may_ask) {
+  if (!may_ask || interrupted())
+    return {};
+  std::printf("%s ", question.c_str());
+  std::fflush(stdout);
+  std::string line;
+  if (!std::getline(std::cin, line))
+    stop = true;
+  const auto first = line.find_first_not_of(" \t");
+  return first == std::string::npos ? ""
+                                    : line.substr(first, line.find_last_not_of(" \t") - first + 1);
+}
+
+void LiveLine::show(const std::string& text, double now_s) {
+  const bool live = on_terminal();
+  if (now_s - last_s_ < (live ? 0.05 : 1.0))
+    return;
+  last_s_ = now_s;
+  shown_ = true;
+  std::printf(live ? "\r\033[K%s" : "%s\n", text.c_str());
+  std::fflush(stdout);
+}
+
+void LiveLine::end() {
+  if (shown_ && on_terminal())
+    std::printf("\n");
+  shown_ = false;
+}
+
+} // namespace tactus::haptic_check

@@ -1,0 +1,136 @@
+"""haptic_check from outside: with the simulated device, with doubles of devices, with none."""
+import math
+import os
+import re
+import signal
+import subprocess
+import time
+
+import pytest
+
+PROGRAM = os.environ["HAPTIC_CHECK"]
+
+
+def start(*words, before=(), **surroundings):
+    environment = {**os.environ, "TACTUS_HAPLY": "127.0.0.1:1", **surroundings}
+    return subprocess.Popen([*before, PROGRAM, *words], stdin=subprocess.DEVNULL, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
+
+
+def run(*words, before=(), **surroundings):
+    process = start(*words, before=before, **surroundings)
+    output, errors = process.communicate(timeout=120)
+    return process.returncode, output, errors
+
+
+def number(pattern, text):
+    found = re.search(pattern, text)
+    assert found, f"{pattern} is not in\n{text}"
+    return float(found.group(1))
+
+
+class Run:
+    """A run that has been started, so that several go on at once; its outcome when it is asked for."""
+
+    def __init__(self, file, *words, before=(), **surroundings):
+        self.file, self.outcome = file, None
+        self.process = start("--yes", "--report", file, *words, before=before, **surroundings)
+
+    def report(self):
+        if self.outcome is None:
+            self.outcome = self.process.communicate(timeout=120)
+        output, errors = self.outcome
+        assert self.process.returncode == 0, output + errors
+        text = self.file.read_text()
+        assert text in output
+        return text
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reports")
+    started = {
+        "sim": Run(folder / "sim.txt", "--device", "sim", "--seconds", "2"),
+        "hd": Run(folder / "hd.txt", "--device", "openhaptics", "--seconds", "0.5",
+                  PHANTOM_LIBHD=os.environ["FAKE_HD"])}
+    if double := os.environ.get("JOYSTICK_DOUBLE"):
+        started["stick"] = Run(folder / "stick.txt", "--seconds", "0.5", before=double.split())
+    yield started
+    for one in started.values():
+        one.process.kill()
+
+
+@pytest.fixture
+def simulated(runs):
+    return runs["sim"].report()
+
+
+def test_all_stations_are_in_the_report(simulated):
+    for station in ("position", "wall", "sphere", "sine", "jitter", "drivers"):
+        assert f"[{station}]" in simulated
+    assert re.search(r"loop: \w+, [\d.]+ Hz", simulated)
+    assert "ENDED EARLY" not in simulated
+
+
+def test_the_wall_has_the_stiffness_that_was_asked_for(simulated):
+    asked = number(r"N/m of (\d+) asked", simulated)
+    assert number(r"force over depth (\d+) N/m", simulated) == pytest.approx(asked, rel=0.02)
+    assert number(r"(\d+) hits", simulated) >= 2
+
+
+def test_the_sines_move_mass_spring_and_damper_as_they_must(simulated):
+    """M 0.1 kg, B 0.5 + 2 N s/m, K 200 N/m; the force is held over 1 ms, hence the sinc.
+
+    Ticks that this machine misses disturb the simulated time: 20 % is what a busy one leaves.
+    """
+    for hz in (5, 40, 150):
+        omega = 2 * math.pi * hz
+        hold = math.sin(omega * 5e-4) / (omega * 5e-4)
+        theory = 1e3 * hold / abs(complex(200 - 0.1 * omega**2, 2.5 * omega))
+        measured = number(rf"\b{hz} Hz: .* ([\d.]+) mm/N", simulated)
+        assert measured == pytest.approx(theory, rel=0.2)
+
+
+def test_a_list_names_all_drivers_and_what_they_lack():
+    status, output, _ = run("--list", PHANTOM_LIBHD="/nowhere/libHD.so")
+    assert status == 0
+    for driver in ("sim", "falcon", "hid", "openhaptics", "dhd", "haply", "evdev"):
+        assert re.search(rf"^{driver}:", output, re.MULTILINE), driver
+    assert "/nowhere/libHD.so" in output
+
+
+def test_an_unknown_driver_and_a_missing_library_are_told():
+    status, _, errors = run("--device", "spoon", "--yes")
+    assert status == 2 and "spoon" in errors
+    status, _, errors = run("--device", "openhaptics", "--yes", PHANTOM_LIBHD="/nowhere/libHD.so")
+    assert status == 1 and "install" in errors
+    status, _, errors = run("--device", "sim", "--seconds", "-3")
+    assert status == 2 and "--seconds" in errors
+
+
+def test_a_device_with_its_own_scheduler_goes_through_all_stations(runs):
+    report = runs["hd"].report()
+    assert "PHANTOM Omni" in report and "loop: driver" in report
+    assert "F-0042" not in report  # serial numbers stay at home
+
+
+def test_a_joystick_has_a_wall_at_its_side_and_no_sphere(runs):
+    if "stick" not in runs:
+        pytest.skip("umockdev is missing")
+    report = runs["stick"].report()
+    assert "device: evdev, Double Stick" in report  # the only one that is ready
+    assert "fewer than three motors" in report
+    assert "150 Hz" not in report  # beyond what 250 forces a second can say
+
+
+def test_an_interrupt_ends_in_order(tmp_path):
+    file = tmp_path / "report.txt"
+    process = start("--device", "sim", "--yes", "--seconds", "100", "--report", file)
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and "1. Position" not in process.stdout.readline():
+        pass
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=30)
+    assert process.returncode == 1
+    assert "ENDED EARLY: interrupted" in file.read_text()
