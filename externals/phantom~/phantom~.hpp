@@ -1,0 +1,115 @@
+#pragma once
+
+#include "core/haptic/signal_player.hpp"
+#include "core/object.hpp"
+#include "core/words.hpp"
+#include "devices/servo_thread.hpp"
+#include "externals/phantom/signal_link_name.hpp"
+#include "externals/phantom~/declaration.hpp"
+
+#include <array>
+#include <memory>
+#include <string>
+
+namespace tactus {
+
+/// [phantom~]: forces into, and positions out of the servo of a [phantom], as signals. The two find
+/// each other by name, in either order of making and deleting.
+class PhantomSignal {
+public:
+  static constexpr Declaration declaration{
+      "phantom~",
+      "haptic device at audio rate",
+      "Adds signals to the force of a phantom object and sends its position as signals, so that "
+      "what sounds can be felt and what moves can sound. In logical time each servo tick falls on "
+      "its exact sample.",
+      "haptic force feedback device audio rate vibration texture",
+      phantom_signal::kInlets,
+      phantom_signal::kOutlets,
+      phantom_signal::kParameters,
+      phantom_signal::kMessages,
+      phantom_signal::kArguments};
+  static constexpr std::size_t timers = 1;
+
+  PhantomSignal() = default;
+  ~PhantomSignal() { let_go(); }
+  PhantomSignal(const PhantomSignal&) = delete;
+  PhantomSignal& operator=(const PhantomSignal&) = delete;
+
+  void prepare(double sample_rate, std::size_t) noexcept { player_.prepare(sample_rate); }
+  void set(std::size_t parameter, double value) noexcept {
+    values_[parameter] = value;
+    player_.set_delay(values_[phantom_signal::kDelay] * 1e-3);
+    player_.set_gate(values_[phantom_signal::kGate] >= 0.5);
+  }
+  [[nodiscard]] double get(std::size_t parameter) const noexcept { return values_[parameter]; }
+
+  void message(std::size_t, std::span<const Atom> words, Host& host) {
+    name_ = words[0].is_word ? std::string(words[0].word) : number_text(words[0].number);
+    if (created_)
+      look(host);
+  }
+  /// The patch is loaded before the first tick, in whatever order it holds its objects.
+  void created(Host& host) {
+    created_ = true;
+    host.wake_in(0, 0);
+  }
+  void tick(std::size_t, Host& host) { look(host); }
+  void dump(Host& host) {
+    host.info({"name", std::string_view(name_)});
+    host.info({"status", link_ ? "attached" : "waiting", std::string_view(name_)});
+  }
+
+  template <class S> void process(const Block<S>& block) noexcept {
+    const bool velocities = values_[phantom_signal::kVel] >= 0.5;
+    player_.begin_block(block.frames);
+    for (std::size_t i = 0; i < block.frames; ++i) {
+      const auto in = [&](std::size_t port) { return static_cast<double>(block.inputs[port][i]); };
+      const auto out = player_.process({{in(0), in(1), in(2)}, in(3)});
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto port = static_cast<std::size_t>(axis);
+        block.outputs[port][i] = static_cast<S>(out.position[axis]);
+        block.outputs[port + 3][i] = static_cast<S>(velocities ? out.velocity[axis] : 0.0);
+      }
+    }
+    player_.end_block(devices::ServoThread::now_s());
+  }
+
+private:
+  static constexpr double kLookEvery_ms = 100;
+
+  /// Finds the device, notices when it is gone or another has its name.
+  void look(Host& host) {
+    const auto found = std::static_pointer_cast<haptic::SignalLink>(
+        host.offered(phantom::signal_link_name(name_)));
+    if (found != link_) {
+      let_go();
+      if (found && found->take()) {
+        link_ = found;
+        refused_ = false;
+      } else if (found && !refused_) {
+        refused_ = true;
+        host.error("name " + name_ + ": another phantom~ has this device; one is enough");
+      }
+      player_.attach(link_.get());
+      if (link_ || !waiting_)
+        host.info({"status", link_ ? "attached" : "waiting", std::string_view(name_)});
+      waiting_ = !link_;
+    }
+    host.wake_in(0, kLookEvery_ms);
+  }
+  void let_go() noexcept {
+    if (link_)
+      link_->leave();
+    link_.reset();
+    player_.attach(nullptr);
+  }
+
+  haptic::SignalPlayer player_;
+  std::array<double, 3> values_{};
+  std::string name_ = "-";
+  std::shared_ptr<haptic::SignalLink> link_;
+  bool created_ = false, waiting_ = true, refused_ = false;
+};
+
+} // namespace tactus
