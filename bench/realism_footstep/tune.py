@@ -47,7 +47,8 @@ KEPT = {"modes", "heel_kg", "ball_mass", "mass", "mu_s", "mu_d", "breakaway", "d
 
 
 # An energy distance of 1 is about half a standard deviation of each feature.
-TO_STAND_IN, TO_RECORDINGS = 0.5, 0.2
+TO_TABLES, TO_STAND_IN, TO_RECORDINGS = 2.0, 0.5, 0.15
+MATERIALS_APART = 2.0
 
 
 class Text:
@@ -107,14 +108,20 @@ class Aim:
         self.features, self.profile, self.bands = features, np.array(profile, float), bands
         self.near = []  # (weight, matrix, vectors by the matrix)
 
-    def also_near_recordings(self, label):
-        """Adds the distances to all 45 features of the stand-in and of the installed recordings."""
-        taken = recordings()
+    def also_near_recordings(self, label, source=None):
+        """Adds the distances to all 45 features of the stand-in and of the installed recordings, or of
+        those of one source."""
+        taken = [r for r in recordings() if source in (None, r.source)]
         labels = np.array([r.label for r in taken])
         vectors, _, _ = measure([r.sound() for r in taken])
         population = Population(vectors, labels)
         drawn, names = population.sounds()
         white = judge.whitening(drawn, names)
+        # Where materials differ from each other, an error counts more: twice as far.
+        means = np.array([drawn[names == c].mean(axis=0) @ white for c in population.names])
+        _, _, apart = np.linalg.svd(means - means.mean(axis=0), full_matrices=False)
+        apart = apart[:len(means) - 1]
+        white = white @ (np.eye(len(white)) + (MATERIALS_APART - 1) * apart.T @ apart)
         self.near.append((TO_STAND_IN, white, drawn[names == label] @ white))
         if (labels == label).sum() > 1:
             scale = np.diag(1 / population.within)
@@ -155,7 +162,7 @@ class Aim:
         rms = np.sqrt(np.mean((profile - self.profile) ** 2))
         near = sum(weight * judge.energy_distance(vectors @ matrix, real)
                    for weight, matrix, real in self.near)
-        return total / len(self.features) + (rms / 3) ** 2 + near
+        return TO_TABLES * total / len(self.features) + (rms / 3) ** 2 + near
 
 
     def residuals(self, steps):
@@ -166,7 +173,7 @@ class Aim:
             spread = max(np.log((high + 1e-5) / (low + 1e-5)) / 2.56, 0.05)
             logs = np.log(np.maximum(named[name], 0) + 1e-5)
             found.append((logs.mean() - np.log(median + 1e-5)) / spread)
-        parts = [np.clip(found, -5, 5) / np.sqrt(len(found)),
+        parts = [np.clip(found, -5, 5) * np.sqrt(TO_TABLES / len(found)),
                  (profiles.mean(axis=0)[self.bands] - self.profile) / 3 / np.sqrt(len(self.profile))]
         for weight, matrix, real in self.near:
             made = vectors @ matrix
@@ -211,13 +218,12 @@ def approach(path, aim, arguments):
             moved[i] += change
             slopes[:, i] = (aim.residuals(play(moved, arguments.steps, 1 + turn)) - here) / change
         tried = []
-        for damping in (1.0, 2.5, 6.0):
+        for damping in (0.8, 2.0, 5.0):
             move = lsq_linear(np.vstack([slopes, damping * np.eye(size)]),
                               np.concatenate([-here, np.zeros(size)]),
                               (np.maximum(-point, -0.3) - 1e-9, np.minimum(1 - point, 0.3) + 1e-9)).x
-            for share in (1.0, 0.5):
-                there = np.clip(point + share * move, 0, 1)
-                tried.append((aim.cost(play(there, 3 * arguments.steps, 1)), damping, there))
+            there = np.clip(point + move, 0, 1)
+            tried.append((aim.cost(play(there, 3 * arguments.steps, 1)), damping, there))
         cost, damping, there = min(tried, key=lambda t: t[0])
         print(f"{path.stem}: step {turn}, {cost:.2f} (damping {damping}), best {min(cost, best):.2f}",
               flush=True)
