@@ -43,9 +43,13 @@ const char* meaning(int cause) noexcept {
 } // namespace
 
 std::string Device::configure(std::span<const std::string> words) {
+  if (words.size() == 1 && (words[0] == "home" || words[0] == "calibrate")) {
+    reset_wanted_ = true;
+    return {};
+  }
   if (words.empty() || words[0] != "device")
     return "dhd: " + (words.empty() ? std::string("nothing") : words[0]) +
-           " is not a setting; there is: device INDEX, or device SERIAL";
+           " is not a setting; there are: device INDEX or SERIAL, and home";
   int which = -1;
   if (words.size() == 2) {
     const char* end = words[1].data() + words[1].size();
@@ -114,7 +118,7 @@ std::string Device::open() {
   homed_ = true;
   limited_ = false;
   force_off_cause_ = kNoCause;
-  needs_reset_ = broken_ = false;
+  needs_reset_ = broken_ = reset_wanted_ = false;
   error_ = nullptr;
   return {};
 }
@@ -172,6 +176,10 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   if (wrist_ && library_.orientation(&x, &y, &z, id) >= 0)
     state.rotation = to_project(x, y, z);
   state.buttons = library_.button_mask ? library_.button_mask(id) : 0u;
+  if (reset_wanted_.exchange(false) && library_.reset) {
+    static_cast<void>(library_.reset(id));
+    until_status_ = 0; // no force from this tick on
+  }
   look_at_status();
   error_ = nullptr;
   state.flags = homed_ ? State::kHomed : 0u;

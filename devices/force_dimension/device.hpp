@@ -23,7 +23,8 @@ public:
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
-  /// "device WHICH": an index below 64, else a serial number.
+  /// "device WHICH": an index below 64, else a serial number. "home" or "calibrate": the device
+  /// waits for its calibration again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -49,7 +50,7 @@ private:
 
   // Both sides
   std::atomic<int> force_off_cause_{kNoCause};
-  std::atomic<bool> needs_reset_{false}, broken_{false};
+  std::atomic<bool> needs_reset_{false}, broken_{false}, reset_wanted_{false};
   std::atomic<const char*> error_{nullptr}; ///< a constant text of the library
 };
 

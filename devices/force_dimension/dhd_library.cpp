@@ -58,6 +58,7 @@ std::string DhdLibrary::load() {
   library_.symbol("dhdGetStatus", status);
   library_.symbol("dhdGetOrientationRad", orientation);
   library_.symbol("dhdHasWrist", has_wrist);
+  library_.symbol("dhdReset", reset);
   library_.symbol("dhdEnableExpertMode", expert_mode);
   library_.symbol("dhdDisableExpertMode", ordinary_mode);
   library_.symbol("dhdSetWatchdog", set_watchdog);

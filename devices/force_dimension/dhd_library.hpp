@@ -51,6 +51,7 @@ struct DhdLibrary {
   int (*status)(int* all, char id) = nullptr;
   int (*orientation)(double* a, double* b, double* c, char id) = nullptr; // rad
   bool (*has_wrist)(char id) = nullptr;
+  int (*reset)(char id) = nullptr;
   int (*expert_mode)() = nullptr;
   int (*ordinary_mode)() = nullptr;
   int (*set_watchdog)(unsigned char steps, char id) = nullptr; // of 125 us

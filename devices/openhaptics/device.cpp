@@ -68,9 +68,13 @@ bool switches_force_off(Code error) noexcept {
 } // namespace
 
 std::string Device::configure(std::span<const std::string> words) {
+  if (words.size() == 1 && (words[0] == "home" || words[0] == "calibrate")) {
+    calibration_wanted_ = true;
+    return {};
+  }
   if (words.empty() || words[0] != "device")
     return "openhaptics: " + (words.empty() ? std::string("nothing") : words[0]) +
-           " is not a setting; there is: device NAME, as in the vendor's set-up tool";
+           " is not a setting; there are: device NAME, as in the vendor's set-up tool, and home";
   if (words.size() < 2)
     return "openhaptics: device takes the name that the vendor's set-up tool shows, such as "
            "Default Device";
@@ -216,11 +220,12 @@ void Device::tick() noexcept {
 }
 
 void Device::look_after_calibration() noexcept {
-  if (--until_calibration_check_ > 0)
+  const bool wanted = calibration_wanted_.exchange(false);
+  if (--until_calibration_check_ > 0 && !wanted)
     return;
   until_calibration_check_ = kCalibrationCheck_ticks;
   calibration_ = library_.check_calibration();
-  if (calibration_ == kCalibrationNeedsUpdate && library_.update_calibration) {
+  if ((calibration_ == kCalibrationNeedsUpdate || wanted) && library_.update_calibration) {
     int style = 0;
     library_.get_integers(kCalibrationStyle, &style);
     library_.update_calibration(static_cast<Code>(style));

@@ -21,7 +21,8 @@ public:
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
-  /// "device NAME": the name under which the vendor's set-up tool knows it.
+  /// "device NAME": the name under which the vendor's set-up tool knows it. "home" or "calibrate":
+  /// the vendor's library looks at the calibration again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -57,6 +58,7 @@ private:
 
   // Both sides
   std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};
+  std::atomic<bool> calibration_wanted_{false};
   std::atomic<Code> error_{kSuccess}, seen_calibration_{kCalibrated};
 };
 

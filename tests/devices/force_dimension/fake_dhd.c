@@ -105,6 +105,11 @@ int dhdGetStatus(int* status, char id) {
   status[14] = cause;
   return 0;
 }
+int dhdReset(char id) {
+  (void)id;
+  reset = 1;
+  return 0;
+}
 int dhdEnableExpertMode(void) { return expert = 1, 0; }
 int dhdDisableExpertMode(void) { return expert = 0, 0; }
 int dhdSetWatchdog(unsigned char steps, char id) {

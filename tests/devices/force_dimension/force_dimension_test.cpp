@@ -180,6 +180,19 @@ TEST_CASE("no force before the calibration; a saturated motor is told") {
   CHECK((state.flags & State::kForceLimited) != 0);
 }
 
+TEST_CASE("home makes the device wait for its calibration, without force") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK((drive(*device, {1, 0, 0}, 100).flags & State::kHomed) != 0);
+  const std::array<std::string, 1> home{"home"};
+  CHECK(device->configure(home) == "");
+  CHECK((drive(*device, {1, 0, 0}, 1).flags & State::kHomed) == 0);
+  CHECK(fake.force() == Vec3{});
+  fake.set(0, 0, 0, 0); // the pole was in its pit
+  CHECK((drive(*device, {1, 0, 0}, 100).flags & State::kHomed) != 0);
+}
+
 TEST_CASE("no library, a missing function and no device are three sentences") {
   setenv("TACTUS_LIBDHD", "/nowhere/libdhd.so", 1);
   CHECK(make()->open().find("forcedimension.com") != std::string::npos);

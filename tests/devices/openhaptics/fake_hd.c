@@ -17,7 +17,7 @@ enum { kErrors = 16 };
 static unsigned errors[kErrors];
 static int error_count;
 static double position[3] = {10, 20, -30}, velocity[3], force[3], last_force[3];
-static int enabled_force, clamping, buttons, in_frame, open_devices, calibration_checks;
+static int enabled_force, clamping, buttons, in_frame, open_devices, calibration_checks, updates;
 static unsigned long frames, forces_outside_frame;
 static Callback callback;
 static void* callback_context;
@@ -49,11 +49,12 @@ void fake_hd_press(int mask) {
   buttons = mask;
   pthread_mutex_unlock(&guard);
 }
-/* frames, force calls outside frames, open devices, force enabled, clamping */
-void fake_hd_counts(unsigned long out[5]) {
+/* frames, force calls outside frames, open devices, force enabled, clamping, calibrations */
+void fake_hd_counts(unsigned long out[6]) {
   pthread_mutex_lock(&guard);
   out[0] = frames, out[1] = forces_outside_frame, out[2] = (unsigned long)open_devices;
   out[3] = (unsigned long)enabled_force, out[4] = (unsigned long)clamping;
+  out[5] = (unsigned long)updates;
   pthread_mutex_unlock(&guard);
 }
 void fake_hd_last_force(double out[3]) {
@@ -150,7 +151,12 @@ unsigned hdCheckCalibration(void) {
     return 0x5002;
   return calibration_checks++ == 0 ? 0x5001 : 0x5000;
 }
-void hdUpdateCalibration(unsigned style) { (void)style; }
+void hdUpdateCalibration(unsigned style) {
+  (void)style;
+  pthread_mutex_lock(&guard);
+  ++updates;
+  pthread_mutex_unlock(&guard);
+}
 
 static void* scheduler(void* unused) {
   const double period = 1e-3, mass = 0.1, drag = 1.0;

@@ -28,8 +28,8 @@ struct Fake {
     REQUIRE(library.symbol("fake_hd_counts", counts_of));
     REQUIRE(library.symbol("fake_hd_last_force", force_of));
   }
-  std::array<unsigned long, 5> counts() const {
-    std::array<unsigned long, 5> all{};
+  std::array<unsigned long, 6> counts() const {
+    std::array<unsigned long, 6> all{};
     counts_of(all.data());
     return all;
   }
@@ -237,6 +237,19 @@ TEST_CASE("warm motors are told; a speeding handle loses its force until none ha
   session.ask({0.5, 0, 0});
   session.after(20);
   CHECK(fake.force().x == doctest::Approx(0.5));
+}
+
+TEST_CASE("home lets the library calibrate again") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  Session session(*device);
+  session.after(300);
+  const unsigned long before = fake.counts()[5];
+  const std::array<std::string, 1> home{"home"};
+  CHECK(device->configure(home) == "");
+  session.after(10);
+  CHECK(fake.counts()[5] == before + 1);
 }
 
 TEST_CASE("a device that must be put into its inkwell gets no force before") {
