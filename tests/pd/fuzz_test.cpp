@@ -10,7 +10,7 @@
 #include <string>
 
 // Random and absurd input to every object: nothing crashes, every output stays finite.
-// TACTUS_FUZZ_ROUNDS=N makes it longer.
+// TACTUS_FUZZ_ROUNDS=N makes it longer, TACTUS_FUZZ_OBJECT=NAME plays one object alone.
 
 using namespace tactus;
 using namespace tactus::test;
@@ -144,6 +144,8 @@ TEST_CASE("any messages and signals leave every object finite, bounded and answe
   host_set_folder(TACTUS_FUZZ_FOLDER);
   for (const Described& described : objects()) {
     const Declaration& declaration = *described.declaration;
+    const char* only = std::getenv("TACTUS_FUZZ_OBJECT");
+    if (only && declaration.name != only) continue;
     const bool bounded = &described != &objects().back();  // the probe multiplies whatever comes
     CAPTURE(declaration.name);
     for (unsigned seed = 1; seed <= 4; ++seed) {
