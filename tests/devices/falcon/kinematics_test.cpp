@@ -170,3 +170,21 @@ TEST_CASE("a reading is good to some hundredths of a millimetre") {
   CHECK(reading_bound_m() > 0.019e-3 / 2);
   CHECK(reading_bound_m() < 3 * 0.019e-3);
 }
+
+TEST_CASE("at the centre the motors hold some 8 N aside and twice that towards the user") {
+  // At 10000 counts a N m: the largest force along each axis before a motor saturates.
+  double most[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 force;
+    force[axis] = 1;
+    double largest = 0;
+    for (const double torque : torques(kCentre, force))
+      largest = std::max(largest, std::abs(torque));
+    most[axis] = 0.4096 / largest;
+  }
+  MESSAGE("at the centre x " << most[0] << ", y " << most[1] << ", z " << most[2]
+                             << " N; half a count is " << reading_bound_m() * 1e6 << " um");
+  CHECK(most[0] == doctest::Approx(7.7).epsilon(0.01));
+  CHECK(most[1] == doctest::Approx(7.8).epsilon(0.01));
+  CHECK(most[2] == doctest::Approx(16.9).epsilon(0.01));
+}
