@@ -5,7 +5,8 @@ namespace tactus::haptic {
 namespace {
 
 constexpr double kFarthest_m = 1e3;
-constexpr int kFrictionRounds = 4;
+constexpr double kFastest_m_per_s = 1e4;
+constexpr int kFrictionRounds = 6;
 
 Vec3 pushed(const Touches& touches) noexcept {
   Vec3 sum;
@@ -30,11 +31,12 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
     return {};
   take_scene(tick);
   const Vec3 goal = limited(state.position, kFarthest_m);
+  const Vec3 velocity = limited(state.velocity, kFastest_m_per_s);
   for (std::size_t i = 0; i < count_; ++i)
     glide(slots_[i]);
   if (!started_) {
     proxy_ = goal;
-    velocity_before_ = state.velocity;
+    velocity_before_ = velocity;
     touches_.count = 0;
     started_ = true;
   }
@@ -42,16 +44,15 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
   look_around(goal);
   carry();
 
-  Vec3 tangent;
   if (near_count_ == 0) {
     proxy_ = goal;
     touches_.count = 0;
-  } else if (!sticks(goal, tangent)) {
-    slide(goal, tangent);
+  } else if (!sticks(goal)) {
+    slide(goal);
   }
-  const Vec3 force = render(tick, state, tangent);
-  notice(tick, state);
-  velocity_before_ = state.velocity;
+  const Vec3 force = render(tick, goal, velocity);
+  notice(tick, goal);
+  velocity_before_ = velocity;
   return force;
 }
 
@@ -83,7 +84,7 @@ double SceneModel::friction_of(const Touches& touches) const noexcept {
 
 /// Whether the handle lies within the friction cone below a proxy that faces already hold: then
 /// the proxy does not move.
-bool SceneModel::sticks(const Vec3& goal, Vec3& tangent) noexcept {
+bool SceneModel::sticks(const Vec3& goal) noexcept {
   if (touches_.count == 0)
     return false;
   std::array<HalfSpace, 3> faces{};
@@ -108,14 +109,13 @@ bool SceneModel::sticks(const Vec3& goal, Vec3& tangent) noexcept {
   if (!(friction > 0.0) || !(norm(rest) <= friction * norm(normal_part)))
     return false;
   touches_ = held;
-  tangent = rest;
   return true;
 }
 
 /// The proxy goes where the faces and friction let it: as far as the nearest point to the handle,
 /// less what friction holds back. On flat faces one round is exact; on curved ones the normal
 /// turns along the way and the length of the held part is found again.
-void SceneModel::slide(const Vec3& goal, Vec3& tangent) noexcept {
+void SceneModel::slide(const Vec3& goal) noexcept {
   const std::span<const Obstacle> near{near_.data(), near_count_};
   const bool held = touches_.count > 0;
   Proxy::Way way = Proxy::settle(proxy_, goal, near);
@@ -132,19 +132,25 @@ void SceneModel::slide(const Vec3& goal, Vec3& tangent) noexcept {
       if (slid.touches.count == 0)
         break; // over an edge: nothing to rub on
       way = slid;
-      tangent = across(hold, pushed(slid.touches));
-      const double allowed =
-          std::min(longest, friction_of(slid.touches) * norm(pushed(slid.touches)));
-      if (std::abs(allowed - length) <= 1e-9 * length)
+      // The drag that this gives against the one that the cone allows, at the slid proxy's normal.
+      const Vec3 spring = slid.end - goal, along = pushed(slid.touches);
+      const double drag = norm(across(spring, along));
+      const double press = dot(spring, along) / norm(along);
+      if (!(drag > 0.0) || !(press > 0.0))
         break;
-      length = allowed;
+      const double next = std::min(longest, length * friction_of(slid.touches) * press / drag);
+      if (std::abs(next - length) <= 1e-9 * length)
+        break;
+      length = next;
     }
   }
   proxy_ = way.end;
   touches_ = way.touches;
 }
 
-Vec3 SceneModel::render(const Tick& tick, const State& state, const Vec3& tangent) noexcept {
+/// The spring between handle and proxy, split into the faces' normal parts, each with its body's
+/// stiffness, and what friction holds, with their mean; and the dampers of the approach.
+Vec3 SceneModel::render(const Tick& tick, const Vec3& goal, const Vec3& velocity) noexcept {
   std::fill_n(share_.begin(), count_, Vec3{});
   double pushes = 0, springs = 0;
   for (const Touch& touch : touches_.all()) {
@@ -153,14 +159,13 @@ Vec3 SceneModel::render(const Tick& tick, const State& state, const Vec3& tangen
   }
   if (!(pushes > 0.0))
     return {};
-  const Vec3 dragged = tangent * (springs / pushes);
+  const Vec3 dragged = (proxy_ - goal - pushed(touches_)) * (springs / pushes);
   Vec3 sum;
   for (const Touch& touch : touches_.all()) {
     Slot& slot = slots_[touch.slot];
     const Material& material = slot.body->material;
     const double depth = std::max(touch.push_m - Proxy::kSkin_m, 0.0);
-    const double receding =
-        dot(state.velocity - velocity_of(slot, proxy_, tick.period_s), touch.normal);
+    const double receding = dot(velocity - velocity_of(slot, proxy_, tick.period_s), touch.normal);
     const double spring = material.stiffness_n_per_m * depth;
     const double normal = spring + material.damping_n_s_per_m * std::max(-receding, 0.0);
     double gain = 1;
@@ -178,7 +183,7 @@ Vec3 SceneModel::render(const Tick& tick, const State& state, const Vec3& tangen
   return sum;
 }
 
-void SceneModel::notice(const Tick& tick, const State& state) noexcept {
+void SceneModel::notice(const Tick& tick, const Vec3& goal) noexcept {
   using Kind = ContactEvent::Kind;
   std::array<const Touch*, Scene::kMostBodies> now{};
   std::array<double, Scene::kMostBodies> depth{};
@@ -226,7 +231,7 @@ void SceneModel::notice(const Tick& tick, const State& state) noexcept {
     slot.touching = now[i] != nullptr;
     if (!slot.touching && !slot.armed &&
         (tick.time_s - slot.released_s >= kRearm_s ||
-         dot(limited(state.position, kFarthest_m) - event.point, event.normal) >= kRearm_m))
+         dot(goal - event.point, event.normal) >= kRearm_m))
       slot.armed = true;
   }
 }

@@ -14,8 +14,9 @@ namespace tactus::haptic {
 /// Contact with a scene, felt inside the servo. docs/scene.md has the model.
 ///   F = sum_i (k_i d_i + b_i max(0, -v . n_i)) n_i + k t
 /// over the faces that hold the proxy: d_i the normals' shares of the way from handle to proxy, v
-/// the handle's velocity against the body, t the part of that way that friction holds, no longer
-/// than mu times the normal part.
+/// the handle's velocity against the body, t the rest of that way, which friction holds: no longer
+/// than mu times the normal part. k is the mean of the k_i, weighted by d_i; where all are equal
+/// the spring is k times the whole way.
 ///
 /// The host publishes whole scenes; the servo takes the newest at the beginning of a tick and hands
 /// the old one back, so that it neither allocates nor frees. Bodies that keep their key keep their
@@ -66,11 +67,11 @@ private:
   void emerge(const Tick& tick) noexcept;
   void carry() noexcept;
   void look_around(const Vec3& goal) noexcept;
-  [[nodiscard]] bool sticks(const Vec3& goal, Vec3& tangent) noexcept;
-  void slide(const Vec3& goal, Vec3& tangent) noexcept;
+  [[nodiscard]] bool sticks(const Vec3& goal) noexcept;
+  void slide(const Vec3& goal) noexcept;
   [[nodiscard]] double friction_of(const Touches& touches) const noexcept;
-  [[nodiscard]] Vec3 render(const Tick& tick, const State& state, const Vec3& tangent) noexcept;
-  void notice(const Tick& tick, const State& state) noexcept;
+  [[nodiscard]] Vec3 render(const Tick& tick, const Vec3& goal, const Vec3& velocity) noexcept;
+  void notice(const Tick& tick, const Vec3& goal) noexcept;
   [[nodiscard]] Vec3 velocity_of(const Slot& slot, const Vec3& point,
                                  double period_s) const noexcept;
   [[nodiscard]] std::span<const Slot> slots() const noexcept { return {slots_.data(), count_}; }
