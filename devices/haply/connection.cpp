@@ -147,11 +147,12 @@ std::string Connection::choose(const Message& inventory) {
   return {};
 }
 
-void Connection::take(const Message& message) {
+/// Keeps what the message has of the device; false when it is not in it.
+bool Connection::take(const Message& message) {
   const auto found = std::find_if(message.devices.begin(), message.devices.end(),
                                   [this](const Sight& one) { return one.id == device_id_; });
   if (found == message.devices.end())
-    return; // unplugged: the sample grows old and the servo notices
+    return false;
   if (found->position)
     sample_.state.position = *found->position;
   if (found->velocity)
@@ -163,8 +164,7 @@ void Connection::take(const Message& message) {
   if (message.rotation)
     sample_.state.rotation = *message.rotation;
   sample_.state.flags = sample_.calibrated ? State::kHomed : 0u;
-  sample_.time_s = ServoThread::now_s();
-  samples_.write(sample_);
+  return true;
 }
 
 Vec3 Connection::wanted_force() noexcept {
@@ -185,7 +185,7 @@ std::string Connection::talk(Socket& socket) {
            " is not Haply's service: it does not speak JSON; say service HOST PORT";
   if (std::string sentence = choose(*inventory); !sentence.empty())
     return sentence;
-  take(*inventory);
+  static_cast<void>(take(*inventory)); // later states leave out what stays
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / wish_.rate_hz));
   auto next = Clock::now();
   bool first = true;
@@ -203,11 +203,12 @@ std::string Connection::talk(Socket& socket) {
     garbage = message ? 0 : garbage + 1;
     if (garbage >= kGarbageBeforeHangingUp)
       return "Haply's service sends no JSON any more: restart it";
-    if (message)
-      take(*message);
-    if (!told && message) {
-      tell(Phase::kRunning, "");
+    if (message && take(*message)) { // unplugged: the sample grows old and the servo notices
+      if (!told)
+        tell(Phase::kRunning, "");
       told = true;
+      sample_.time_s = ServoThread::now_s();
+      samples_.write(sample_);
     }
     next = std::max(next + period, Clock::now() - period);
     std::this_thread::sleep_until(next);

@@ -69,7 +69,7 @@ private:
   void look_and_talk();
   [[nodiscard]] std::string talk(Socket& socket);
   [[nodiscard]] std::string choose(const Message& inventory);
-  void take(const Message& message);
+  [[nodiscard]] bool take(const Message& message);
   [[nodiscard]] haptic::Vec3 wanted_force() noexcept;
   void tell(Phase phase, const std::string& trouble);
 

@@ -54,7 +54,9 @@ def runs(tmp_path_factory):
         "hd": Run(folder / "hd.txt", "--device", "openhaptics", "--seconds", "0.5",
                   PHANTOM_LIBHD=os.environ["FAKE_HD"])}
     if double := os.environ.get("JOYSTICK_DOUBLE"):
-        started["stick"] = Run(folder / "stick.txt", "--seconds", "0.5", before=double.split())
+        # The double's library comes before a sanitizer's; GLib keeps memory to the end.
+        started["stick"] = Run(folder / "stick.txt", "--seconds", "0.5", before=double.split(),
+                               ASAN_OPTIONS="verify_asan_link_order=0:detect_leaks=0")
     yield started
     for one in started.values():
         one.process.kill()
