@@ -1,0 +1,105 @@
+#include "core/haptic/signal_player.hpp"
+#include "core/haptic/simulated_device.hpp"
+#include "devices/servo_thread.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <thread>
+
+// Host, servo and audio at work in three threads, for the thread sanitizer. Nothing here depends on
+// how fast they run.
+
+using namespace tactus;
+using namespace tactus::haptic;
+
+namespace {
+
+std::unique_ptr<const Scene> scene_of(int edit) {
+  auto scene = std::make_unique<Scene>();
+  for (int i = 0; i < 1 + edit % 5; ++i) {
+    Body body;
+    body.key = static_cast<std::uint64_t>(i + 1);
+    body.shape = Sphere{0.01 + 0.001 * i};
+    body.pose.position = {0.01 * i, 0.001 * (edit % 7), 0};
+    body.glide_s = 0.003;
+    scene->bodies.push_back(body);
+  }
+  return scene;
+}
+
+} // namespace
+
+TEST_CASE("host, servo and audio exchange without a lock and without a race") {
+  SimulatedDevice device;
+  SimulatedDevice::Settings hand;
+  device.set(hand);
+  device.follow(CirclePath{{}, 0.02, 0.3});
+  SceneModel scene;
+  SignalLink link;
+  link.watch(scene);
+  link.set_workspace({});
+  link.place(SignalLink::Time::kWall, 1000, {});
+  Servo servo;
+  servo.attach(device, &scene, &link);
+  devices::ServoThread runner;
+  runner.start(servo, 1e-3);
+
+  std::atomic<bool> ending{false};
+  std::thread audio([&] {
+    SignalPlayer player;
+    player.prepare(48000);
+    player.attach(&link);
+    double sum = 0;
+    while (!ending) {
+      player.begin_block(64);
+      for (int i = 0; i < 64; ++i)
+        sum += player.process({{0.1, 0, 0}, 0.2}).position.x;
+      player.end_block(devices::ServoThread::now_s());
+      std::this_thread::sleep_for(std::chrono::microseconds(900));
+    }
+    CHECK(std::isfinite(sum));
+  });
+
+  Exchange& exchange = servo.exchange();
+  Command command;
+  ServoSettings settings;
+  std::uint64_t events = 0, newest = 0;
+  bool in_order = true;
+  for (int round = 0; round < 500; ++round) {
+    command.force_n = {0.001 * round, 0, 0};
+    ++command.number;
+    command.heartbeat_s = devices::ServoThread::now_s();
+    exchange.commands.write(command);
+    settings.chain.damping_n_s_per_m = 0.01 * (round % 10);
+    exchange.settings.write(settings);
+    if (round % 50 == 0)
+      exchange.actions.push(round % 100 == 0 ? Action::kMotorsOff : Action::kMotorsOn);
+    exchange.tracing = round % 2 == 0;
+    scene.publish(scene_of(round));
+    link.set_workspace({{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05 + 1e-6 * round}});
+    exchange.reports.read();
+    const std::uint64_t tick = exchange.reports.latest().tick.index;
+    in_order = in_order && tick >= newest;
+    newest = tick;
+    exchange.statistics.read();
+    Report report;
+    while (exchange.trace.pop(report))
+      in_order = in_order && is_finite(report.force_n);
+    Event event;
+    while (exchange.events.pop(event))
+      ++events;
+    ContactEvent contact;
+    while (scene.events().pop(contact))
+      ++events;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ending = true;
+  audio.join();
+  runner.stop();
+  CHECK(in_order);
+  CHECK(newest > 10);
+  CHECK(events > 0);
+}
