@@ -1,0 +1,239 @@
+#include "devices/falcon/stream.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <deque>
+#include <mutex>
+#include <new>
+
+using namespace tactus::devices::falcon;
+
+namespace {
+
+thread_local long allocations = 0;
+
+/// libusb with a Falcon that answers each order at once, in this process: no bus and no kernel, so
+/// that the thread sanitizer sees every access.
+struct FakeUsb {
+  std::mutex mutex;
+  std::condition_variable work;
+  std::deque<libusb_transfer*> in, out, done;
+  Order last;
+  long orders = 0;
+  bool gone = false, stuck = false;
+
+  void reset() {
+    const std::scoped_lock lock(mutex);
+    in.clear(), out.clear(), done.clear();
+    last = {};
+    orders = 0;
+    gone = stuck = false;
+  }
+  static FakeUsb& instance() {
+    static FakeUsb usb;
+    return usb;
+  }
+
+  void finish(libusb_transfer* transfer, libusb_transfer_status status, int length) {
+    transfer->status = status;
+    transfer->actual_length = length;
+    done.push_back(transfer);
+  }
+
+  // The device's turn: an order is decoded and answered with its motor values as encoders.
+  void advance() {
+    while (gone && !(in.empty() && out.empty())) {
+      auto& queue = in.empty() ? out : in;
+      finish(queue.front(), LIBUSB_TRANSFER_NO_DEVICE, 0);
+      queue.pop_front();
+    }
+    while (!stuck && !out.empty() && !in.empty()) {
+      AnswerStream decoder;
+      for (int i = 0; i < out.front()->length; ++i)
+        decoder.take(out.front()->buffer[i]);
+      last = {decoder.answer().encoders, decoder.answer().flags};
+      ++orders;
+      const Packet answer = encode(Answer{last.motors, 0x70});
+      std::copy(answer.begin(), answer.end(), in.front()->buffer + kStatusBytes);
+      finish(out.front(), LIBUSB_TRANSFER_COMPLETED, out.front()->length);
+      finish(in.front(), LIBUSB_TRANSFER_COMPLETED, static_cast<int>(kStatusBytes + kPacketBytes));
+      out.pop_front();
+      in.pop_front();
+    }
+  }
+
+  static int LIBUSB_CALL submit(libusb_transfer* transfer) {
+    FakeUsb& usb = instance();
+    const std::scoped_lock lock(usb.mutex);
+    if (usb.gone)
+      return LIBUSB_ERROR_NO_DEVICE;
+    (transfer->endpoint & 0x80 ? usb.in : usb.out).push_back(transfer);
+    usb.work.notify_all();
+    return 0;
+  }
+  static int LIBUSB_CALL cancel(libusb_transfer* transfer) {
+    FakeUsb& usb = instance();
+    const std::scoped_lock lock(usb.mutex);
+    for (auto* queue : {&usb.in, &usb.out})
+      for (auto i = queue->begin(); i != queue->end(); ++i)
+        if (*i == transfer) {
+          queue->erase(i);
+          usb.finish(transfer, LIBUSB_TRANSFER_CANCELLED, 0);
+          return 0;
+        }
+    return LIBUSB_ERROR_NOT_FOUND;
+  }
+  static int LIBUSB_CALL handle_events(libusb_context*, timeval* most, int*) {
+    FakeUsb& usb = instance();
+    std::unique_lock lock(usb.mutex);
+    usb.advance();
+    if (usb.done.empty()) {
+      usb.work.wait_for(lock, std::chrono::microseconds(most->tv_usec));
+      usb.advance();
+    }
+    while (!usb.done.empty()) {
+      libusb_transfer* transfer = usb.done.front();
+      usb.done.pop_front();
+      lock.unlock();
+      transfer->callback(transfer);
+      lock.lock();
+    }
+    return 0;
+  }
+  static libusb_transfer* LIBUSB_CALL allocate(int) {
+    return static_cast<libusb_transfer*>(std::calloc(1, sizeof(libusb_transfer)));
+  }
+  static void LIBUSB_CALL release(libusb_transfer* transfer) { std::free(transfer); }
+};
+
+std::shared_ptr<UsbLibrary> fake_library() {
+  FakeUsb::instance().reset();
+  auto library = std::make_shared<UsbLibrary>();
+  library->submit_transfer = FakeUsb::submit;
+  library->cancel_transfer = FakeUsb::cancel;
+  library->handle_events_timeout_completed = FakeUsb::handle_events;
+  library->alloc_transfer = FakeUsb::allocate;
+  library->free_transfer = FakeUsb::release;
+  return library;
+}
+
+Order order(int value) {
+  const auto v = static_cast<std::int16_t>(value);
+  return {{v, static_cast<std::int16_t>(-v), static_cast<std::int16_t>(v / 2)}, Order::kGreen};
+}
+
+template <class Condition> bool soon(Condition condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  while (!condition())
+    if (std::chrono::steady_clock::now() > end)
+      return false;
+  return true;
+}
+
+} // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size ? size : 1))
+    return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+TEST_CASE("orders go out and answers come in while the servo allocates nothing") {
+  Link link(fake_library());
+  Stream stream(link);
+  REQUIRE(stream.start());
+  long received = 0, torn = 0;
+  std::uint64_t number = 0, sends = 0;
+  const long before = allocations;
+  const bool flows = soon([&] {
+    stream.send(order(static_cast<int>(++sends % 4000)));
+    if (!stream.receive())
+      return false;
+    ++received;
+    const Frame& frame = stream.latest();
+    const auto& counts = frame.answer.encoders;
+    torn += counts[1] != -counts[0] || counts[2] != counts[0] / 2 || frame.number <= number;
+    number = frame.number;
+    return received == 5000;
+  });
+  CHECK(flows);
+  CHECK(allocations == before);
+  CHECK(torn == 0);
+  stream.send(order(-5));
+  CHECK(soon([&] { return stream.receive() && stream.latest().answer.encoders[0] == -5; }));
+  const Stream::Counts counts = stream.counts();
+  CHECK(counts.broken == 0);
+  CHECK(counts.failed == 0);
+  CHECK(counts.sent + counts.skipped <= sends + 1);
+}
+
+TEST_CASE("the newest order is the one that is sent last, and stopping sends none of force") {
+  Link link(fake_library());
+  FakeUsb& usb = FakeUsb::instance();
+  {
+    Stream stream(link);
+    REQUIRE(stream.start());
+    {
+      const std::scoped_lock lock(usb.mutex);
+      usb.stuck = true;
+    }
+    for (int i = 1; i <= 100; ++i)
+      stream.send(order(i));
+    {
+      const std::scoped_lock lock(usb.mutex);
+      usb.stuck = false;
+      usb.work.notify_all();
+    }
+    CHECK(soon([&] {
+      const std::scoped_lock lock(usb.mutex);
+      return usb.last.motors[0] == 100;
+    }));
+    CHECK(usb.orders <= 100);
+  }
+  CHECK(usb.last.motors == Values{});
+  CHECK(usb.in.empty());
+  CHECK(usb.out.empty());
+}
+
+TEST_CASE("a device that leaves is lost at once and can be let go") {
+  Link link(fake_library());
+  FakeUsb& usb = FakeUsb::instance();
+  Stream stream(link);
+  REQUIRE(stream.start());
+  stream.send(order(7));
+  {
+    const std::scoped_lock lock(usb.mutex);
+    usb.gone = true;
+    usb.work.notify_all();
+  }
+  CHECK(soon([&] { return stream.lost(); }));
+  stream.send(order(8));
+  stream.stop();
+  stream.stop();
+  Link second(fake_library());
+  usb.gone = true;
+  Stream late(second);
+  CHECK_FALSE(late.start());
+}
+
+TEST_CASE("a device that takes no more orders does not keep the stream from stopping") {
+  Link link(fake_library());
+  FakeUsb& usb = FakeUsb::instance();
+  Stream stream(link);
+  REQUIRE(stream.start());
+  {
+    const std::scoped_lock lock(usb.mutex);
+    usb.stuck = true;
+  }
+  for (int i = 0; i < 10; ++i)
+    stream.send(order(i));
+  const auto begin = std::chrono::steady_clock::now();
+  stream.stop();
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(5));
+}
