@@ -26,6 +26,7 @@ std::string HidLibrary::load(Transport transport) {
       missing = name;
   };
   find("hid_init", init);
+  find("hid_exit", exit);
   find("hid_enumerate", enumerate);
   find("hid_free_enumeration", free_enumeration);
   find("hid_open_path", open_path);
