@@ -1,5 +1,7 @@
 #include "core/haptic/servo.hpp"
+#include "core/haptic/signal_player.hpp"
 #include "core/haptic/simulated_device.hpp"
+#include "tests/core/haptic/meshes.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +11,7 @@
 #include <new>
 
 namespace {
-std::atomic<long> allocations{0};
+std::atomic<long> allocations{0}, frees{0};
 }
 
 void* operator new(std::size_t size) {
@@ -18,8 +20,14 @@ void* operator new(std::size_t size) {
     return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept {
+  ++frees;
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  ++frees;
+  std::free(memory);
+}
 
 using namespace tactus::haptic;
 
@@ -53,4 +61,54 @@ TEST_CASE("ten thousand servo ticks allocate nothing, whatever hand and orders")
     }
     CHECK(allocations == before);
   }
+}
+
+TEST_CASE("a servo in a scene that is edited, stepped by audio, allocates and frees nothing") {
+  SimulatedDevice device;
+  device.set({});
+  device.follow(CirclePath{{}, 0.03, 0.5});
+  SceneModel model;
+  SignalLink link;
+  link.watch(model);
+  Servo servo;
+  servo.attach(device, &model, &link);
+  struct Stepping {
+    Servo* servo;
+    std::uint64_t tick;
+  } stepping{&servo, 0};
+  link.place(SignalLink::Time::kLogical, 1000,
+             {[](void* self) {
+                auto& s = *static_cast<Stepping*>(self);
+                s.servo->step({s.tick, static_cast<double>(s.tick) * 1e-3, 1e-3});
+                ++s.tick;
+              },
+              &stepping});
+  SignalPlayer player;
+  player.prepare(48000);
+  player.attach(&link);
+  for (int edit = 0; edit < 40; ++edit) {
+    auto scene = std::make_unique<Scene>();
+    for (std::uint64_t i = 0; i < 16; ++i) {
+      Body body;
+      body.key = i + 1 + static_cast<std::uint64_t>(edit) / 4;
+      body.shape = i == 0   ? Shape(test::mesh_sphere(0.025, 30, 30))
+                   : i == 1 ? Shape(Plane{})
+                            : Shape(Sphere{0.01});
+      body.pose.position = {0.02 * std::cos(static_cast<double>(i)),
+                            0.02 * std::sin(static_cast<double>(i)), -0.001 * edit};
+      body.material.friction = 0.3;
+      scene->bodies.push_back(body);
+    }
+    model.publish(std::move(scene));
+    const long before = allocations, freed = frees;
+    for (int block = 0; block < 75; ++block) {
+      player.begin_block(64);
+      for (int n = 0; n < 64; ++n)
+        static_cast<void>(player.process({{0.1, 0, 0}, 0.1}));
+      player.end_block(0);
+    }
+    CHECK(allocations == before);
+    CHECK(frees == freed);
+  }
+  CHECK(stepping.tick >= 3900);
 }
