@@ -18,7 +18,7 @@ constexpr double kRadius_m = 0.040, kPeak_n = 8, kStiffness = 3000, kDamping = 2
 
 constexpr std::size_t kMostFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
 constexpr double kFirstAnswer_s = 1.0;
-constexpr double kSilent_s = 0.005;    // without an answer before a read fails
+constexpr double kSilent_s = 0.005;    // without an answer before a read fails, and three ticks
 constexpr double kForceReturn_s = 0.5; // from none to full force after homing
 constexpr double kHomingLeast_s = 0.1; // of the homing order after "home"
 constexpr double kStuck_s = 5.0;       // without a single count since the opening
@@ -28,7 +28,7 @@ constexpr int kLeap = 400;             // counts between two answers: some 15 m/
 // still, away from the stops, are frozen.
 constexpr double kFrozen_s = 2.0;
 constexpr int kFrozenTorque = 1000; // counts: about 2 N
-constexpr double kStops_m = 0.045;
+constexpr double kStops_m = 0.025;  // from the centre: the arms are free there
 
 std::shared_ptr<UsbLibrary> library(std::string& obstacle) {
   auto usb = std::make_shared<UsbLibrary>();
@@ -210,7 +210,7 @@ void Falcon::watch(const haptic::Tick& tick, bool fresh) noexcept {
   Condition condition = Condition::kWell;
   if (stream_->lost())
     condition = Condition::kLost;
-  else if (tick.time_s - fresh_s_ > kSilent_s)
+  else if (tick.time_s - fresh_s_ > std::max(kSilent_s, 3 * tick.period_s))
     condition = Condition::kSilent;
   else if (frozen_)
     condition = Condition::kFrozen;

@@ -7,7 +7,7 @@
 namespace tactus::devices::falcon {
 namespace {
 
-constexpr double kLeastGain = 100, kMostGain = 1e6;
+constexpr double kLeastGain = 1e3, kMostGain = 1e5;
 
 struct Light {
   std::string_view name;
@@ -71,7 +71,7 @@ std::string Falcon::configure(std::span<const std::string> words) {
     const auto read = std::from_chars(text.data(), end, gain);
     if (read.ec != std::errc() || read.ptr != end || !(gain >= kLeastGain && gain <= kMostGain))
       return "falcon: gain " + text +
-             " is not possible: expected 100 to 1000000 motor counts per "
+             " is not possible: expected 1000 to 100000 motor counts per "
              "N m (10000 unless you have measured another)";
     counts_per_n_m_ = gain;
     return {};

@@ -97,13 +97,14 @@ TEST_CASE("homed flags that fall take the force away until the grip has been mov
 
 TEST_CASE("encoders that stand still under force are a fault, and moving again clears it") {
   Rig rig;
+  rig.control.ask("still");
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
-  rig.run(700, {0, 0, 4});
+  rig.run(700, {2.5, 0, 0});
   rig.control.ask("freeze 1");
   const auto faulty = [&] { return (rig.state.flags & State::kFault) != 0; };
   CHECK_FALSE(faulty());
-  REQUIRE(rig.until(faulty, 6000, {0, 0, 4}));
+  REQUIRE(rig.until(faulty, 6000, {2.5, 0, 0}));
   CHECK(rig.says("stand still"));
   SUBCASE("moving again") {
     rig.control.ask("freeze 0");
