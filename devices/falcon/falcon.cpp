@@ -72,7 +72,7 @@ std::string Falcon::open() {
   if (obstacle.empty())
     obstacle = boot(settings);
   if (obstacle.empty())
-    obstacle = run();
+    obstacle = start_stream();
   if (!obstacle.empty()) {
     stream_.reset();
     link_.reset();
@@ -96,7 +96,7 @@ std::string Falcon::boot(const Settings& settings) {
   return obstacle.empty() ? upload(*link_, firmware) : obstacle;
 }
 
-std::string Falcon::run() {
+std::string Falcon::start_stream() {
   estimator_.reset();
   estimator_.set_bound(reading_bound_m());
   frame_ = {};

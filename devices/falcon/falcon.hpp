@@ -35,7 +35,7 @@ private:
   [[nodiscard]] std::string boot(const Settings& settings);
   [[nodiscard]] bool take(const Frame& frame) noexcept;
   void watch(const haptic::Tick& tick, bool fresh) noexcept;
-  [[nodiscard]] std::string run();
+  [[nodiscard]] std::string start_stream();
   [[nodiscard]] std::uint8_t lights(bool homed) const noexcept;
 
   mutable std::mutex mutex_; // of the next two, held briefly and never in the servo
