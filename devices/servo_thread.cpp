@@ -28,21 +28,6 @@ struct MonotonicClock final : haptic::Clock {
   double now_s() noexcept override { return ServoThread::now_s(); }
 };
 
-/// Real time if the system lets us, else a better nice value, else what everybody has.
-int raise_priority() noexcept {
-#ifdef __linux__
-  sched_param parameters{};
-  parameters.sched_priority = 60;
-  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0)
-    return 0;
-  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); // else the normal policy wakes 50 us late
-  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
-  if (setpriority(PRIO_PROCESS, thread, -10) == 0)
-    return 1;
-#endif
-  return 2;
-}
-
 void sleep_until(double time_s) noexcept {
   const double left_s = time_s - ServoThread::now_s();
   if (left_s <= 0)
@@ -60,6 +45,20 @@ void sleep_until(double time_s) noexcept {
 }
 
 } // namespace
+
+int ServoThread::raise_priority() noexcept {
+#ifdef __linux__
+  sched_param parameters{};
+  parameters.sched_priority = 60;
+  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0)
+    return 0;
+  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); // else the normal policy wakes 50 us late
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  if (setpriority(PRIO_PROCESS, thread, -10) == 0)
+    return 1;
+#endif
+  return 2;
+}
 
 double ServoThread::now_s() noexcept {
   return std::chrono::duration<double>(Steady::now().time_since_epoch()).count();

@@ -87,10 +87,10 @@ std::string Device::open() {
   }
   if (id_ < 0) {
     const char* reason = library_.last_error();
-    const std::string sentence = "dhd: device " + std::to_string(wanted) + " does not open (" +
-                                 (reason ? reason : "no reason") + "; " + std::to_string(count) +
-                                 " there): check cable and power, that no other program uses "
-                                 "it, and that your account may use USB devices (70-tactus.rules)";
+    std::string sentence = "dhd: device " + std::to_string(wanted) + " does not open (" +
+                           (reason ? reason : "no reason") + "; " + std::to_string(count) +
+                           " there): check cable and power, that no other program uses "
+                           "it, and that your account may use USB devices (70-tactus.rules)";
     library_.unload();
     return sentence;
   }

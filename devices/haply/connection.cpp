@@ -87,6 +87,7 @@ void Connection::tell(Phase phase, const std::string& trouble) {
 }
 
 void Connection::serve() noexcept {
+  ServoThread::raise_priority(); // a force is as old as this thread is late
   try {
     look_and_talk();
   } catch (const std::exception& error) {

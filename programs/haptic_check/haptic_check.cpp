@@ -34,11 +34,11 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
     simulated = made.get();
     device = std::move(made);
   } else if (const devices::Driver* driver = devices::find_driver(options.driver)) {
-    if (const std::string obstacle = driver->obstacle(); !obstacle.empty())
+    device = driver->make(); // what stands in the way may be a setting: open() tells
+    if (!device)
       return std::fprintf(stderr, "haptic_check: %s: %s\n", options.driver.c_str(),
-                          obstacle.c_str()),
+                          driver->obstacle().c_str()),
              1;
-    device = driver->make();
   }
   if (!device)
     return std::fprintf(stderr, "haptic_check: there is no driver %s; --list shows all\n",
@@ -56,6 +56,8 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
   std::fflush(stdout);
   std::string error = session.open();
   std::printf("%s\n", error.empty() ? "done" : "failed");
+  if (!error.empty())
+    std::fprintf(stderr, "haptic_check: %s\n", error.c_str());
   const haptic::Identity identity =
       simulated ? haptic::Identity{"", "simulated device", ""} : session.device().identity();
   std::vector<Finding> findings;

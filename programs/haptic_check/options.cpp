@@ -25,6 +25,18 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
+bool set_number(const std::string& name, const char* value, Options& options) {
+  if (name == "--seconds")
+    return number(value, 0.5, 300, options.seconds);
+  if (name == "--rate")
+    return number(value, 200, 4000, options.rate_hz);
+  double force_n = 0;
+  if (name != "--force" || !number(value, 0.1, 20, force_n))
+    return false;
+  options.force_n = force_n;
+  return true;
+}
+
 } // namespace
 
 const char* usage() noexcept {
@@ -48,7 +60,6 @@ ParsedOptions parse_options(int count, const char* const* words) {
   for (int i = 1; i < count; ++i) {
     const std::string name = words[i];
     const char* value = i + 1 < count ? words[i + 1] : nullptr;
-    double force = 0;
     if (name == "--list")
       options.list = true;
     else if (name == "--yes")
@@ -68,11 +79,7 @@ ParsedOptions parse_options(int count, const char* const* words) {
         options.settings.push_back(words_of(value));
       } else if (name == "--report") {
         options.report = value;
-      } else if (name == "--seconds" && number(value, 0.5, 300, options.seconds)) {
-      } else if (name == "--rate" && number(value, 200, 4000, options.rate_hz)) {
-      } else if (name == "--force" && number(value, 0.1, 20, force)) {
-        options.force_n = force;
-      } else {
+      } else if (!set_number(name, value, options)) {
         return {{}, name + " " + value + " is not understood"};
       }
     }

@@ -81,7 +81,7 @@ std::vector<std::string> inventory() {
     if (!obstacle.empty())
       lines.push_back("  not now: " + obstacle);
     else if (found.empty())
-      lines.push_back("  none found");
+      lines.emplace_back("  none found");
     for (const devices::Found& one : found)
       lines.push_back("  " + name + ":" + std::to_string(one.index) + "  " + one.identity.vendor +
                       (one.identity.vendor.empty() ? "" : " ") + one.identity.model + "  " +

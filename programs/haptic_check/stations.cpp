@@ -87,7 +87,8 @@ std::string Stations::finish(Finding finding, const Recording& recording, bool h
   if (!recording.trouble.empty())
     finding.lines.push_back("the device said: " + recording.trouble);
   if (recording.latched)
-    finding.lines.push_back("the motors were stopped: the device reported a fault or fell silent");
+    finding.lines.emplace_back(
+        "the motors were stopped: the device reported a fault or fell silent");
   if (has_force)
     finding.lines.push_back(
         text("chain: clamped %llu, slewed %llu, watchdog %llu, lowest energy %.3g mJ",

@@ -101,11 +101,14 @@ def test_a_list_names_all_drivers_and_what_they_lack():
     assert "/nowhere/libHD.so" in output
 
 
-def test_an_unknown_driver_and_a_missing_library_are_told():
+def test_an_unknown_driver_and_a_missing_library_are_told(tmp_path):
     status, _, errors = run("--device", "spoon", "--yes")
     assert status == 2 and "spoon" in errors
-    status, _, errors = run("--device", "openhaptics", "--yes", PHANTOM_LIBHD="/nowhere/libHD.so")
+    file = tmp_path / "report.txt"
+    status, _, errors = run("--device", "openhaptics", "--yes", "--report", file,
+                            PHANTOM_LIBHD="/nowhere/libHD.so")
     assert status == 1 and "install" in errors
+    assert "ENDED EARLY" in file.read_text()  # worth an issue, too
     status, _, errors = run("--device", "sim", "--seconds", "-3")
     assert status == 2 and "--seconds" in errors
 

@@ -17,13 +17,14 @@ enum { kErrors = 16 };
 static unsigned errors[kErrors];
 static int error_count;
 static double position[3] = {10, 20, -30}, velocity[3], force[3], last_force[3];
-static int enabled_force, clamping, buttons, in_frame, open_devices, calibration_checks, updates;
+static _Atomic int enabled_force;
+static int clamping, buttons, in_frame, open_devices, calibration_checks, updates;
 static unsigned long frames, forces_outside_frame;
 static Callback callback;
 static void* callback_context;
 static int callback_done = 1;
 static pthread_t thread;
-static volatile int running;
+static _Atomic int running;
 static pthread_mutex_t guard = PTHREAD_MUTEX_INITIALIZER;
 
 static int mode(const char* word) {
