@@ -26,7 +26,6 @@ std::string HidLibrary::load(Transport transport) {
       missing = name;
   };
   find("hid_init", init);
-  find("hid_exit", exit);
   find("hid_enumerate", enumerate);
   find("hid_free_enumeration", free_enumeration);
   find("hid_open_path", open_path);
@@ -44,7 +43,9 @@ std::string HidLibrary::load(Transport transport) {
 
 HidLibrary* HidLibrary::get(Transport transport, std::string& obstacle) {
   static std::mutex mutex;
-  static HidLibrary hidraw_library, libusb_library;
+  // Never destroyed: a thread may still be reading when the program ends.
+  static HidLibrary& hidraw_library = *new HidLibrary;
+  static HidLibrary& libusb_library = *new HidLibrary;
   const std::scoped_lock lock(mutex);
   if (transport != Transport::kLibusb) {
     obstacle = hidraw_library.load(Transport::kHidraw);

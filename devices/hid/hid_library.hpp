@@ -14,17 +14,7 @@ enum class Transport { kAny, kHidraw, kLibusb };
 /// The functions of hidapi that the driver calls. hidapi has two builds: hidraw goes through the
 /// kernel's HID driver and knows each device's description, libusb takes the device away from it.
 struct HidLibrary {
-  HidLibrary() = default;
-  HidLibrary(const HidLibrary&) = delete;
-  HidLibrary& operator=(const HidLibrary&) = delete;
-  /// hidraw frees the text of its last error; libusb's ending would concern devices that are open.
-  ~HidLibrary() {
-    if (ready_ && hidraw)
-      exit();
-  }
-
   decltype(&::hid_init) init = nullptr;
-  decltype(&::hid_exit) exit = nullptr;
   decltype(&::hid_enumerate) enumerate = nullptr;
   decltype(&::hid_free_enumeration) free_enumeration = nullptr;
   decltype(&::hid_open_path) open_path = nullptr;
