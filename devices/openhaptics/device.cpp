@@ -199,24 +199,26 @@ void Device::halt() noexcept {
 
 unsigned int Device::on_tick(void* self) noexcept {
   Device& device = *static_cast<Device*>(self);
-  device.stepping_ = true; // before looking at stopping_: halt looks in the other order
-  const bool last = device.stopping_;
   device.library_.begin_frame(device.handle_);
-  if (last)
+  const bool more = device.tick();
+  if (!more)
     device.send({});
-  else
-    device.tick();
   device.library_.end_frame(device.handle_);
   device.judge(device.library_.take_errors());
-  if (last)
+  if (!more)
     device.finished_ = true;
-  device.stepping_ = false;
-  return last ? kCallbackDone : kCallbackContinue;
+  return more ? kCallbackContinue : kCallbackDone;
 }
 
-void Device::tick() noexcept {
+/// False when it was the last one.
+bool Device::tick() noexcept {
   look_after_calibration();
-  step_(context_);
+  stepping_ = true; // before looking at stopping_: halt looks in the other order
+  const bool more = !stopping_;
+  if (more)
+    step_(context_);
+  stepping_ = false;
+  return more;
 }
 
 void Device::look_after_calibration() noexcept {

@@ -33,7 +33,7 @@ public:
 
 private:
   static unsigned int on_tick(void* self) noexcept;
-  void tick() noexcept;
+  [[nodiscard]] bool tick() noexcept;
   void look_after_calibration() noexcept;
   void judge(Code error) noexcept;
   void send(const haptic::Vec3& force_n) noexcept;
