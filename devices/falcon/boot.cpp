@@ -13,8 +13,9 @@ namespace {
 constexpr std::array<std::uint8_t, 3> kGreeting{0x0a, 0x43, 0x0d};
 constexpr std::array<std::uint8_t, 4> kWelcome{0x0a, 0x44, 0x2c, 0x0d};
 constexpr std::array<std::uint8_t, 1> kBegin{0x41};
-constexpr int kMostGreetings = 100, kMostUploads = 10, kMostProbes = 3;
-constexpr double kWelcome_s = 0.05, kEcho_s = 0.5, kProbe_s = 0.1, kClearToSend_s = 0.1;
+constexpr int kRestarts = 4, kGreetings = 25, kMostUploads = 10, kMostProbes = 10;
+constexpr double kWelcome_s = 0.05, kStraggler_s = 0.005;
+constexpr double kEcho_s = 0.5, kProbe_s = 0.05, kClearToSend_s = 0.1;
 constexpr std::size_t kPiece = kTransferBytes - kStatusBytes; // its echo fits one IN transfer
 constexpr auto kShortestPause = std::chrono::milliseconds(20);
 constexpr auto kLongestPause = std::chrono::milliseconds(500);
@@ -26,23 +27,27 @@ Step gone(std::string& obstacle) {
   return Step::kGone;
 }
 
+// Some hosts see a zero byte before the welcome, and a slow loader answers an earlier greeting.
+bool welcomes(const std::vector<std::uint8_t>& bytes) {
+  return std::search(bytes.begin(), bytes.end(), kWelcome.begin(), kWelcome.end()) != bytes.end();
+}
+
+// Each restart is followed by many greetings: the boot loader may need its time.
 Step greet(Link& link, std::string& obstacle) {
-  for (int attempt = 0; attempt < kMostGreetings; ++attempt) {
-    std::vector<std::uint8_t> answer;
-    if (!link.enter_greeting() || !link.send(kGreeting))
+  for (int restart = 0; restart < kRestarts; ++restart) {
+    if (!link.enter_greeting())
       return gone(obstacle);
-    // Some hosts see a leading zero byte.
-    if (!link.receive(answer, kWelcome.size(), kWelcome_s))
-      return gone(obstacle);
-    if (!answer.empty() && answer.front() == 0) {
-      answer.erase(answer.begin());
-      if (!link.receive(answer, kWelcome.size(), kWelcome_s))
+    std::vector<std::uint8_t> bytes;
+    for (int greeting = 0; greeting < kGreetings; ++greeting) {
+      if (!link.send(kGreeting) ||
+          !link.receive(bytes, bytes.size() + kWelcome.size(), kWelcome_s) ||
+          (!welcomes(bytes) && !link.receive(bytes, bytes.size() + 1, kStraggler_s)))
         return gone(obstacle);
+      if (welcomes(bytes))
+        return Step::kDone;
     }
-    if (std::equal(answer.begin(), answer.end(), kWelcome.begin(), kWelcome.end()))
-      return Step::kDone;
   }
-  obstacle = "the Falcon's boot loader did not answer " + std::to_string(kMostGreetings) +
+  obstacle = "the Falcon's boot loader did not answer " + std::to_string(kRestarts * kGreetings) +
              " greetings: unplug its power and USB for ten seconds, and try another port or a hub "
              "with its own power";
   return Step::kFailed;
@@ -89,11 +94,11 @@ Step send_firmware(Link& link, std::span<const std::uint8_t> firmware, std::stri
 bool firmware_runs(Link& link) {
   if (!link.enter_run())
     return false;
+  AnswerStream stream;
   for (int attempt = 0; attempt < kMostProbes; ++attempt) {
     std::vector<std::uint8_t> bytes;
     if (!link.send(encode(Order{})) || !link.receive(bytes, kPacketBytes, kProbe_s))
       return false;
-    AnswerStream stream;
     for (const std::uint8_t byte : bytes)
       if (stream.take(byte))
         return true;

@@ -12,6 +12,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr unsigned kOut_ms = 200;
 constexpr int kMostFailures = 50; // in a row before the line counts as lost
+constexpr int kMostUnanswered = 2;
+constexpr double kGivenUp_s = 0.010;
 constexpr auto kFarewell = std::chrono::milliseconds(500);
 constexpr auto kCancel = std::chrono::seconds(2);
 
@@ -55,8 +57,10 @@ void Stream::stop() noexcept {
   if (sender_.joinable()) {
     send(Order{});
     const auto end = Clock::now() + kFarewell;
-    while (!lost() && delivered_.load() < ordered_ && Clock::now() < end)
+    while (!lost() && delivered_.load() < ordered_ && Clock::now() < end) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      wake(); // the sender looks at its watch when it is woken
+    }
     stopping_ = true;
     wake();
     sender_.join();
@@ -147,14 +151,33 @@ void Stream::take(const Transfer& transfer) noexcept {
     if (answers_.take(transfer.bytes[i])) {
       frames_.write({answers_.answer(), ++frame_, now_s()});
       answered_.store(frame_, std::memory_order_relaxed);
+      int unanswered = unanswered_.load();
+      while (unanswered > 0 && !unanswered_.compare_exchange_weak(unanswered, unanswered - 1)) {
+      }
+      if (waiting_.exchange(false))
+        wake();
     }
   broken_.store(answers_.errors(), std::memory_order_relaxed);
+}
+
+// Null while two orders are under way or unanswered.
+Stream::Transfer* Stream::free_out(double since_s) noexcept {
+  if (unanswered_ >= kMostUnanswered) {
+    if (now_s() - since_s < kGivenUp_s)
+      return nullptr;
+    unanswered_ = 0;
+  }
+  for (Transfer& transfer : out_)
+    if (!transfer.under_way)
+      return &transfer;
+  return nullptr;
 }
 
 void Stream::send_orders() noexcept {
   raise_thread_priority(kDeviceThreadPriority);
   Numbered newest;
   bool unsent = false;
+  double sent_s = 0;
   int seen = 0;
   while (!stopping_ && !lost()) {
     wakes_.wait(seen, std::memory_order_acquire);
@@ -165,18 +188,21 @@ void Stream::send_orders() noexcept {
       newest = orders_.latest();
       unsent = true;
     }
-    const auto is_free = [](const Transfer& t) { return !t.under_way.load(); };
-    auto free = std::find_if(out_.begin(), out_.end(), is_free);
-    if (unsent && free == out_.end()) {
-      waiting_ = true; // the next completion wakes us, unless it has just happened
-      free = std::find_if(out_.begin(), out_.end(), is_free);
+    if (!unsent)
+      continue;
+    Transfer* free = free_out(sent_s);
+    if (!free) {
+      waiting_ = true; // the next completion or answer wakes us, unless it has just happened
+      free = free_out(sent_s);
     }
-    if (!unsent || free == out_.end())
+    if (!free)
       continue;
     const Packet packet = encode(newest.order);
     std::copy(packet.begin(), packet.end(), free->bytes.begin());
     free->number = newest.number;
     unsent = false;
+    sent_s = now_s();
+    ++unanswered_;
     if (submit(*free))
       sent_.fetch_add(1, std::memory_order_relaxed);
   }

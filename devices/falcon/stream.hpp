@@ -19,7 +19,9 @@ struct Frame {
 
 /// Run mode. Two threads own libusb, one that submits orders and one that handles what completes,
 /// so that the servo touches memory alone: its send() and receive() allocate nothing, take no lock
-/// and never wait. The newest order wins; at most two are on their way.
+/// and never wait. The newest order wins. At most two are on their way or without an answer, so
+/// that no queue can form in front of a device that is slower than the servo; an answer that does
+/// not come is given up after 10 ms.
 class Stream {
 public:
   explicit Stream(Link& link) : link_(link) {}
@@ -68,6 +70,7 @@ private:
   void handle_events() noexcept;
   void wake() noexcept;
   [[nodiscard]] bool idle() const noexcept;
+  [[nodiscard]] Transfer* free_out(double since_s) noexcept;
 
   Link& link_;
   std::array<Transfer, 2> in_, out_;
@@ -79,6 +82,7 @@ private:
   int failures_ = 0; // in a row
   std::atomic<std::uint64_t> delivered_{0};
   std::atomic<std::uint64_t> sent_{0}, answered_{0}, broken_{0}, skipped_{0}, failed_{0};
+  std::atomic<int> unanswered_{0};
   std::atomic<int> wakes_{0};
   std::atomic<bool> waiting_{false}, lost_{false}, stopping_{false}, ended_{false};
   std::thread sender_, handler_;

@@ -28,7 +28,7 @@ int FalconDouble::control(std::span<const std::uint8_t, 8> setup, std::span<std:
     if (value & 0x100) {
       const bool ready = (value & 1) != 0;
       if (ready && !terminal_ready_) // the edge restarts the boot loader
-        greeted_ = acknowledged_ = false;
+        greeted_ = acknowledged_ = false, restarted_ = Clock::now();
       terminal_ready_ = ready;
     }
     return 0;
@@ -65,6 +65,8 @@ void FalconDouble::boot(std::span<const std::uint8_t> payload) {
       if (greeting_.size() > 3)
         greeting_.pop_front();
       if (!terminal_ready_ || greeting_ != std::deque<std::uint8_t>{0x0a, 0x43, 0x0d})
+        continue;
+      if (Clock::now() - restarted_ < std::chrono::milliseconds(boot_ms_))
         continue;
       if (deaf_ > 0) {
         --deaf_;
@@ -232,6 +234,8 @@ std::string FalconDouble::obey(const std::string& line) {
     homed_ = 0;
   else if (name == "echo")
     wrong_echoes_ = value;
+  else if (name == "boot")
+    boot_ms_ = value;
   else if (name == "deaf")
     deaf_ = value;
   else if (name == "still")

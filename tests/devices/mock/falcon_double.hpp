@@ -24,6 +24,7 @@ namespace tactus::mock {
 ///   unhome                   the homed flags fall
 ///   echo N                   the next N firmware uploads echo a wrong byte
 ///   deaf N                   the next N greetings of the boot loader are not answered
+///   boot MS                  the boot loader hears nothing for so long after its restart
 ///   still                    the hand's intention stands at the centre
 ///   buttons B                the four bits of the grip
 ///   forget                   as after a power cut: no firmware, not homed
@@ -60,13 +61,13 @@ private:
   int divisor_ = 0, latency_ms_ = 16;
   bool terminal_ready_ = false;
   std::deque<std::uint8_t> to_host_;
-  Clock::time_point last_in_{}, stalled_until_{};
+  Clock::time_point last_in_{}, stalled_until_{}, restarted_{};
   int split_ = 62;
 
   // the boot loader
   bool loaded_ = false, greeted_ = false, acknowledged_ = false;
   std::deque<std::uint8_t> greeting_;
-  long uploads_ = 0, firmware_bytes_ = 0, wrong_echoes_ = 0, deaf_ = 0;
+  long uploads_ = 0, firmware_bytes_ = 0, wrong_echoes_ = 0, deaf_ = 0, boot_ms_ = 0;
 
   // the firmware
   std::array<std::uint8_t, 16> packet_{};

@@ -52,6 +52,14 @@ TEST_CASE("firmware is uploaded in spite of deaf greetings and two wrong echoes,
   }
 }
 
+TEST_CASE("a boot loader that takes its time after each restart is waited for") {
+  Rig rig;
+  rig.control.ask("forget");
+  rig.control.ask("boot 400");
+  CHECK(rig.open() == "");
+  rig.control.ask("boot 0");
+}
+
 TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with advice") {
   Rig rig;
   rig.control.ask("forget");
