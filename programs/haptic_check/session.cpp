@@ -17,6 +17,9 @@ using Milliseconds = std::chrono::milliseconds;
 
 constexpr double kGraceful_s = 0.3;
 constexpr double kMotorsRise_s = 1;
+// Looks, 5 ms apart, that must find a trouble: a device which nobody asked between two stations
+// takes a moment to answer.
+constexpr int kLastingTrouble = 10;
 
 } // namespace
 
@@ -113,6 +116,7 @@ Recording Session::run(const Plan& plan, std::string& error) {
   }
   const double start_s = devices::ServoThread::now_s();
   LiveLine line;
+  int troubled = 0;
   while (!interrupted()) {
     const double now_s = devices::ServoThread::now_s();
     if (now_s - start_s >= plan.seconds)
@@ -121,8 +125,10 @@ Recording Session::run(const Plan& plan, std::string& error) {
     drain(recording);
     exchange.reports.read();
     const haptic::Report& report = exchange.reports.latest();
-    if (std::string trouble = device_->trouble(); !trouble.empty())
-      recording.trouble = trouble;
+    std::string trouble = device_->trouble();
+    troubled = trouble.empty() ? 0 : troubled + 1;
+    if (troubled >= kLastingTrouble)
+      recording.trouble = std::move(trouble);
     recording.latched = recording.latched || report.latched;
     if (plan.line)
       line.show(plan.line(report), now_s);

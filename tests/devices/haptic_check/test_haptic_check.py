@@ -53,10 +53,13 @@ def runs(tmp_path_factory):
         "sim": Run(folder / "sim.txt", "--device", "sim", "--seconds", "2"),
         "hd": Run(folder / "hd.txt", "--device", "openhaptics", "--seconds", "0.5",
                   PHANTOM_LIBHD=os.environ["FAKE_HD"])}
-    if double := os.environ.get("JOYSTICK_DOUBLE"):
-        # The double's library comes before a sanitizer's; GLib keeps memory to the end.
-        started["stick"] = Run(folder / "stick.txt", "--seconds", "0.5", before=double.split(),
-                               ASAN_OPTIONS="verify_asan_link_order=0:detect_leaks=0")
+    for name, double, options in (("stick", "JOYSTICK_DOUBLE", ""), ("hid", "HID_DOUBLE", "navigator"),
+                                  ("falcon", "FALCON_DOUBLE", "--loaded")):
+        if os.environ.get(double):
+            # The double's library comes before a sanitizer's; GLib keeps memory to the end.
+            started[name] = Run(folder / f"{name}.txt", "--seconds", "0.5",
+                                before=f"{os.environ[double]} {options}".split(),
+                                ASAN_OPTIONS="verify_asan_link_order=0:detect_leaks=0")
     yield started
     for one in started.values():
         one.process.kill()
@@ -119,13 +122,32 @@ def test_a_device_with_its_own_scheduler_goes_through_all_stations(runs):
     assert "F-0042" not in report  # serial numbers stay at home
 
 
-def test_a_joystick_has_a_wall_at_its_side_and_no_sphere(runs):
-    if "stick" not in runs:
+def double(runs, name):
+    """The report on the double that is the only device in its world, so the one that is chosen."""
+    if name not in runs:
         pytest.skip("umockdev is missing")
-    report = runs["stick"].report()
-    assert "device: evdev, Double Stick" in report  # the only one that is ready
+    return runs[name].report()
+
+
+def test_a_joystick_has_a_wall_at_its_side_and_no_sphere(runs):
+    report = double(runs, "stick")
+    assert "device: evdev, Double Stick" in report
     assert "fewer than three motors" in report
     assert "150 Hz" not in report  # beyond what 250 forces a second can say
+
+
+def test_a_device_without_motors_shows_its_position_alone(runs):
+    report = double(runs, "hid")
+    assert "device: hid, 3Dconnexion SpaceNavigator" in report
+    assert report.count("no motors") == 3
+
+
+def test_a_falcon_goes_through_all_stations(runs):
+    report = double(runs, "falcon")
+    assert "device: falcon, Novint Falcon" in report
+    assert "DOUBLE01" not in report
+    for station in ("position", "wall", "sphere", "sine"):
+        assert re.search(rf"\[{station}\](\n  .*)*loop: ", report), station
 
 
 def test_an_interrupt_ends_in_order(tmp_path):
