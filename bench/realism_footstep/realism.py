@@ -3,6 +3,7 @@
 
     realism.py --render build/bench/realism_footstep/render_footstep [--steps 30] [--out FOLDER]
                [--fetch FOLDER]     recordings unpacked there when they are not installed
+               [--without SECTION...]     leaves out rustle, room, grains ... to hear what they are for
 
 Against the tables of targets.py: of 11 features how many medians lie within the recordings' 10 to 90 %,
 and how many dB the mean band profile is off. Against the recordings of Debian's minetest-data and
@@ -11,6 +12,8 @@ two controls that cheat; then the same among sounds drawn from the tables. Write
 realism.csv."""
 import argparse
 import csv
+import re
+import tempfile
 import warnings
 from pathlib import Path
 
@@ -152,6 +155,18 @@ def write_report(folder, tables, taken, measured):
         sheet.writerows(tables)
 
 
+def played(arguments, label):
+    """The steps of a material, its recipe with or without some of its sections."""
+    text = (arguments.recipes / f"{label}.txt").read_text()
+    parts = re.split(r"(?m)^(?=\[)", text)
+    kept = [p for p in parts if p[1:].partition("]")[0] not in arguments.without]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"{label}.txt")
+        # A recipe of nothing but what is left out keeps it.
+        path.write_text("".join(kept if any(p.startswith("[") for p in kept) else parts))
+        return render(arguments.render, path, arguments.steps, 11)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--render", required=True)
@@ -159,11 +174,11 @@ def main():
     parser.add_argument("--steps", type=int, default=30)
     parser.add_argument("--out", type=Path, default=Path("."))
     parser.add_argument("--fetch", type=Path)
+    parser.add_argument("--without", nargs="*", default=[])
     arguments = parser.parse_args()
     root = fetch(arguments.fetch) if arguments.fetch and not recordings() else None
     arguments.out.mkdir(parents=True, exist_ok=True)
-    measured = {label: measure(render(arguments.render, arguments.recipes / f"{label}.txt",
-                                      arguments.steps, 11)) for label in targets.MATERIALS}
+    measured = {label: measure(played(arguments, label)) for label in targets.MATERIALS}
     write_report(arguments.out, against_tables(measured), recordings(root), measured)
 
 

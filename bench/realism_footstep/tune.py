@@ -47,7 +47,7 @@ KEPT = {"modes", "heel_kg", "ball_mass", "mass", "mu_s", "mu_d", "breakaway", "d
 
 
 # An energy distance of 1 is about half a standard deviation of each feature.
-TO_TABLES, TO_STAND_IN, TO_RECORDINGS = 2.0, 0.5, 0.15
+TO_TABLES, TO_STAND_IN, TO_RECORDINGS = 2.0, 0.5, 0.3
 MATERIALS_APART = 2.0
 
 
@@ -218,7 +218,7 @@ def approach(path, aim, arguments):
             moved[i] += change
             slopes[:, i] = (aim.residuals(play(moved, arguments.steps, 1 + turn)) - here) / change
         tried = []
-        for damping in (0.8, 2.0, 5.0):
+        for damping in (1.5, 5.0, 15.0):
             move = lsq_linear(np.vstack([slopes, damping * np.eye(size)]),
                               np.concatenate([-here, np.zeros(size)]),
                               (np.maximum(-point, -0.3) - 1e-9, np.minimum(1 - point, 0.3) + 1e-9)).x
