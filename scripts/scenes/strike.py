@@ -27,7 +27,7 @@ def strike(felt):
         for channel in (1, 2):
             patch.record(str(channel), patch.dac(channel))
         patch.send(0, "struck-hand", f"trace {folder}/ticks.csv")
-        patch.send(10, "struck-play", "bang")
+        patch.send(10, "help-play", "bang")
         patch.send(20, "struck-felt", felt)
         patch.send(1000 * SECONDS - 5, "struck-hand", "trace stop")
         result = patch.render(SECONDS, RATE)
