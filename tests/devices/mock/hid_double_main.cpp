@@ -1,10 +1,10 @@
 // hid_double: runs a program in a world where a HID device is plugged in.
 //
-//   umockdev-wrapper hid_double [--libusb] navigator|compact|pad PROGRAM ARGUMENTS...
+//   umockdev-wrapper hid_double [--libusb] [--stdin] navigator|compact|pad PROGRAM ARGUMENTS...
 //
 // The device is a hidraw node or, with --libusb, a USB device. The program may send the commands of
-// hid_double.hpp, unplug and plug; TACTUS_DOUBLE_KIND and TACTUS_DOUBLE_TRANSPORT in its
-// environment say what it will find. Exit status: the program's.
+// hid_double.hpp, unplug and plug, and with --stdin so may who started it; TACTUS_DOUBLE_KIND and
+// TACTUS_DOUBLE_TRANSPORT in its environment say what it will find. Exit status: the program's.
 #include "tests/devices/mock/child.hpp"
 #include "tests/devices/mock/hid_double.hpp"
 
@@ -16,25 +16,31 @@
 namespace {
 
 int usage() {
-  std::fputs("umockdev-wrapper hid_double [--libusb] navigator|compact|pad PROGRAM ARGUMENTS...\n",
+  std::fputs("umockdev-wrapper hid_double [--libusb] [--stdin] navigator|compact|pad PROGRAM "
+             "ARGUMENTS...\n",
              stderr);
   return 2;
 }
 
-template <class Double> int run(UMockdevTestbed* bed, const std::string& kind, char** arguments) {
+template <class Double>
+int run(UMockdevTestbed* bed, const std::string& kind, char** arguments, bool from_stdin) {
   Double device(bed, kind == "pad"       ? tactus::mock::game_pad()
                      : kind == "compact" ? tactus::mock::space_mouse_compact()
                                          : tactus::mock::space_navigator());
   return tactus::mock::run_child(
-      arguments, [&](const std::string& line) { return device.command(line); }, [] {});
+      arguments, [&](const std::string& line) { return device.command(line); }, [] {}, from_stdin);
 }
 
 } // namespace
 
 int main(int count, char** words) try {
   int at = 1;
-  const bool libusb = at < count && std::string(words[at]) == "--libusb";
-  at += libusb;
+  const auto option = [&](const char* name) {
+    const bool given = at < count && std::string(words[at]) == name;
+    at += given;
+    return given;
+  };
+  const bool libusb = option("--libusb"), from_stdin = option("--stdin");
   if (at + 1 >= count)
     return usage();
   const std::string kind = words[at++];
@@ -47,8 +53,8 @@ int main(int count, char** words) try {
     std::fputs("hid_double: start it through umockdev-wrapper\n", stderr);
     return 2;
   }
-  const int status = libusb ? run<tactus::mock::UsbHidDouble>(bed, kind, words + at)
-                            : run<tactus::mock::HidrawDouble>(bed, kind, words + at);
+  const int status = libusb ? run<tactus::mock::UsbHidDouble>(bed, kind, words + at, from_stdin)
+                            : run<tactus::mock::HidrawDouble>(bed, kind, words + at, from_stdin);
   g_object_unref(bed);
   return status;
 } catch (const std::exception& error) {

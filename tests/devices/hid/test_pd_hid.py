@@ -1,0 +1,80 @@
+"""Unmodified Pd in real time with [phantom hid] on a double of a SpaceNavigator."""
+
+import os
+import re
+import shlex
+import subprocess
+import time
+
+PATCH = """#N canvas 0 0 600 400 12;
+#X obj 10 10 loadbang;
+#X obj 10 40 delay 100;
+#X msg 10 70 open;
+#X obj 10 100 phantom hid;
+#X obj 10 140 print x;
+#X obj 90 140 print y;
+#X obj 170 140 print z;
+#X obj 250 140 print info;
+#X connect 0 0 1 0;
+#X connect 1 0 2 0;
+#X connect 2 0 3 0;
+#X connect 3 0 4 0;
+#X connect 3 1 5 0;
+#X connect 3 2 6 0;
+#X connect 3 3 7 0;
+"""
+
+
+class Live:
+    def __init__(self, folder):
+        (folder / "patch.pd").write_text(PATCH)
+        command = [*shlex.split(os.environ["HID_DOUBLE"]), "--stdin", "navigator",
+                   os.environ.get("TACTUS_PD", "pd"), "-nogui", "-oss", "-noaudio", "-nomidi",
+                   "-noprefs", "-stderr", "-path", os.environ["TACTUS_STAGE"],
+                   "-open", str(folder / "patch.pd")]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.PIPE)
+        os.set_blocking(self.process.stderr.fileno(), False)
+        self.text = ""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+    def tell(self, line):
+        self.process.stdin.write(f"{line}\n".encode())
+        self.process.stdin.flush()
+
+    def printed(self, pattern):
+        self.text += (self.process.stderr.read() or b"").decode()
+        return re.findall(pattern, self.text, re.M)
+
+    def last(self, name):
+        found = self.printed(rf"^{name}: (.*)$")
+        return found[-1] if found else None
+
+    def wait_for(self, true, seconds=30):
+        end = time.monotonic() + seconds
+        while not true():
+            assert time.monotonic() < end, self.text[-3000:]
+            time.sleep(0.02)
+
+
+def test_full_deflection_to_the_right_is_one_at_the_outlet_and_the_device_may_come_and_go(tmp_path):
+    with Live(tmp_path) as live:
+        live.wait_for(lambda: live.printed("status open hid"))
+        live.tell("report 01 5e01 0000 0000")
+        live.wait_for(lambda: live.last("x") == "1")
+        live.tell("report 01 0000 a2fe 5e01")  # away from the user and down
+        live.wait_for(lambda: (live.last("x"), live.last("y"), live.last("z")) == ("0.5", "0", "0"))
+        live.tell("report 03 0100")
+        live.wait_for(lambda: live.printed("^info: button 0 1$"))
+        live.tell("unplug")
+        live.wait_for(lambda: live.printed("status lost"))
+        live.tell("plug")
+        live.wait_for(lambda: len(live.printed("status open hid")) == 2)
+        live.tell("report 01 5e01 0000 0000")
+        live.wait_for(lambda: live.last("x") == "1")
