@@ -86,8 +86,11 @@ def test_the_wall_has_the_stiffness_that_was_asked_for(simulated):
 def test_the_sines_move_mass_spring_and_damper_as_they_must(simulated):
     """M 0.1 kg, B 0.5 + 2 N s/m, K 200 N/m; the force is held over 1 ms, hence the sinc.
 
-    Ticks that this machine misses disturb the simulated time: 20 % is what a busy one leaves.
+    A missed tick holds the force for longer; a few of them leave 20 %.
     """
+    missed = number(r"\[sine\][^[]*skipped (\d+)", simulated)
+    if missed > 8:
+        pytest.skip(f"this machine missed {missed:.0f} ticks meanwhile")
     for hz in (5, 40, 150):
         omega = 2 * math.pi * hz
         hold = math.sin(omega * 5e-4) / (omega * 5e-4)
