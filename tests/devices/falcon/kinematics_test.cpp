@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 using namespace tactus::devices::falcon;
@@ -187,4 +188,25 @@ TEST_CASE("at the centre the motors hold some 8 N aside and twice that towards t
   CHECK(most[0] == doctest::Approx(7.7).epsilon(0.01));
   CHECK(most[1] == doctest::Approx(7.8).epsilon(0.01));
   CHECK(most[2] == doctest::Approx(16.9).epsilon(0.01));
+}
+
+TEST_CASE("a tick's arithmetic needs few Newton steps") {
+  // From one pose to the next of a fast hand, and a force back: what the servo does each tick.
+  using Clock = std::chrono::steady_clock;
+  constexpr int kTicks = 20000;
+  Vec3 position = kCentre;
+  int sum = 0, steps = 0;
+  const auto begin = Clock::now();
+  for (int i = 0; i < kTicks; ++i) {
+    const auto count = static_cast<std::int16_t>(-500 + 20 * (i % 25));
+    const Forward found = forward(angles_of({count, -480, -510}), position);
+    position = found.position;
+    steps += found.steps;
+    sum += motor_counts(torques(position, {1, 0.5, -2}), 10000)[0];
+  }
+  const std::chrono::duration<double, std::micro> spent = Clock::now() - begin;
+  const double microseconds = spent.count() / kTicks;
+  MESSAGE(microseconds << " us a tick, " << static_cast<double>(steps) / kTicks << " Newton steps");
+  CHECK(sum != 0);
+  CHECK(steps <= 6 * kTicks);
 }

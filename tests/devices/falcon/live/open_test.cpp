@@ -94,7 +94,7 @@ TEST_CASE("no force before homing, full force half a second after") {
   const auto late = static_cast<double>(motor());
   CHECK(late > 100);
   CHECK(static_cast<double>(early) < (0.1 + 2 * early_s) * late);
-  CHECK(rig.control.value("flags") == 2); // green
+  CHECK(rig.until([&] { return rig.saw("flags=2"); }, 5000, {0, 0, 2})); // green
 }
 
 TEST_CASE("lights and homing follow their messages, and what is misspelt is explained") {
@@ -102,14 +102,10 @@ TEST_CASE("lights and homing follow their messages, and what is misspelt is expl
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
   CHECK(rig.set({"led", "red", "blue"}) == "");
-  rig.run(30);
-  CHECK(rig.control.value("flags") == 12);
+  CHECK(rig.until([&] { return rig.saw("flags=12"); }));
   CHECK(rig.set({"led", "auto"}) == "");
   CHECK(rig.set({"home"}) == "");
-  rig.run(30, {0, 1, 0});
-  CHECK_FALSE(rig.homed());
-  CHECK(rig.control.value("flags") == 9);
-  CHECK(rig.says("pull the grip out"));
+  CHECK(rig.until([&] { return !rig.homed() && rig.says("pull the grip out"); }, 5000, {0, 1, 0}));
   CHECK(rig.home());
   for (const auto& words : std::vector<std::vector<std::string>>{{},
                                                                  {"led"},

@@ -76,6 +76,10 @@ struct Rig {
   bool home() {
     return until([this] { return homed(); });
   }
+  /// The double's state holds this "name=value".
+  [[nodiscard]] bool saw(const std::string& pair) const {
+    return (" " + control.ask("state") + " ").find(" " + pair + " ") != std::string::npos;
+  }
   [[nodiscard]] bool says(const std::string& word) const {
     return falcon.trouble().find(word) != std::string::npos;
   }
