@@ -16,6 +16,7 @@ using haptic::Vec3;
 
 constexpr double kRise_s = 1.2; // the motors' rise and a little more
 constexpr double kHome_s = 60;
+constexpr int kHomed_looks = 40; // about 5 ms apart
 
 [[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
   char line[256];
@@ -118,7 +119,7 @@ std::string Stations::look() {
   Session::Plan plan;
   plan.period_s = period_s_;
   if (caps_.needs_home) {
-    plan.seconds = options_.yes ? options_.seconds : kHome_s;
+    plan.seconds = kHome_s;
     plan.line = [this](const haptic::Report&) {
       const std::string trouble = session_.device().trouble();
       return "  " + (trouble.empty() ? std::string("waiting for the device") : trouble);
@@ -126,12 +127,12 @@ std::string Stations::look() {
     int homed_for = 0;
     plan.enough = [&homed_for](const haptic::Report& report) {
       homed_for = report.tick.index > 0 && (report.state.flags & State::kHomed) ? homed_for + 1 : 0;
-      return homed_for > 60; // of about 5 ms
+      return homed_for > kHomed_looks;
     };
     const Recording recording = session_.run(plan, error);
     if (!error.empty())
       return error;
-    if (homed_for <= 60 && !interrupted())
+    if (homed_for <= kHomed_looks && !interrupted())
       return "the device was not calibrated in time: " + recording.trouble;
   }
   plan.enough = {};
