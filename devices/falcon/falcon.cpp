@@ -150,15 +150,17 @@ haptic::Caps Falcon::caps() const noexcept {
 // False when the answer makes no sense.
 bool Falcon::take(const Frame& frame) noexcept {
   const Counts& counts = frame.answer.encoders;
-  if (frame_.number > 0 && leaps(frame_.answer.encoders, counts) &&
-      (!rejected_ || leaps(*rejected_, counts))) {
+  const bool leapt = frame_.number > 0 && leaps(frame_.answer.encoders, counts);
+  if (leapt && (!rejected_ || leaps(*rejected_, counts))) {
     rejected_ = counts; // a second answer near it makes it true
     return false;
   }
   rejected_.reset();
-  const Forward found = forward(angles_of(counts), position_);
+  const Forward found = forward(angles_of(counts), leapt ? kCentre : position_);
   if (!found.found)
     return false;
+  if (leapt)
+    estimator_.reset(); // an arm has passed its mark: that was no motion
   if (frame_.number > 0 && frame_.answer.encoders != counts) {
     moved_ = true;
     still_s_ = 0;
