@@ -67,7 +67,7 @@ public:
   /// Gives other objects something under a name, whatever module they come from; null takes it
   /// back, and so does the object's end. False while another object holds the name. The name says
   /// what it is, version included: nothing else tells its type.
-  virtual bool offer(std::string_view name, std::shared_ptr<void> what) {
+  virtual bool offer(std::string_view name, const std::shared_ptr<void>& what) {
     return static_cast<void>(name), static_cast<void>(what), false;
   }
   /// What an object of this host offers under that name now; null when none does.

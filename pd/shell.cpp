@@ -179,9 +179,9 @@ public:
     return true;
   }
   bool real_time() const override { return !runs_in_batch(); }
-  bool offer(std::string_view name, std::shared_ptr<void> what) override {
+  bool offer(std::string_view name, const std::shared_ptr<void>& what) override {
     if (!what) return offers_.erase(std::string(name)) > 0;
-    auto made = Offer::make(name, std::move(what));
+    auto made = Offer::make(name, what);
     return made && offers_.emplace(std::string(name), std::move(made)).second;
   }
   std::shared_ptr<void> offered(std::string_view name) const override {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #ifndef _WIN32
-#include <time.h>
+#include <ctime>
 #endif
 
 namespace tactus::phantom {
