@@ -47,7 +47,7 @@ KEPT = {"modes", "heel_kg", "ball_mass", "mass", "mu_s", "mu_d", "breakaway", "d
 
 
 # An energy distance of 1 is about half a standard deviation of each feature.
-TO_TABLES, TO_STAND_IN, TO_RECORDINGS = 2.0, 0.5, 0.3
+TO_TABLES, TO_STAND_IN, TO_RECORDINGS = 2.0, 0.5, 0.4
 MATERIALS_APART = 2.0
 
 
