@@ -71,7 +71,7 @@ std::string Socket::connect(const std::string& host, const std::string& port, do
     return failure;
   Error ignored;
   beast::get_lowest_layer(*p.stream).set_option(tcp::no_delay(true), ignored);
-  p.stream->read_message_max(1u << 20);
+  p.stream->read_message_max(1u << 16);
   p.stream->text(true);
   return p.finish(timeout_s,
                   [&](auto done) { p.stream->async_handshake(host + ":" + port, "/", done); });

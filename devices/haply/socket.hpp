@@ -18,7 +18,7 @@ public:
   /// Empty, else why not. ws://host:port/
   [[nodiscard]] std::string connect(const std::string& host, const std::string& port,
                                     double timeout_s);
-  /// Empty, else why not. One text message, a megabyte at most.
+  /// Empty, else why not. One text message, 64 kB at most.
   [[nodiscard]] std::string receive(std::string& message, double timeout_s);
   [[nodiscard]] std::string send(const std::string& message, double timeout_s);
   /// Takes leave, for a tenth of a second at most.
