@@ -104,13 +104,15 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
     texts.emplace_back(name);
   for (const Atom& word : words)
     texts.push_back(text_of(word));
-  if (texts[0] == "firmware" && texts.size() == 2) {
+  if ((texts[0] == "firmware" || texts[0] == "table") && texts.size() == 2) {
     std::string found = host.find_file(texts[1]);
     if (found.empty())
-      return host.error("firmware " + texts[1] +
-                        ": no such file; give the path of the file that came with the device's "
-                        "own software");
+      return host.error(texts[0] + " " + texts[1] +
+                        ": no such file beside the patch or in Pd's search path");
     texts[1] = std::move(found);
+  } else if (texts[0] == "table" && texts.size() == 2) {
+    if (std::string found = host.find_file(texts[1]); !found.empty())
+      texts[1] = std::move(found);
   }
   if (const std::string refusal = device_->configure(texts); !refusal.empty())
     host.error(refusal);
@@ -228,6 +230,8 @@ void Phantom::opened(const Answer& answer, Host& host) {
   settle();
   send_status("open", host);
   send_identity(host);
+  if (caps.axes_out == 0)
+    send_status("noforce", host);
   begin(host);
 }
 

@@ -82,7 +82,7 @@ inline constexpr std::array kMessages{
             2, 16, "bodies that the handle feels; mm, N/m, N s/m"},
     Message{"estop", "", 0, 0, "no force at once, until motors 1"},
     Message{"report", "tag 0|1", 2, 2,
-            "mm, vel, force, button, status, jitter, error, hit, contact, release"},
+            "mm, vel, force, button, status, jitter, error, hit, contact, release, rot"},
     Message{"stats", "[reset]", 0, 1, "counters and timing of the servo"},
     Message{"trace", "file|stop", 1, 1, "write every tick to a CSV file"},
     Message{"hand", "free | rigid | spring [K B] | person [K B tremor wander yield]", 1, 6,

@@ -115,6 +115,8 @@ void Phantom::send_values(Host& host, bool all) {
     triple("vel", report.state.velocity);
   if (all || reported_[kForce])
     triple("force", report.force_n);
+  if (reported_[kRot] || (all && device().caps().has_rotation))
+    triple("rot", report.state.rotation);
 }
 
 void Phantom::send_workspace(Host& host) const {
@@ -146,8 +148,9 @@ void Phantom::on_report(Words words, Host& host) {
       reported_[i] = words[1].number != 0;
       return;
     }
-  host.error(expected("report", words[0],
-                      "mm, vel, force, button, status, jitter, error, hit, contact or release"));
+  host.error(
+      expected("report", words[0],
+               "mm, vel, force, button, status, jitter, error, hit, contact, release or rot"));
 }
 
 void Phantom::on_stats(Words words, Host& host) {

@@ -178,7 +178,8 @@ private:
 
   std::optional<haptic::Vec3> sent_{};
   bool has_report_ = false;
-  std::array<bool, 10> reported_{false, false, false, true, true, false, true, true, true, true};
+  std::array<bool, 11> reported_{false, false, false, true, true, false,
+                                 true,  true,  true,  true, false};
   double last_error_ms_ = -1e9, last_timing_ms_ = 0;
   double warned_n_per_m_ = 0;
   bool scheduling_told_ = false;

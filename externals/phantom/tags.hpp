@@ -17,9 +17,11 @@ enum Tag : std::size_t {
   kError,
   kHitTag,
   kContactTag,
-  kReleaseTag
+  kReleaseTag,
+  kRot
 };
-inline constexpr std::array<std::string_view, 10> kTags{
-    "mm", "vel", "force", "button", "status", "jitter", "error", "hit", "contact", "release"};
+inline constexpr std::array<std::string_view, 11> kTags{"mm",      "vel",     "force", "button",
+                                                        "status",  "jitter",  "error", "hit",
+                                                        "contact", "release", "rot"};
 
 } // namespace tactus::phantom

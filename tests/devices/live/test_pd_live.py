@@ -200,6 +200,29 @@ def test_an_unplugged_falcon_is_lost_found_again_and_stays_without_force(tmp_pat
         assert motors(live.end()) == [0, 0, 0]
 
 
+def test_a_space_mouse_pushed_to_the_right_is_an_x_of_one(tmp_path):
+    double = os.environ.get("HID_DOUBLE")
+    if not double:
+        pytest.skip("umockdev is missing: apt-get install umockdev libumockdev-dev")
+    patch = Patch("hid")
+    patch.at(100, "open")
+    patch.at(150, "list 1 2 3")
+    with Live(tmp_path, patch, [*shlex.split(double), "--stdin", "navigator"]) as live:
+        live.wait_for(r"^info: status open hid")
+        live.wait_for(r"^info: status noforce hid")
+        live.wait_for(r"^x: 0.5$")
+        live.tell_double("report 015e0100000000")  # 350 counts along X
+        live.wait_for(r"^x: 1$")
+        live.tell_phantom("driver mapping rate")
+        live.tell_phantom("driver mapping sideways")
+        live.wait_for(r"^error: phantom: .*mapping")
+        live.tell_double("unplug")
+        live.wait_for(r"^info: status lost hid")
+        live.tell_double("plug")
+        live.wait_for(r"^info: status open hid", 2)
+        live.end()
+
+
 def test_devices_are_listed_with_what_keeps_a_driver_from_working(tmp_path):
     patch = Patch("")
     patch.at(50, "devices")
