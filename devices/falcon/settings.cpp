@@ -53,7 +53,7 @@ std::string Falcon::configure(std::span<const std::string> words) {
     settings_.reload = true;
     return {};
   }
-  if (name == "home" && values.empty()) {
+  if ((name == "home" || name == "calibrate") && values.empty()) {
     home_asked_ = true;
     return {};
   }

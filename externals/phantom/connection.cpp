@@ -110,9 +110,6 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
       return host.error(texts[0] + " " + texts[1] +
                         ": no such file beside the patch or in Pd's search path");
     texts[1] = std::move(found);
-  } else if (texts[0] == "table" && texts.size() == 2) {
-    if (std::string found = host.find_file(texts[1]); !found.empty())
-      texts[1] = std::move(found);
   }
   if (const std::string refusal = device_->configure(texts); !refusal.empty())
     host.error(refusal);

@@ -26,8 +26,8 @@ PATCH = """#N canvas 0 0 600 400 12;
 
 
 class Live:
-    def __init__(self, folder):
-        (folder / "patch.pd").write_text(PATCH)
+    def __init__(self, folder, patch=PATCH):
+        (folder / "patch.pd").write_text(patch)
         command = [*shlex.split(os.environ["HID_DOUBLE"]), "--stdin", "navigator",
                    os.environ.get("TACTUS_PD", "pd"), "-nogui", "-oss", "-noaudio", "-nomidi",
                    "-noprefs", "-stderr", "-path", os.environ["TACTUS_STAGE"],
@@ -78,3 +78,13 @@ def test_full_deflection_to_the_right_is_one_at_the_outlet_and_the_device_may_co
         live.wait_for(lambda: len(live.printed("status open hid")) == 2)
         live.tell("report 01 5e01 0000 0000")
         live.wait_for(lambda: live.last("x") == "1")
+
+
+def test_settings_of_the_driver_reach_it_and_its_refusals_are_printed(tmp_path):
+    (tmp_path / "axes.txt").write_text("x -X\n")
+    setting = "driver table axes.txt \\, driver deadzone 99 \\, open"
+    with Live(tmp_path, PATCH.replace("msg 10 70 open", f"msg 10 70 {setting}")) as live:
+        live.wait_for(lambda: live.printed("status open hid"))
+        assert live.printed("deadzone 99 is not possible: expected 0 to 90 % of full deflection")
+        live.tell("report 01 5e01 0000 0000")
+        live.wait_for(lambda: live.last("x") == "0")

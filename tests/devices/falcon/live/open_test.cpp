@@ -104,7 +104,7 @@ TEST_CASE("lights and homing follow their messages, and what is misspelt is expl
   CHECK(rig.set({"led", "red", "blue"}) == "");
   CHECK(rig.until([&] { return rig.saw("flags=12"); }));
   CHECK(rig.set({"led", "auto"}) == "");
-  CHECK(rig.set({"home"}) == "");
+  CHECK(rig.set({"calibrate"}) == "");
   CHECK(rig.until([&] { return !rig.homed() && rig.says("pull the grip out"); }, 5000, {0, 1, 0}));
   CHECK(rig.home());
   for (const auto& words : std::vector<std::vector<std::string>>{{},
