@@ -1,6 +1,7 @@
 // Boundary elements and outgoing waves against the closed forms of spheres.
 #include "fem/radiation/spherical_waves.hpp"
 #include "solve.hpp"
+#include "tests/sanitized.hpp"
 
 #include <algorithm>
 #include <doctest/doctest.h>
@@ -155,7 +156,8 @@ TEST_CASE("a sharp-edged disk carries the field of sources inside it out unchang
   }
 }
 
-TEST_CASE("the free disk's modes radiate as a body-of-revolution program finds") {
+TEST_CASE("the free disk's modes radiate as a body-of-revolution program finds" *
+          doctest::skip(kSanitized)) {
   // |p| in Pa for 1 m/s at the antinode, from direct collocation along the generating line, a
   // Fourier harmonic a mode, with rings graded to the rim (bench/fem_radiation.py). Its last
   // doubling of the rings moved no value by more than 0.06 dB.

@@ -5,6 +5,7 @@
 #include "fem/radiation/spherical_waves.hpp"
 #include "programs/modal_fem/raw.hpp"
 #include "solve.hpp"
+#include "tests/sanitized.hpp"
 
 #include <cstdio>
 #include <fstream>
@@ -17,6 +18,7 @@ using namespace tactus::fem;
 namespace {
 
 constexpr double kAir = 1.184, kSpeed = 346.1;
+constexpr std::size_t kTriangles = kSanitized ? 700 : 1500;
 
 struct Body {
   Answer solved;
@@ -28,7 +30,7 @@ struct Body {
       : solved(answer(make_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, choice),
                       find_material("aluminium"), 5)) {
     if (radiates)
-      sound = radiate(solved.mesh, solved.modes, {.triangles = 1500});
+      sound = radiate(solved.mesh, solved.modes, {.triangles = kTriangles});
     for (std::size_t v = 0; v < surface_of(solved.mesh).node.size(); ++v)
       yields.push_back(1e-15f * static_cast<float>(v)); // too little for the blows below
     const Material material = find_material("aluminium");
@@ -66,7 +68,7 @@ TEST_CASE("the player reads how far the skin yields beyond the modes") {
 TEST_CASE("the player hears from the table what the boundary elements compute") {
   const Body& b = body();
   const AcousticSkin fine = outer_skin(b.solved.mesh);
-  const AcousticSkin coarse = with_triangles(fine, 1500);
+  const AcousticSkin coarse = with_triangles(fine, kTriangles);
   const ExteriorField field(coarse);
   const std::vector<int> node = surface_of(b.solved.mesh).node;
   std::vector<Vector3> motion;
@@ -103,7 +105,7 @@ TEST_CASE("sound's power damps modes: the disk's radiate about as much as a pist
 
 TEST_CASE("before a baffle the disk's modes sound as an independent program's Rayleigh integral") {
   // |p| in Pa for 1 m/s at the antinode. Both listeners near the plane of the baffle, too.
-  const Body fine({.h = .005}, false);
+  const Body fine({.h = kSanitized ? .01 : .005}, false);
   const modal::ModalTable& table = fine.table;
   const modal::LoadedTable loaded(table);
   struct Case {
@@ -129,7 +131,7 @@ TEST_CASE("before a baffle the disk's modes sound as an independent program's Ra
     const double antinode = std::sqrt(*std::max_element(top.begin(), top.end()));
     const double level = decibels(std::sqrt(sum) / antinode / c.pressure);
     MESSAGE(table.frequency_hz[c.modes[0]] << " Hz at " << c.listener.x << ": " << level << " dB");
-    CHECK(std::abs(level) < .05);
+    CHECK(std::abs(level) < (kSanitized ? 1 : .05));
   }
 }
 

@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 
 PROGRAM = os.environ["MODAL_FEM"]
+# Larger bodies: left out of ./test --quick and under sanitizers.
+slow = pytest.mark.skipif(bool(os.environ.get("TACTUS_QUICK")), reason="slow")
 COARSE_DISK = ["disk", "--diameter", "100", "--thickness", "12", "--h", "20", "--modes", "6"]
 
 
@@ -281,6 +283,7 @@ def test_broken_inp_lines_and_inside_out_elements_are_named(tmp_path):
     assert "line 4" in refusal("c.inp", folder=tmp_path)
 
 
+@slow
 def test_a_bell_is_made_from_its_profile(tmp_path):
     (tmp_path / "bell.txt").write_text("# r z thickness, mm\n0 60 4\n15 58 4\n25 40 3\n30 20 3\n40 0 6\n")
     run("bell", "--profile", "bell.txt", "--material", "bronze", "--modes", 4, "-o", "b.modal.npz", folder=tmp_path)
@@ -386,7 +389,8 @@ PARTS = {"t20_data.step": "/usr/share/doc/gmsh-doc/doc/gmsh/tutorial/t20_data.st
          "screw.step": "/usr/share/opencascade/data/step/screw.step"}  # occt-misc
 
 
-@pytest.mark.parametrize("name", PARTS)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=slow if name == "screw.step" else ())
+                                  for name in PARTS])
 def test_a_machine_part_of_a_debian_package_rings(name, tmp_path):
     if not os.path.isfile(PARTS[name]):
         pytest.skip("its package is not installed")

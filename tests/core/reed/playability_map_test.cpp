@@ -5,6 +5,7 @@
 #include "core/reed/playability.hpp"
 #include "tests/core/reed/reference_instruments.hpp"
 #include "tests/core/reed/reference_transform.hpp"
+#include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
 
@@ -77,7 +78,7 @@ TEST_CASE("a node is the playability of the instrument played there from rest") 
     }
 }
 
-TEST_CASE("linear theory tells where a trumpet sounds") {
+TEST_CASE("linear theory tells where a trumpet sounds" * doctest::skip(kSanitized)) {
   PlayabilityMapSettings s = trumpet_settings();
   s.settle_s = 1.8;
   const PlayabilityMap map = map_of(s, 31, 31);
