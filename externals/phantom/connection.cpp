@@ -123,10 +123,11 @@ void Phantom::on_devices(Host& host) {
 }
 
 void Phantom::on_name(Words words, Host& host) {
-  if (created_)
+  if (offered_)
     host.offer(signal_link_name(name_), nullptr);
   name_ = text_of(words[0]);
-  if (created_ && !host.offer(signal_link_name(name_), signals_))
+  offered_ = created_ && host.offer(signal_link_name(name_), signals_);
+  if (created_ && !offered_)
     host.error("name " + name_ + ": another phantom has it; phantom~ finds that one");
 }
 

@@ -21,6 +21,7 @@ constexpr double kShortestWake_ms = 1e-3;
 constexpr double kGraceful_s = 0.2;
 // Audio that has not run for this long, and two blocks, no longer steps the servo.
 constexpr double kAudioGone_ms = 20;
+constexpr std::uint64_t kOfferEvery = 64; // ticks
 
 } // namespace
 
@@ -117,7 +118,7 @@ void Phantom::settle_device() noexcept {
 
 void Phantom::created(Host& host) {
   created_ = true;
-  host.offer(signal_link_name(name_), signals_);
+  offered_ = host.offer(signal_link_name(name_), signals_);
   if (!driver_)
     connect_simulation(host);
 }
@@ -209,6 +210,9 @@ void Phantom::tick(std::size_t timer, Host& host) {
   }
   if (!open())
     return;
+  // Another may have had the name, and be gone.
+  if (!offered_ && ++unoffered_ % kOfferEvery == 0)
+    offered_ = host.offer(signal_link_name(name_), signals_);
   const double now = host.now_ms() + kSameInstant_ms;
   const double period_ms = 1e3 * period_s();
   if (!wall_) {

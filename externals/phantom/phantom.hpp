@@ -169,11 +169,12 @@ private:
   Clock clock_ = Clock::kAuto;
   bool wall_ = false; // stepped by a thread instead of the host's logical time
   bool created_ = false, learning_ = false, new_grids_ = false, own_workspace_ = false;
+  bool offered_ = false;                        // signals_, under name_
   double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
   std::uint64_t steps_ = 0, outputs_ = 0;       // grid points since their origins
   std::uint64_t index_ = 0;                     // servo ticks in logical time
   double stepped_s_ = 0;                        // when the last of them was
-  std::uint64_t audio_blocks_ = 0;
+  std::uint64_t audio_blocks_ = 0, unoffered_ = 0;
   double audio_ms_ = -1e9; // when audio was last seen to step
 
   std::optional<haptic::Vec3> sent_{};

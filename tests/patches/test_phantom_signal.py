@@ -176,6 +176,21 @@ def test_the_two_find_each_other_and_part_in_either_order(tmp_path):
     assert numpy.isfinite(result["x"]).all()
 
 
+def test_a_name_passes_to_the_next_device_that_has_it(tmp_path):
+    patch = Patch()
+    for name in ("first", "second"):
+        patch.sub(name).obj("inlet")
+    for ms, name, mm in ((10, "first", 10), (20, "second", -20)):
+        patch.send(ms, f"pd-{name}",
+                   f"obj 10 10 phantom -hand rigid -path line {mm} 0 0 {mm} 0 0 1000")
+    patch.send(500, "pd-first", "clear")
+    signals = patch.obj("phantom~")
+    patch.record("x", signals)
+    x = patch.render(1)["x"]
+    assert x[round(0.45 * RATE)] == pytest.approx(0.6, abs=1e-6)
+    assert x[round(0.95 * RATE)] == pytest.approx(0.3, abs=1e-6)
+
+
 def test_a_second_listener_is_refused_once(tmp_path):
     patch = Patch()
     patch.obj("phantom", "-name", "hand")
