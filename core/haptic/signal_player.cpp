@@ -11,8 +11,10 @@ constexpr double kAtTick = 1e-9; // samples; rounding of the tick's place
 } // namespace
 
 void SignalPlayer::prepare(double sample_rate_hz) noexcept {
+  const double before_hz = sample_rate_hz_;
   sample_rate_hz_ = sample_rate_hz > 0 && sample_rate_hz < 1e9 ? sample_rate_hz : 48000;
-  rate_hz_ = 0; // restarts at the next block
+  if (sample_rate_hz_ != before_hz)
+    rate_hz_ = 0; // restarts at the next block; else the grid of ticks goes on
 }
 
 void SignalPlayer::attach(SignalLink* link) noexcept {

@@ -89,6 +89,22 @@ def test_blocks_of_any_size_give_the_same_samples_and_ticks(tmp_path):
     assert len(seen) == 1
 
 
+def test_rebuilding_the_graph_moves_no_tick(tmp_path):
+    force = ramp(4)
+    rows = []
+    for rebuilds in ((), (100, 101, 155, 300)):
+        patch = Patch()
+        box = patch.obj("phantom", "-name", "hand", "-hand rigid")
+        patch.at(0, box, f"trace {tmp_path}/ticks.csv")
+        patch.signal(force) >> patch.obj("phantom~", "hand")
+        for ms in rebuilds:
+            patch.rebuild_dsp(ms)
+        patch.at(495, box, "trace stop")
+        patch.render(0.5)
+        rows.append((tmp_path / "ticks.csv").read_text())
+    assert rows[0] == rows[1]
+
+
 @pytest.mark.parametrize("rate", [44100, 48000, 96000])
 def test_other_sample_rates_keep_the_servo_s_thousand_ticks(tmp_path, rate):
     scene(tmp_path, device="-hand rigid", rate=rate)
