@@ -164,7 +164,7 @@ def played(arguments, label):
         path = Path(folder, f"{label}.txt")
         # A recipe of nothing but what is left out keeps it.
         path.write_text("".join(kept if any(p.startswith("[") for p in kept) else parts))
-        return render(arguments.render, path, arguments.steps, 11)
+        return render(arguments.render, path, arguments.steps, 11, arguments.speed)
 
 
 def main():
@@ -174,6 +174,7 @@ def main():
     parser.add_argument("--steps", type=int, default=30)
     parser.add_argument("--out", type=Path, default=Path("."))
     parser.add_argument("--fetch", type=Path)
+    parser.add_argument("--speed", type=float, default=1.4, help="of the walker, m/s")
     parser.add_argument("--without", nargs="*", default=[])
     arguments = parser.parse_args()
     root = fetch(arguments.fetch) if arguments.fetch and not recordings() else None
