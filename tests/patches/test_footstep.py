@@ -7,7 +7,7 @@ from harness import Patch
 
 RATE = 48000
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-STANCE, STRIDE, WEIGHT = 0.6, 0.6 / 0.62, 826  # data/gait/README.md
+STANCE, STRIDE, WEIGHT = 0.6, 0.6 / 0.62, 828  # data/gait/README.md
 ALL = ("wood", "creak", "underbrush", "snow", "frozensnow", "sand", "gravel", "metal", "highgrass",
        "dryleaves", "concrete", "dirt", "puddle", "water", "carpet")
 OUTLETS = ("sound", "heel", "ball", "force", "sound_2", "heel_2", "ball_2", "force_2")
