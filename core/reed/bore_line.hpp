@@ -20,6 +20,7 @@ public:
       size *= 2;
     line_.assign(size, V(0.0));
     mask_ = static_cast<std::ptrdiff_t>(size) - 1;
+    written_ = 0;
   }
   void clear() noexcept { std::fill(line_.begin(), line_.end(), V(0.0)); }
 

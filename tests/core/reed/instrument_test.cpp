@@ -124,6 +124,23 @@ TEST_CASE("preparing again with the same rate goes on with the sound") {
   CHECK(rms(part(third, third.bore_pressure, 0.5, 1)) > 1000);
 }
 
+TEST_CASE("after a change of rate, however large, a reed plays as a new one") {
+  for (const double before : {8000.0, 192000.0})
+    for (const double after : {8000.0, 44100.0}) {
+      Instrument used, fresh;
+      for (Instrument* instrument : {&used, &fresh})
+        instrument->set(find_preset("clarinet").value());
+      used.prepare(before, 64);
+      (void)play(used, ramp(2500, 0.3, before), before);
+      if (before == after)
+        used.reset();
+      used.prepare(after, 64);
+      fresh.prepare(after, 64);
+      const std::vector<double> pressure = ramp(2500, 0.2, after);
+      CHECK(play(used, pressure, after).sound == play(fresh, pressure, after).sound);
+    }
+}
+
 TEST_CASE("reset brings back the first sample") {
   Parameters p = find_preset("clarinet").value();
   p.breath_noise = 0.1;
