@@ -1,17 +1,14 @@
 #include "devices/servo_thread.hpp"
 
+#include "devices/thread_priority.hpp"
+
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
 
 #ifdef __linux__
-#include <pthread.h>
-#include <sched.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
+#include <ctime>
 #endif
 #if defined(__SSE2__)
 #include <xmmintrin.h>
@@ -45,20 +42,6 @@ void sleep_until(double time_s) noexcept {
 }
 
 } // namespace
-
-int ServoThread::raise_priority() noexcept {
-#ifdef __linux__
-  sched_param parameters{};
-  parameters.sched_priority = 60;
-  if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0)
-    return 0;
-  prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); // else the normal policy wakes 50 us late
-  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
-  if (setpriority(PRIO_PROCESS, thread, -10) == 0)
-    return 1;
-#endif
-  return 2;
-}
 
 double ServoThread::now_s() noexcept {
   return std::chrono::duration<double>(Steady::now().time_since_epoch()).count();
@@ -108,7 +91,7 @@ void ServoThread::stop() noexcept {
 }
 
 void ServoThread::run(haptic::Servo& servo, double period_s) noexcept {
-  scheduling_ = raise_priority();
+  scheduling_ = static_cast<int>(raise_thread_priority(kServoPriority));
 #if defined(__SSE2__)
   _mm_setcsr(_mm_getcsr() | 0x8040); // denormals are zero
 #endif

@@ -23,9 +23,6 @@ public:
   /// empty before it is known.
   [[nodiscard]] std::string_view scheduling() const noexcept;
 
-  /// Real-time priority for the calling thread if the system allows it (0), else a better nice
-  /// value (1), else what everybody has (2). For a driver's thread that the servo depends on.
-  static int raise_priority() noexcept;
   /// The clock that the thread runs on.
   [[nodiscard]] static double now_s() noexcept;
 

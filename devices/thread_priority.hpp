@@ -2,12 +2,15 @@
 
 namespace tactus::devices {
 
-/// Of a thread between the servo and a device: above the servo's, so that what the servo wrote goes
-/// out at once.
-constexpr int kDeviceThreadPriority = 61;
+/// How the system schedules a thread.
+enum class Scheduling { kRealTime, kNice, kOther };
 
-/// First-in-first-out real-time scheduling for the calling thread if the system allows it, else
-/// nothing.
-void raise_thread_priority(int priority) noexcept;
+/// Of the thread that steps the servo, and of one between the servo and a device: above it, so that
+/// what the servo wrote goes out at once.
+constexpr int kServoPriority = 60, kDeviceThreadPriority = 61;
+
+/// For the calling thread: first-in-first-out real-time scheduling if the system allows it, else a
+/// better nice value, else what everybody has, but with wake-ups that are not put off.
+Scheduling raise_thread_priority(int priority) noexcept;
 
 } // namespace tactus::devices

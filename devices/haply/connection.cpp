@@ -2,6 +2,7 @@
 
 #include "devices/haply/socket.hpp"
 #include "devices/servo_thread.hpp"
+#include "devices/thread_priority.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -87,7 +88,7 @@ void Connection::tell(Phase phase, const std::string& trouble) {
 }
 
 void Connection::serve() noexcept {
-  ServoThread::raise_priority(); // a force is as old as this thread is late
+  raise_thread_priority(kDeviceThreadPriority); // a force is as old as this thread is late
   try {
     look_and_talk();
   } catch (const std::exception& error) {
