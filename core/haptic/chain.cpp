@@ -191,7 +191,7 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
 
   force = braked(state, settings, input, elapsed_s, force, gain);
   force = limited(force, settings.force_limit_n);
-  if (state.latched) {
+  if (state.latched || !input.homed) {
     state.slewed = {};
     state.enable_gain = 0.0;
     force = {};

@@ -44,6 +44,7 @@ struct ChainInput {
   Vec3 velocity{};        ///< m/s
   Vec3 local_force{};     ///< N, of models that live inside the servo
   Vec3 patch_force{};     ///< N, what the patch adds at this very tick
+  bool homed = true;      ///< else positions mean nothing yet, and there is no force
 };
 
 struct ChainCounters {

@@ -201,6 +201,27 @@ TEST_CASE("an emergency stop is at once and stays; motors on comes back over hal
   CHECK(force == doctest::Approx(2).epsilon(1e-9));
 }
 
+TEST_CASE("before a device is homed there is no force, and its leap when it is costs no energy") {
+  ChainSettings settings = plain();
+  settings.passivity = true;
+  ChainState state;
+  command(state, settings, {1, 0, 0}, 0);
+  for (int tick = 0; tick < 1000; ++tick) {
+    ChainInput input;
+    input.time_s = input.heartbeat_s = tick * settings.period_s;
+    input.homed = tick >= 300;
+    input.position = input.homed ? Vec3{0.04, 0, 0} : Vec3{-0.03, 0, 0}; // 70 mm in one tick
+    const double force = step(state, settings, input).x;
+    CAPTURE(tick);
+    if (tick < 300)
+      REQUIRE(force == 0);
+    else // back over half a second
+      REQUIRE(force == doctest::Approx(std::min(1.0, (tick - 299) / 500.0)));
+  }
+  CHECK(state.energy_j == 0);
+  CHECK(state.counters.braked == 0);
+}
+
 TEST_CASE("motors off lets the force fall by the slew") {
   ChainSettings settings = plain();
   settings.slew_n_per_s = 100;
