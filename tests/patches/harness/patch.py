@@ -6,6 +6,7 @@ import pathlib
 from . import run
 
 START = "harness-start"  # banged when the sound has been switched on, at logical time 0
+END = "harness-end"      # a bang ends the render
 INFINITY = "1e39"        # beyond the range of Pd's 32-bit number, so it reads as infinity
 
 
@@ -97,6 +98,11 @@ class Canvas:
     def send(self, ms, receiver, message):
         """The same to a named receiver, such as "pd" or one of a patch being tested."""
         self.at(ms, self.obj("s", receiver), message)
+
+    def end_on(self, source, word):
+        """Ends the render when a box sends a message that begins with the word: for what comes from
+        another thread, of whose time Pd's logical time says nothing."""
+        source >> self.obj("route", word) >> self.obj("t", "b") >> self.obj("s", END)
 
     def _message(self, trigger, message):
         if isinstance(message, str):

@@ -160,6 +160,7 @@ def write_patch(patch, folder, samples, rate, dsp):
     cords.append((order, 0, end, 0))
     done = box("#X obj 20 240 t b b;")
     cords.append((end, 0, done, 0))
+    cords.append((box("#X obj 100 220 r harness-end;"), 0, done, 0))
     saved = {**{n: n for n in patch.recordings.values()}, **{n: n for n in patch.log_tables.values()},
              **{n: f"array-{i}" for i, n in enumerate(patch.arrays)}}
     for name, file in saved.items():
