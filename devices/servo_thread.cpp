@@ -1,5 +1,6 @@
 #include "devices/servo_thread.hpp"
 
+#include "devices/signals_held_back.hpp"
 #include "devices/thread_priority.hpp"
 
 #include <array>
@@ -56,6 +57,7 @@ void ServoThread::start(haptic::Servo& servo, double period_s) {
   stop();
   stopping_ = false;
   scheduling_ = -1;
+  const SignalsHeldBack held;
   thread_ = std::thread([this, &servo, period_s] { run(servo, period_s); });
 }
 
@@ -69,6 +71,7 @@ bool ServoThread::start(haptic::Servo& servo, haptic::Backend& device, double pe
   period_s_ = period_s;
   scheduling_ = kDriversOwn;
   driver_ = &device;
+  const SignalsHeldBack held; // the driver's scheduler, too, may start its thread here
   if (!device.run(&ServoThread::follow, this))
     driver_ = nullptr;
   return driver_ != nullptr;

@@ -1,5 +1,7 @@
 #include "externals/phantom/device_worker.hpp"
 
+#include "devices/signals_held_back.hpp"
+
 #include <algorithm>
 #include <chrono>
 
@@ -16,8 +18,10 @@ void DeviceWorker::give(Task task) {
   if (task.ticket > 0)
     ticket_ = task.ticket;
   tasks_.push_back(std::move(task));
-  if (!thread_.joinable())
+  if (!thread_.joinable()) {
+    const devices::SignalsHeldBack held; // so do the drivers' threads, which the worker starts
     thread_ = std::thread([this] { work(); });
+  }
   wake_.notify_all();
 }
 

@@ -162,19 +162,43 @@ def test_a_falcon_moves_the_outlets_and_quitting_leaves_it_without_force(tmp_pat
     assert "error" not in live.text.replace("device_errors", "")
 
 
+def pd_of(folder):
+    """Process numbers of the Pd that plays the folder's patch."""
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            words = (entry / "cmdline").read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if words[0] == PD[0].encode() and bytes(folder / "patch.pd") in words:
+            yield int(entry.name)
+
+
+def test_signals_that_end_pd_are_for_its_own_thread(tmp_path):
+    """A handler that ran in the servo's thread would wait for that thread, and force would stay."""
+    with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
+        live.wait_for(r"^info: status homed 1")
+        (pid,) = pd_of(tmp_path)
+        held = {}
+        for task in pathlib.Path(f"/proc/{pid}/task").iterdir():
+            status = (task / "status").read_text()
+            held[int(task.name)] = int(re.search(r"SigBlk:\s*(\w+)", status).group(1), 16)
+        others = [mask for thread, mask in held.items() if thread != pid]
+        assert len(others) >= 3  # worker, servo, and the Falcon's
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            bit = 1 << (number - 1)
+            assert not held[pid] & bit
+            assert all(mask & bit for mask in others)
+        live.end()
+
+
 @pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGINT])
 def test_a_terminated_pd_leaves_no_force_either(tmp_path, how):
     with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
         live.wait_for(r"^info: status homed 1")
         live.tell_phantom("list 0 0 2")
         live.wait_until(lambda: any(abs(m) > 100 for m in motors(live.state())))
-        for entry in pathlib.Path("/proc").glob("[0-9]*"):
-            try:
-                words = (entry / "cmdline").read_bytes().split(b"\0")
-            except OSError:
-                continue
-            if words[0] == PD[0].encode() and bytes(tmp_path / "patch.pd") in words:
-                os.kill(int(entry.name), how)
+        for pid in pd_of(tmp_path):
+            os.kill(pid, how)
         live.process.wait(30)
         assert motors(live.state()) == [0, 0, 0]
 
