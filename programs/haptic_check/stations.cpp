@@ -158,6 +158,25 @@ std::string Stations::look() {
   return finish(std::move(finding), recording, false);
 }
 
+Session::Plan Stations::with_motors() const {
+  Session::Plan plan;
+  plan.seconds = kRise_s + options_.seconds;
+  plan.period_s = period_s_;
+  plan.force_limit_n = force_limit_n_;
+  plan.motors = true;
+  plan.line = live;
+  return plan;
+}
+
+haptic::Body Stations::body(const haptic::Shape& shape, const haptic::Pose& pose) {
+  haptic::Body made;
+  made.key = ++bodies_;
+  made.shape = shape;
+  made.pose = pose;
+  made.material.stiffness_n_per_m = stiffness_n_per_m_;
+  return made;
+}
+
 std::string Stations::wall() {
   const bool below = caps_.axes_out >= 3;
   std::printf(
@@ -175,18 +194,8 @@ std::string Stations::wall() {
   const Vec3 normal = below ? Vec3{0, 1, 0} : Vec3{-1, 0, 0};
   const Wall face{start - normal * gap, normal};
   hand_goes(start, start - normal * (gap + 0.008), std::max(0.5, options_.seconds / 4));
-  Session::Plan plan;
-  plan.seconds = kRise_s + options_.seconds;
-  plan.period_s = period_s_;
-  plan.force_limit_n = force_limit_n_;
-  plan.motors = true;
-  haptic::Body body;
-  body.key = 1;
-  body.shape = haptic::Plane{};
-  body.pose = {face.point, haptic::Rotation::from_z_to(normal)};
-  body.material.stiffness_n_per_m = stiffness_n_per_m_;
-  plan.scene.bodies = {body};
-  plan.line = live;
+  Session::Plan plan = with_motors();
+  plan.scene.bodies = {body(haptic::Plane{}, {face.point, haptic::Rotation::from_z_to(normal)})};
   const Recording recording = session_.run(plan, error);
   if (!error.empty())
     return error;
@@ -226,18 +235,8 @@ std::string Stations::sphere() {
   const Vec3 centre = start - Vec3{0, radius + gap, 0};
   hand_goes(start, start - Vec3{-0.2 * radius, gap + 0.005, 0},
             std::max(0.5, options_.seconds / 4));
-  Session::Plan plan;
-  plan.seconds = kRise_s + options_.seconds;
-  plan.period_s = period_s_;
-  plan.force_limit_n = force_limit_n_;
-  plan.motors = true;
-  haptic::Body body;
-  body.key = 2;
-  body.shape = haptic::Sphere{radius};
-  body.pose = {centre, {}};
-  body.material.stiffness_n_per_m = stiffness_n_per_m_;
-  plan.scene.bodies = {body};
-  plan.line = live;
+  Session::Plan plan = with_motors();
+  plan.scene.bodies = {body(haptic::Sphere{radius}, {centre, {}})};
   const Recording recording = session_.run(plan, error);
   if (!error.empty())
     return error;
@@ -282,12 +281,7 @@ std::string Stations::sines() {
     skip("sine", "the device takes too few forces a second");
     return {};
   }
-  Session::Plan plan;
-  plan.seconds = kRise_s + options_.seconds;
-  plan.period_s = period_s_;
-  plan.force_limit_n = force_limit_n_;
-  plan.motors = true;
-  plan.line = live;
+  Session::Plan plan = with_motors();
   const double length = options_.seconds / static_cast<double>(frequencies.size());
   for (std::size_t i = 0; i < frequencies.size(); ++i) {
     const double from_s = kRise_s + length * static_cast<double>(i);

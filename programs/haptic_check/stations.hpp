@@ -34,6 +34,10 @@ private:
   [[nodiscard]] std::string sphere();
   [[nodiscard]] std::string sines();
   [[nodiscard]] std::string finish(Finding finding, const Recording& recording, bool has_force);
+  /// What every station with force has in common: the force's rise, then the time asked for.
+  [[nodiscard]] Session::Plan with_motors() const;
+  /// Of the stiffness that this device bears.
+  [[nodiscard]] haptic::Body body(const haptic::Shape& shape, const haptic::Pose& pose);
   [[nodiscard]] haptic::Vec3 where_now(std::string& error);
   void hand_goes(const haptic::Vec3& from, const haptic::Vec3& to, double period_s);
   void skip(const std::string& name, const std::string& reason);
@@ -43,6 +47,7 @@ private:
   haptic::Caps caps_;
   double period_s_, force_limit_n_, stiffness_n_per_m_;
   std::vector<Finding> findings_;
+  std::uint64_t bodies_ = 0; // made so far: no two share a key
 };
 
 } // namespace tactus::haptic_check
