@@ -260,8 +260,9 @@ std::string Stations::sphere() {
     finding.lines = {
         text("%zu hits, %zu ticks in contact, deepest %.2f mm", recording.hits.size(),
              angles.size(), 1e3 * deepest),
-        text("the force sent was off the radius by %.1f degrees in the middle, %.1f at 95 %%",
-             angles[angles.size() / 2], angles[angles.size() * 19 / 20])};
+        text("the force sent was off the radius by %.1f degrees in the middle, %.1f at 95 %%,",
+             angles[angles.size() / 2], angles[angles.size() * 19 / 20]),
+        "where the brake of the passivity control is part of it"};
   return finish(std::move(finding), recording, true);
 }
 
