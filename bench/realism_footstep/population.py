@@ -26,6 +26,8 @@ RIDGE, SHRINKAGE = 10.0, 0.5
 class Population:
     """Mean (materials, 45) and standard deviation (materials, 45) of each material's features."""
 
+    ridge = RIDGE
+
     def __init__(self, vectors, labels):
         """From recordings at hand: (sounds, 45) and their labels."""
         labels = np.asarray(labels)
@@ -62,7 +64,7 @@ class Population:
         centre, scale = vectors.mean(axis=0), vectors.std(axis=0) + 1e-9
         z = (vectors - centre) / scale
         known = z[:, KNOWN]
-        weights = np.linalg.solve(known.T @ known + RIDGE * np.eye(len(KNOWN)),
+        weights = np.linalg.solve(known.T @ known + self.ridge * np.eye(len(KNOWN)),
                                   known.T @ z[:, others])
         told = (self.mean[:, KNOWN] - centre[KNOWN]) / scale[KNOWN]
         # Not further out than the recordings that taught it.

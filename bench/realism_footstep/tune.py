@@ -9,7 +9,7 @@ CMA-ES (Hansen; Debian: python3-cmaes) for all the rest.
 A recipe of a known name is fitted to the tables of targets.py: for each feature how far its median
 lies from the recordings', in units of their spread, how far its spread is from theirs, and how many
 dB the mean band profile is off. With --sounds the same figures are measured from that folder first.
-With --recordings come the energy distances of all 45 features to population.py's stand-in for the
+With --recordings come the energy distances of all 45 features to ensemble.py's stand-ins for the
 collections behind the tables and, for a material that has two or more, to Debian's recordings. No
 classifier is asked.
 The file is written again whenever a better one is found; its comments stay.
@@ -25,6 +25,7 @@ from scipy.optimize import lsq_linear
 
 import judge
 import targets
+from ensemble import members
 from population import Population
 from recordings import recordings
 from steps import RATE, measure, render
@@ -47,8 +48,14 @@ KEPT = {"modes", "heel_kg", "ball_mass", "mass", "mu_s", "mu_d", "breakaway", "d
 
 
 # An energy distance of 1 is about half a standard deviation of each feature.
-TO_TABLES, TO_STAND_IN, TO_RECORDINGS = 2.0, 0.5, 0.4
+TO_TABLES, TO_STAND_IN, TO_RECORDINGS, AT_OTHER_SPEEDS = 2.0, 1.5, 0.1, 0.3
 MATERIALS_APART = 2.0
+MEMBERS, MOST_NEAR = 8, 240
+
+
+def worlds_within(worlds):
+    """(45): standard deviation of sounds of one label, root mean square over labels."""
+    return np.sqrt(np.mean([v[n == c].var(axis=0) for v, n in worlds for c in sorted(set(n))], axis=0))
 
 
 class Text:
@@ -109,22 +116,29 @@ class Aim:
         self.near = []  # (weight, matrix, vectors by the matrix)
 
     def also_near_recordings(self, label, source=None):
-        """Adds the distances to all 45 features of the stand-in and of the installed recordings, or of
+        """Adds the distances to all 45 features of the stand-ins and of the installed recordings, or of
         those of one source."""
         taken = [r for r in recordings() if source in (None, r.source)]
         labels = np.array([r.label for r in taken])
         vectors, _, _ = measure([r.sound() for r in taken])
-        population = Population(vectors, labels)
-        drawn, names = population.sounds()
-        white = judge.whitening(drawn, names)
+        if source:
+            worlds = [Population(vectors, labels).sounds()]
+        else:
+            worlds = [w[:2] for w in members(vectors, labels, MEMBERS)]
+        drawn = np.vstack([v for v, _ in worlds])
+        names = np.concatenate([n for _, n in worlds])
+        worlds_names = np.concatenate([[f"{i} {n}" for n in w[1]] for i, w in enumerate(worlds)])
+        white = judge.whitening(drawn, worlds_names)
         # Where materials differ from each other, an error counts more: twice as far.
-        means = np.array([drawn[names == c].mean(axis=0) @ white for c in population.names])
+        means = np.array([drawn[names == c].mean(axis=0) @ white for c in targets.MATERIALS])
         _, _, apart = np.linalg.svd(means - means.mean(axis=0), full_matrices=False)
         apart = apart[:len(means) - 1]
         white = white @ (np.eye(len(white)) + (MATERIALS_APART - 1) * apart.T @ apart)
-        self.near.append((TO_STAND_IN, white, drawn[names == label] @ white))
+        near = drawn[names == label] @ white
+        few = np.random.RandomState(1).permutation(len(near))[:MOST_NEAR]
+        self.near.append((TO_STAND_IN, white, near[few]))
         if (labels == label).sum() > 1:
-            scale = np.diag(1 / population.within)
+            scale = np.diag(1 / worlds_within(worlds))
             self.near.append((TO_RECORDINGS, scale, vectors[labels == label] @ scale))
 
     @classmethod
@@ -144,8 +158,15 @@ class Aim:
         rows = {n: tuple(np.percentile(v, [50, 10, 90])) for n, v in named.items()}
         return cls(rows, profiles.mean(axis=0), slice(None))
 
-    def cost(self, steps):
+    def cost(self, steps, others=()):
+        """Of steps; others: lists of steps at other speeds, of which the tables count, too."""
         vectors, named, profiles = measure(steps)
+        near = sum(weight * judge.energy_distance(vectors @ matrix, real)
+                   for weight, matrix, real in self.near)
+        elsewhere = sum(self.to_tables(*measure(other)[1:]) for other in others)
+        return self.to_tables(named, profiles) + AT_OTHER_SPEEDS * elsewhere + near
+
+    def to_tables(self, named, profiles):
         total = 0.0
         for name, (median, low, high) in self.features.items():
             logs = np.log(np.maximum(named[name], 0) + 1e-5)
@@ -160,21 +181,22 @@ class Aim:
                       + 0.5 * min(ratio * ratio, 9))
         profile = profiles.mean(axis=0)[self.bands]
         rms = np.sqrt(np.mean((profile - self.profile) ** 2))
-        near = sum(weight * judge.energy_distance(vectors @ matrix, real)
-                   for weight, matrix, real in self.near)
-        return TO_TABLES * total / len(self.features) + (rms / 3) ** 2 + near
+        return TO_TABLES * total / len(self.features) + (rms / 3) ** 2
 
-
-    def residuals(self, steps):
-        """What cost() is for small errors, as one vector whose square is its smooth part."""
-        vectors, named, profiles = measure(steps)
+    def off_tables(self, named, profiles):
         found = []
         for name, (median, low, high) in self.features.items():
             spread = max(np.log((high + 1e-5) / (low + 1e-5)) / 2.56, 0.05)
             logs = np.log(np.maximum(named[name], 0) + 1e-5)
             found.append((logs.mean() - np.log(median + 1e-5)) / spread)
-        parts = [np.clip(found, -5, 5) * np.sqrt(TO_TABLES / len(found)),
-                 (profiles.mean(axis=0)[self.bands] - self.profile) / 3 / np.sqrt(len(self.profile))]
+        off = (profiles.mean(axis=0)[self.bands] - self.profile) / 3 / np.sqrt(len(self.profile))
+        return np.concatenate([np.clip(found, -5, 5) * np.sqrt(TO_TABLES / len(found)), off])
+
+    def residuals(self, steps, others=()):
+        """What cost() is for small errors, as one vector whose square is its smooth part."""
+        vectors, named, profiles = measure(steps)
+        parts = [self.off_tables(named, profiles)]
+        parts += [np.sqrt(AT_OTHER_SPEEDS) * self.off_tables(*measure(other)[1:]) for other in others]
         for weight, matrix, real in self.near:
             made = vectors @ matrix
             # In d dimensions of unit variance a small shift s costs s^2 / sqrt(2 d), and a spread
@@ -187,11 +209,18 @@ class Aim:
         return np.concatenate(parts)
 
 
-def cost_of(text, aim, arguments, steps, seed):
+def play(text, arguments, steps, seed):
+    """Steps at the usual speed, and lists of half as many at the others."""
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
         file.write(text)
         file.flush()
-        return aim.cost(render(arguments.render, file.name, steps, seed, rate=arguments.rate))
+        return (render(arguments.render, file.name, steps, seed, rate=arguments.rate),
+                [render(arguments.render, file.name, steps // 2, seed, speed, arguments.rate)
+                 for speed in getattr(arguments, "speeds", ())])
+
+
+def cost_of(text, aim, arguments, steps, seed):
+    return aim.cost(*play(text, arguments, steps, seed))
 
 
 def approach(path, aim, arguments):
@@ -201,29 +230,25 @@ def approach(path, aim, arguments):
     point = recipe.point()
     size = len(point)
 
-    def play(at, steps, seed):
-        with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
-            file.write(recipe.at(at))
-            file.flush()
-            return render(arguments.render, file.name, steps, seed, rate=arguments.rate)
-
-    best = aim.cost(play(point, 3 * arguments.steps, 1))
+    best = cost_of(recipe.at(point), aim, arguments, 3 * arguments.steps, 1)
     print(f"{path.stem}: {size} numbers, cost {best:.2f}", flush=True)
     for turn in range(1, arguments.approach + 1):
-        here = aim.residuals(play(point, arguments.steps, 1 + turn))
+        here = aim.residuals(*play(recipe.at(point), arguments, arguments.steps, 1 + turn))
         slopes = np.empty((len(here), size))
         for i in range(size):
             change = 0.06 if point[i] < 0.5 else -0.06
             moved = point.copy()
             moved[i] += change
-            slopes[:, i] = (aim.residuals(play(moved, arguments.steps, 1 + turn)) - here) / change
+            there = aim.residuals(*play(recipe.at(moved), arguments, arguments.steps, 1 + turn))
+            slopes[:, i] = (there - here) / change
         tried = []
         for damping in (1.5, 5.0, 15.0):
             move = lsq_linear(np.vstack([slopes, damping * np.eye(size)]),
                               np.concatenate([-here, np.zeros(size)]),
                               (np.maximum(-point, -0.3) - 1e-9, np.minimum(1 - point, 0.3) + 1e-9)).x
             there = np.clip(point + move, 0, 1)
-            tried.append((aim.cost(play(there, 3 * arguments.steps, 1)), damping, there))
+            cost = cost_of(recipe.at(there), aim, arguments, 3 * arguments.steps, 1)
+            tried.append((cost, damping, there))
         cost, damping, there = min(tried, key=lambda t: t[0])
         print(f"{path.stem}: step {turn}, {cost:.2f} (damping {damping}), best {min(cost, best):.2f}",
               flush=True)
@@ -281,6 +306,8 @@ def main():
     parser.add_argument("--rounds", type=int, default=60, help="of CMA-ES")
     parser.add_argument("--steps", type=int, default=16)
     parser.add_argument("--rate", type=int, default=RATE, help="22050 takes half the time")
+    parser.add_argument("--speeds", type=float, nargs="*", default=[],
+                        help="m/s, at which the tables count, too, besides 1.4")
     parser.add_argument("--sigma", type=float, default=0.05)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
