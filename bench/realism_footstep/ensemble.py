@@ -30,7 +30,7 @@ RIDGES = (3.0, 10.0, 30.0)
 class Member(Population):
     """One plausible set of recordings."""
 
-    def __init__(self, vectors, labels, seed):
+    def __init__(self, vectors, labels, seed, of_error=OF_ERROR):
         self.random = np.random.RandomState(seed)
         labels = np.asarray(labels)
         taken = np.concatenate([self.random.choice(np.flatnonzero(labels == c), (labels == c).sum())
@@ -42,7 +42,7 @@ class Member(Population):
         # Errors of one label are kept together, for they hang together.
         for row in range(len(self.names)):
             mix = self.random.randn(len(self.errors)) / np.sqrt(len(self.errors))
-            self.mean[row, others] += OF_ERROR * mix @ self.errors
+            self.mean[row, others] += of_error * mix @ self.errors
         self.widen()
 
     def widen(self):
@@ -95,9 +95,10 @@ class Member(Population):
         return np.vstack(vectors), np.array(labels), np.array(sources)
 
 
-def members(vectors, labels, count, first=1):
+def members(vectors, labels, count, first=1, of_error=OF_ERROR):
     """[(features, labels, collections)]"""
-    return [Member(vectors, labels, seed).sounds_and_sources() for seed in range(first, first + count)]
+    return [Member(vectors, labels, seed, of_error).sounds_and_sources()
+            for seed in range(first, first + count)]
 
 
 def named_right(vectors, labels, groups):

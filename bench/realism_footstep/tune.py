@@ -34,11 +34,11 @@ warnings.filterwarnings("ignore")
 # Numbers that say how strongly, how long or how high: searched on a logarithmic scale.
 LINEAR = {"t60_tilt": (-0.5, 1.5), "tilt": (-1.5, 2.5), "place": (0.0, 1.0), "detune": (0.0, 0.3),
           "dissipation": (0.02, 3.0), "exponent": (0.4, 4.0), "lower_by_size": (0.0, 0.5),
-          "spread": (0.05, 1.5), "vary_frequency": (0.0, 0.6), "vary_decay": (0.0, 0.8),
+          "spread": (0.05, 1.5), "vary_frequency": (0.0, 0.6), "vary_decay": (0.0, 0.45),
           "vary_level": (0.0, 0.8), "heel": (0.0, 3.0), "ball": (0.0, 2.0),
           "ratio": (1.1, 2.2), "roughness": (0.0, 3.0), "wobble": (0.0, 0.8)}
 LOGARITHMIC = {"frequency": (40, 10000), "t60": (0.005, 1.5), "stiffness": (1e3, 1e11),
-               "attack": (2e-4, 0.4), "decay": (0.003, 0.6), "largest": (2, 3000), "count": (3, 3000),
+               "attack": (2e-4, 0.4), "decay": (0.003, 0.3), "largest": (2, 3000), "count": (3, 3000),
                "quality": (0.3, 12), "length": (2e-4, 0.03), "level": (1e-4, 100), "slip": (0.005, 1),
                "pressed": (0.5, 60), "load_n": (0.5, 200), "radiation": (10, 1500),
                "stribeck": (0.005, 0.5), "load": (1e-4, 3), "release": (1e-4, 1), "bright": (300, 10000)}
@@ -48,9 +48,13 @@ KEPT = {"modes", "heel_kg", "ball_mass", "mass", "mu_s", "mu_d", "breakaway", "d
 
 
 # An energy distance of 1 is about half a standard deviation of each feature.
-TO_TABLES, TO_STAND_IN, TO_RECORDINGS, AT_OTHER_SPEEDS = 2.0, 1.5, 0.1, 0.3
-MATERIALS_APART = 2.0
-MEMBERS, MOST_NEAR = 8, 240
+TO_TABLES, TO_STAND_IN, TO_RECORDINGS, AT_OTHER_SPEEDS = 2.0, 2.0, 0.05, 0.3
+MATERIALS_APART = 2.5
+# Where the stand-ins disagree they count less; here they doubt their regression more.
+MEMBERS, DOUBT, MOST_NEAR = 12, 0.6, 240
+# One walker in one pair of shoes varies less than eight collections do.
+OF_SPREAD = 0.75
+REACH, MANY = 0.06, 2
 
 
 def worlds_within(worlds):
@@ -124,11 +128,10 @@ class Aim:
         if source:
             worlds = [Population(vectors, labels).sounds()]
         else:
-            worlds = [w[:2] for w in members(vectors, labels, MEMBERS)]
+            worlds = [w[:2] for w in members(vectors, labels, MEMBERS, of_error=DOUBT)]
         drawn = np.vstack([v for v, _ in worlds])
         names = np.concatenate([n for _, n in worlds])
-        worlds_names = np.concatenate([[f"{i} {n}" for n in w[1]] for i, w in enumerate(worlds)])
-        white = judge.whitening(drawn, worlds_names)
+        white = judge.whitening(drawn, names)
         # Where materials differ from each other, an error counts more: twice as far.
         means = np.array([drawn[names == c].mean(axis=0) @ white for c in targets.MATERIALS])
         _, _, apart = np.linalg.svd(means - means.mean(axis=0), full_matrices=False)
@@ -136,7 +139,8 @@ class Aim:
         white = white @ (np.eye(len(white)) + (MATERIALS_APART - 1) * apart.T @ apart)
         near = drawn[names == label] @ white
         few = np.random.RandomState(1).permutation(len(near))[:MOST_NEAR]
-        self.near.append((TO_STAND_IN, white, near[few]))
+        near = near.mean(axis=0) + OF_SPREAD * (near[few] - near.mean(axis=0))
+        self.near.append((TO_STAND_IN, white, near))
         if (labels == label).sum() > 1:
             scale = np.diag(1 / worlds_within(worlds))
             self.near.append((TO_RECORDINGS, scale, vectors[labels == label] @ scale))
@@ -176,7 +180,7 @@ class Aim:
             off = (m - np.log(median + 1e-5)) / spread
             outside = max(0, np.log(low + 1e-5) - m, m - np.log(high + 1e-5)) / spread
             ratio = np.log((np.percentile(logs, 90) - np.percentile(logs, 10) + 0.02) /
-                           (2.56 * spread + 0.02))
+                           (OF_SPREAD * 2.56 * spread + 0.02))
             total += (min(off * off, 25) + 3 * (outside > 0) + 2 * min(outside, 5)
                       + 0.5 * min(ratio * ratio, 9))
         profile = profiles.mean(axis=0)[self.bands]
@@ -204,7 +208,7 @@ class Aim:
             size = np.sqrt(2 * made.shape[1])
             parts.append(np.sqrt(weight / size) * (made.mean(axis=0) - real.mean(axis=0)))
             if len(real) > 10:
-                ratio = np.log((made.std(axis=0) + 0.1) / (real.std(axis=0) + 0.1))
+                ratio = np.log((made.std(axis=0, ddof=1) + 0.1) / (real.std(axis=0) + 0.1))
                 parts.append(np.sqrt(weight / size / 2) * ratio)
         return np.concatenate(parts)
 
@@ -224,30 +228,33 @@ def cost_of(text, aim, arguments, steps, seed):
 
 
 def approach(path, aim, arguments):
-    """Gauss-Newton steps: one small change of each number tells where to go, a damped least-squares
-    solution within the bounds goes there; of several dampings the one that costs least is kept."""
+    """Gauss-Newton steps. Many points around the present one, each of a few steps on the ground, tell by
+    linear regression how every figure depends on every number (each step played tells of all numbers);
+    a damped least-squares solution within the bounds goes where that says; of several dampings the one
+    that costs least is kept."""
     recipe = Text(path)
     point = recipe.point()
     size = len(point)
-
-    best = cost_of(recipe.at(point), aim, arguments, 3 * arguments.steps, 1)
+    best = cost_of(recipe.at(point), aim, arguments, MANY * arguments.steps, 1)
     print(f"{path.stem}: {size} numbers, cost {best:.2f}", flush=True)
+    random = np.random.RandomState(arguments.seed)
+    reach = REACH
     for turn in range(1, arguments.approach + 1):
-        here = aim.residuals(*play(recipe.at(point), arguments, arguments.steps, 1 + turn))
-        slopes = np.empty((len(here), size))
-        for i in range(size):
-            change = 0.06 if point[i] < 0.5 else -0.06
-            moved = point.copy()
-            moved[i] += change
-            there = aim.residuals(*play(recipe.at(moved), arguments, arguments.steps, 1 + turn))
-            slopes[:, i] = (there - here) / change
+        points = np.clip(point + reach * random.randn(3 * size, size), 0, 1)
+        found = np.array([aim.residuals(*play(recipe.at(at), arguments, arguments.few, 1000 * turn + i))
+                          for i, at in enumerate(points)])
+        moved = points - point
+        centre, here = moved.mean(axis=0), found.mean(axis=0)
+        ridge = 0.02 * len(points) * reach ** 2
+        slopes = np.linalg.solve((moved - centre).T @ (moved - centre) + ridge * np.eye(size),
+                                 (moved - centre).T @ (found - here)).T
         tried = []
-        for damping in (1.5, 5.0, 15.0):
+        for damping in (0.5, 1.5, 5.0):
             move = lsq_linear(np.vstack([slopes, damping * np.eye(size)]),
-                              np.concatenate([-here, np.zeros(size)]),
+                              np.concatenate([slopes @ centre - here, np.zeros(size)]),
                               (np.maximum(-point, -0.3) - 1e-9, np.minimum(1 - point, 0.3) + 1e-9)).x
             there = np.clip(point + move, 0, 1)
-            cost = cost_of(recipe.at(there), aim, arguments, 3 * arguments.steps, 1)
+            cost = cost_of(recipe.at(there), aim, arguments, MANY * arguments.steps, 1)
             tried.append((cost, damping, there))
         cost, damping, there = min(tried, key=lambda t: t[0])
         print(f"{path.stem}: step {turn}, {cost:.2f} (damping {damping}), best {min(cost, best):.2f}",
@@ -255,6 +262,8 @@ def approach(path, aim, arguments):
         if cost < best:
             best, point = cost, there
             path.write_text(recipe.at(point))
+        else:
+            reach *= 0.7
 
 
 def tune(path, aim, arguments):
@@ -305,6 +314,7 @@ def main():
     parser.add_argument("--approach", type=int, default=4, help="Gauss-Newton steps first")
     parser.add_argument("--rounds", type=int, default=60, help="of CMA-ES")
     parser.add_argument("--steps", type=int, default=16)
+    parser.add_argument("--few", type=int, default=8, help="steps of a point of the regression")
     parser.add_argument("--rate", type=int, default=RATE, help="22050 takes half the time")
     parser.add_argument("--speeds", type=float, nargs="*", default=[],
                         help="m/s, at which the tables count, too, besides 1.4")

@@ -10,6 +10,8 @@ namespace {
 constexpr std::size_t kHeel = 0, kBall = 1;
 constexpr double kUsualLanding = 0.5; // m/s
 constexpr double kUsualSlope = 10;    // weights a second
+// What no walker does is no step: landings and slopes beyond these count as these.
+constexpr double kHardestLanding = 4, kSteepest = 200;
 constexpr double kWobbleTime = 0.02;  // s
 constexpr double kMiddleShoe = 0.4, kShoeDecades = 1.6;
 
@@ -97,23 +99,27 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
 }
 
 void Ground::new_place() noexcept {
+  const double all_frequency = drawn(recipe_.vary_frequency);
+  const double all_decay = drawn(recipe_.vary_decay);
   if (const SolidRecipe& solid = recipe_.solid; solid.present) {
-    const double frequency = drawn(solid.scatter.frequency), decay = drawn(solid.scatter.decay);
+    const double frequency = all_frequency * drawn(solid.scatter.frequency);
+    const double decay = all_decay * drawn(solid.scatter.decay);
     tune(solid_, solid.modes, detune_, frequency, decay);
     solid_.set_place(kHeel, shape(solid.modes));
     solid_.set_place(kBall, shape(solid.modes));
     speed_factor_ = drawn(solid.scatter.level);
   }
   if (const FrictionRecipe& friction = recipe_.friction; friction.present) {
-    const double frequency = drawn(friction.scatter.frequency);
+    const double frequency = all_frequency * drawn(friction.scatter.frequency);
     tune(boards_, friction.modes, std::span(detune_).first(kFrictionModes), frequency,
-         drawn(friction.scatter.decay));
+         all_decay * drawn(friction.scatter.decay));
     boards_.set_place(0, shape(friction.modes));
     friction_factor_ = drawn(friction.scatter.level);
   }
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
     const Scatter& scatter = recipe_.cloud[i].scatter;
-    const double frequency = drawn(scatter.frequency), decay = drawn(scatter.decay);
+    const double frequency = all_frequency * drawn(scatter.frequency);
+    const double decay = all_decay * drawn(scatter.decay);
     clouds_[i].vary(frequency, decay, drawn(scatter.level));
   }
 }
@@ -144,7 +150,7 @@ Ground::Sound Ground::next(const SoleState& sole, double weight_n) noexcept {
     return {};
   if (heel_lands)
     new_place();
-  const double slope = std::clamp((sole.heel_slope + sole.ball_slope) / weight_n, -1e3, 1e3);
+  const double slope = std::clamp((sole.heel_slope + sole.ball_slope) / weight_n, -kSteepest, kSteepest);
   double felt = 0;
   bool silent = weights <= 0;
   if (recipe_.solid.present) {
@@ -166,7 +172,8 @@ Ground::Sound Ground::next(const SoleState& sole, double weight_n) noexcept {
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
     const CloudRecipe& from = recipe_.cloud[i];
     const auto energy = [](double speed) {
-      return speed * speed / (kUsualLanding * kUsualLanding);
+      const double relative = std::min(speed, kHardestLanding) / kUsualLanding;
+      return relative * relative;
     };
     if (heel_lands)
       clouds_[i].blow(from.heel * energy(sole.heel_landing));

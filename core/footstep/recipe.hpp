@@ -65,6 +65,8 @@ struct CloudRecipe {
 struct Recipe {
   double level = 1;
   double radiation_hz = 40; ///< below, the floor radiates less and less; it is felt all the same
+  /// As Scatter, but of all sections alike: wetter or firmer ground, another way to land.
+  double vary_frequency = 0, vary_decay = 0;
   SolidRecipe solid;
   FrictionRecipe friction;
   std::size_t clouds = 0;

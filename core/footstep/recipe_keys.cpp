@@ -118,6 +118,10 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
 constexpr RecipeKey kKeys[] = {
     {"", "level", "", 0, 1e4, "loudness of the whole", PLACE(level)},
     {"", "radiation", "Hz", 1, 8000, "below, less and less is heard", PLACE(radiation_hz)},
+    {"", "vary_frequency", "", 0, 2, "of each step: all sections' frequencies alike",
+     PLACE(vary_frequency)},
+    {"", "vary_decay", "", 0, 2, "of each step: all sections' decay times alike",
+     PLACE(vary_decay)},
     MODES("solid", solid),
     {"solid", "stiffness", "N/m^exponent", 1, 1e15, "of the contact", PLACE(solid.law.stiffness)},
     {"solid", "exponent", "", 1, 6, "of the contact", PLACE(solid.law.exponent)},
