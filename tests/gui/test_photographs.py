@@ -7,6 +7,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
 
 import matplotlib.image
 import pytest
@@ -33,12 +34,27 @@ def has_scroll_bar(picture):
     return grey.mean() > 0.5
 
 
-def photograph(patch, name, *options):
+def take(patch, *options):
     folder = BUILD / "photographs"
     folder.mkdir(exist_ok=True)
-    out = folder / f"{name}.png"
-    done = subprocess.run([str(ROOT / "scripts" / "photograph"), str(patch), str(out), "--stage",
-                           str(STAGE), *options], capture_output=True, text=True, timeout=120)
+    out = folder / f"{patch.stem}{'-played' if options else ''}.png"
+    return out, subprocess.run([str(ROOT / "scripts" / "photograph"), str(patch), str(out), "--stage",
+                                str(STAGE), *options], capture_output=True, text=True, timeout=120)
+
+
+@pytest.fixture(scope="module")
+def pictures():
+    """What is still being photographed, by patch and options: four at once, since most of the time
+    goes by waiting for windows."""
+    wanted = [(p, *options) for p in HELP for options in ((), ("--play",))] + [(p,) for p in INSTRUMENTS]
+    with ThreadPoolExecutor(4) as photographers:
+        yield {want: photographers.submit(take, *want) for want in wanted}
+        photographers.shutdown(cancel_futures=True)
+
+
+def seen_in(picture):
+    """The picture's path, once it is sure that it shows the patch as it should be."""
+    out, done = picture.result()
     assert done.returncode == 0, done.stderr
     seen = json.loads(done.stdout)
     assert not BAD.search(seen["pd_said"]), seen["pd_said"]
@@ -50,14 +66,14 @@ def photograph(patch, name, *options):
 
 
 @pytest.mark.parametrize("patch", HELP, ids=lambda p: p.stem)
-def test_a_help_patch_looks_right_and_changes_with_the_click(patch):
-    before = photograph(patch, patch.stem)
-    after = photograph(patch, patch.stem + "-played", "--play")
+def test_a_help_patch_looks_right_and_changes_with_the_click(patch, pictures):
+    before = seen_in(pictures[(patch,)])
+    after = seen_in(pictures[(patch, "--play")])
     differing = subprocess.run(["compare", "-metric", "AE", str(before), str(after), "null:"],
                                capture_output=True, text=True).stderr
     assert float(differing.split()[0]) > 20, "nothing moves on the screen after the click"
 
 
 @pytest.mark.parametrize("patch", INSTRUMENTS, ids=lambda p: p.stem)
-def test_an_instrument_looks_right(patch):
-    photograph(patch, patch.stem)
+def test_an_instrument_looks_right(patch, pictures):
+    seen_in(pictures[(patch,)])
