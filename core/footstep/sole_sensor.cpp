@@ -14,8 +14,8 @@ constexpr double kOn = 0.05, kEarly = 0.025, kOff = 0.025;      // of the weight
 constexpr double kLowestBaseline = 0.02;                        // of the weight
 constexpr double kStepSlope = 4;                                // weights a second
 constexpr double kShortestStance = 0.08, kShortestSwing = 0.06; // s
-/// A walker's heel meets the ground at 0.5 m/s where its force then rises by 9 weights a second.
-constexpr double kSpeedForSlope = 0.5 / 9, kSlowest = 0.02, kFastest = 2;
+constexpr double kTouch = 0.01, kLook = 0.0027; // of the weight, s
+constexpr double kSlowest = 0.02, kFastest = 2;   // m/s
 constexpr double kMostForce = 1e5; // N
 
 } // namespace
@@ -122,12 +122,14 @@ void SoleSensor::set(double weight_n) noexcept {
 void SoleSensor::reset() noexcept {
   for (Region* region : {&heel_, &ball_}) {
     region->channel.reset();
-    region->down = false;
+    region->down = region->landed = false;
     region->since_s = 1;
+    region->touching_s = 0;
   }
 }
 
-void SoleSensor::update(Region& region, double force_n, double& landing, bool& lifted) noexcept {
+void SoleSensor::update(Region& region, double force_n, bool stands, double& landing,
+                        bool& lifted) noexcept {
   const double force = std::isfinite(force_n) ? std::clamp(force_n, -kMostForce, kMostForce) : 0;
   // The baseline waits until the foot is surely in the air.
   region.channel.next(force, !in_stance() && region.since_s > kShortestSwing,
@@ -135,14 +137,21 @@ void SoleSensor::update(Region& region, double force_n, double& landing, bool& l
   region.since_s = std::min(region.since_s + step_s_, 1e3);
   const double level = region.channel.force() / weight_n_;
   const double slope = region.channel.slope() / weight_n_;
+  region.touching_s = level > kTouch ? region.touching_s + step_s_ : 0;
+  if ((region.down || stands) && !region.landed && region.touching_s >= kLook) {
+    region.landed = true;
+    // A heel's pad or a sole stiffens as it is pressed, F ~ x^2, so that slopes go with the square of
+    // the speed.
+    const double relative = std::max(slope, 0.0) / region.usual_slope;
+    landing = std::clamp(region.usual_speed * std::sqrt(relative), kSlowest, kFastest);
+  }
   if (!region.down) {
     if (region.since_s < kShortestSwing || !(level > kOn || (level > kEarly && slope > kStepSlope)))
       return;
     region.down = true;
     region.since_s = 0;
-    landing = std::clamp(kSpeedForSlope * slope, kSlowest, kFastest);
   } else if (region.since_s >= kShortestStance && level < kOff) {
-    region.down = false;
+    region.down = region.landed = false;
     region.since_s = 0;
     lifted = true;
   }
@@ -152,8 +161,10 @@ SoleState SoleSensor::next(double heel_reading, double ball_reading) noexcept {
   SoleState sole;
   const bool stood = in_stance();
   bool ball_up = false;
-  update(heel_, heel_table_.force(heel_reading), sole.heel_landing, sole.heel_up);
-  update(ball_, ball_table_.force(ball_reading), sole.ball_landing, ball_up);
+  update(heel_, heel_table_.force(heel_reading), false, sole.heel_landing, sole.heel_up);
+  if (sole.heel_landing > 0)
+    ball_.landed = ball_.down;
+  update(ball_, ball_table_.force(ball_reading), heel_.landed, sole.ball_landing, ball_up);
   sole.heel_n = heel_.channel.force();
   sole.ball_n = ball_.channel.force();
   sole.heel_slope = heel_.channel.slope();

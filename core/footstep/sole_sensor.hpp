@@ -49,7 +49,10 @@ private:
 
 /// Two sensors of one foot to its forces and the phases of its steps. A region lands when it
 /// carries 5 % of the body's weight, or 2.5 % while rising as fast as a step does, and lifts
-/// below 2.5 %; a stance lasts at least 80 ms and a swing 60 ms, so that noise makes no steps.
+/// below 2.5 %; a stance lasts at least 80 ms and a swing 60 ms, so that noise makes no steps. How
+/// hard it landed is told 2.7 ms after it first carried 1 %, or as soon as it has landed: before, the
+/// slope is that of the air. A ball that carries 1 % under a heel that stands has landed, too: it takes
+/// on weight slowly.
 class SoleSensor {
 public:
   void prepare(double sample_rate); ///< may allocate
@@ -65,14 +68,15 @@ public:
 private:
   struct Region {
     SoleChannel channel;
-    bool down = false;
-    double since_s = 1;
+    double usual_speed, usual_slope; ///< landing speed in m/s, weights a second by then
+    bool down = false, landed = false;
+    double since_s = 1, touching_s = 0;
   };
-  void update(Region& region, double force_n, double& landing, bool& lifted) noexcept;
+  void update(Region& region, double force_n, bool stands, double& landing, bool& lifted) noexcept;
 
   double weight_n_ = 700, step_s_ = 1.0 / 48000;
   Calibration heel_table_, ball_table_;
-  Region heel_, ball_;
+  Region heel_{{}, 0.5, 12}, ball_{{}, 0.3, 0.3};
 };
 
 } // namespace tactus::footstep

@@ -89,6 +89,52 @@ TEST_CASE("a thousand steps on noisy, drifting sensors with hysteresis are each 
   CHECK(worst_stance < 0.03);
 }
 
+TEST_CASE("sensors tell how hard a walker's heel and ball land, and the ball soon after it does") {
+  for (const double rate : {8000.0, 48000.0}) {
+    double slow = 0;
+    for (const double speed : {0.9, 1.4, 1.9}) {
+      Gait gait;
+      gait.prepare(rate);
+      gait.set({speed, 700, 0.4, false}, 0);
+      gait.walk(true);
+      SoleSensor sensor;
+      sensor.prepare(rate);
+      sensor.set(700);
+      std::array<SoleState, Gait::kFeet> feet{};
+      double begun = -1, heel = 0, ball = 0, ball_at = 0;
+      int strides = 0, heels = 0, balls = 0;
+      for (int n = 0; n < 3.2 * rate; ++n) {
+        gait.next(feet);
+        if (feet[0].heel_landing > 0) {
+          begun = n / rate;
+          ++strides;
+        }
+        const SoleState felt = sensor.next(feet[0].heel_n, feet[0].ball_n);
+        if (felt.heel_landing > 0) {
+          ++heels;
+          heel = felt.heel_landing;
+          CHECK(n / rate - begun < 0.006);
+        }
+        if (felt.ball_landing > 0) {
+          ++balls;
+          ball = felt.ball_landing;
+          ball_at = n / rate - begun;
+        }
+      }
+      CHECK(heels == strides);
+      CHECK(balls == strides);
+      CHECK(ball_at > 0.06);
+      CHECK(ball_at < 0.16);
+      if (speed == 1.4) {
+        CHECK(heel == doctest::Approx(0.5).epsilon(0.1));
+        CHECK(ball == doctest::Approx(0.3).epsilon(0.1));
+      }
+      CHECK(heel > slow);
+      slow = heel;
+    }
+  }
+}
+
 TEST_CASE("the slope is the least-squares slope of 5 ms, exact for a straight line") {
   for (const double rate : {8000.0, 48000.0}) {
     SoleChannel channel;
