@@ -163,6 +163,7 @@ def test_equal_orders_write_equal_bytes(tmp_path):
 def test_an_interrupt_leaves_nothing_behind(tmp_path):
     child = subprocess.Popen([PROGRAM, "disk", "--diameter", "100", "--thickness", "12", "--h", "3", "-o",
                               "disk.modal.npz"], cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
+    assert b"meshing" in child.stderr.readline()  # under way
     time.sleep(0.5)
     child.send_signal(signal.SIGINT)
     assert child.wait(20) == 130
