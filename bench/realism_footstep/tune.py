@@ -249,7 +249,7 @@ def approach(path, aim, arguments):
         slopes = np.linalg.solve((moved - centre).T @ (moved - centre) + ridge * np.eye(size),
                                  (moved - centre).T @ (found - here)).T
         tried = []
-        for damping in (0.5, 1.5, 5.0):
+        for damping in (2.0, 6.0, 18.0):
             move = lsq_linear(np.vstack([slopes, damping * np.eye(size)]),
                               np.concatenate([slopes @ centre - here, np.zeros(size)]),
                               (np.maximum(-point, -0.3) - 1e-9, np.minimum(1 - point, 0.3) + 1e-9)).x
@@ -295,12 +295,14 @@ def tune(path, aim, arguments):
             break
 
 
-def bring_to_level(path, program, peak=0.5):
-    """Scales the recipe's own level so that the median step peaks at `peak`."""
-    peaks = [abs(step).max() for step in render(program, path, 24, 7)]
+def bring_to_level(path, program, peak=0.4, rare=0.75):
+    """Scales the recipe's own level so that the median step peaks at `peak`, or lower if one step in ten
+    would pass `rare`: footstep~ bends what passes 0.7."""
+    peaks = [abs(step).max() for step in render(program, path, 60, 7)]
+    factor = min(peak / np.median(peaks), rare / np.percentile(peaks, 90))
     lines = path.read_text().splitlines()
     at = next(i for i, line in enumerate(lines) if line.startswith("level "))
-    lines[at] = f"level {float(lines[at].split()[1]) * peak / np.median(peaks):.4g}"
+    lines[at] = f"level {float(lines[at].split()[1]) * factor:.4g}"
     path.write_text("\n".join(lines) + "\n")
 
 

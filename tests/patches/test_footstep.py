@@ -1,5 +1,6 @@
 """[footstep~] in Pd: a walker, sensors with a published force curve, surfaces and their mistakes."""
 import pathlib
+import sys
 
 import numpy
 import pytest
@@ -10,6 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 STANCE, STRIDE, WEIGHT = 0.6, 0.6 / 0.62, 828  # data/gait/README.md
 ALL = ("wood", "creak", "underbrush", "snow", "frozensnow", "sand", "gravel", "metal", "highgrass",
        "dryleaves", "concrete", "dirt", "puddle", "water", "carpet")
+sys.path.append(str(ROOT / "bench/realism_footstep"))
 OUTLETS = ("sound", "heel", "ball", "force", "sound_2", "heel_2", "ball_2", "force_2")
 
 
@@ -73,6 +75,26 @@ def test_every_ground_by_name_sounds_and_is_felt_within_3_g(surface):
     for drive in ("heel", "ball"):
         assert 0 < abs(result[drive]).max() <= 1 + 1e-6  # 3 g at a sensitivity of 3 g
         assert abs(result[drive].mean()) < 0.005  # the limit works hard here
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("surface", ALL)
+def test_a_walk_s_steps_measure_as_recordings_of_that_ground_do(surface):
+    """Medians of 11 features within recordings' 10 to 90 %, their mean spectrum within 4 dB rms."""
+    import targets
+    from features import to_rate
+    from steps import measure
+    from walks import contacts
+    patch, box = foot(surface)
+    patch.at(100, box, "walk 1")
+    result = patch.render(45)
+    begins = contacts(result["force"]) - RATE // 100
+    steps = [to_rate(result["sound"][a:b], RATE) for a, b in zip(begins, begins[1:])]
+    assert len(steps) >= 38
+    _, named, profiles = measure(steps)
+    assert targets.within(surface, {n: numpy.median(v) for n, v in named.items()}) >= 9
+    off = profiles.mean(axis=0)[::2] - targets.PROFILES[surface]
+    assert numpy.sqrt(numpy.mean(off ** 2)) < 4
 
 
 def test_a_render_repeats_to_the_bit_and_another_block_size_gives_the_same_sound():
