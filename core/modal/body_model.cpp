@@ -147,9 +147,9 @@ void BodyModel::find_rates() {
     const double decay = std::min(decay_rate(k, omega), 0.999 * omega);
     const std::complex<double> s(-decay, std::sqrt(omega * omega - decay * decay));
     if (frequency < highest && k < most)
-      low.push_back({s, k});
+      low.emplace_back(s, k);
     else if (frequency < kContactLimit)
-      high.push_back({s, k});
+      high.emplace_back(s, k);
   }
   // Modes of like decay fall silent together, and the bank can leave them out together.
   std::stable_sort(low.begin(), low.end(),

@@ -19,7 +19,7 @@ std::string_view entry(std::string_view header, std::string_view key) {
 }
 
 std::string read_type(std::string_view text, NpzArray& array) {
-  const std::string unknown = "has a type that is not a number";
+  constexpr const char* unknown = "has a type that is not a number";
   if (text.size() < 4 || text[0] != '\'')
     return unknown;
   const std::size_t close = text.find('\'', 1);
@@ -44,7 +44,7 @@ std::string read_type(std::string_view text, NpzArray& array) {
 }
 
 std::string read_shape(std::string_view text, NpzArray& array) {
-  const std::string damaged = "has a damaged shape";
+  constexpr const char* damaged = "has a damaged shape";
   if (text.empty() || text[0] != '(')
     return damaged;
   text.remove_prefix(1);

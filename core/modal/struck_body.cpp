@@ -21,7 +21,7 @@ template <class S> void make_sane(std::span<const S> from, double most, float* t
   const S bound = static_cast<S>(most);
   for (std::size_t n = 0; n < from.size(); ++n) {
     S x = from[n];
-    x = x == x ? x : S{0};
+    x = std::isnan(x) ? S{0} : x;
     x = x < bound ? x : bound;
     x = x > -bound ? x : -bound;
     to[n] = static_cast<float>(x);

@@ -31,27 +31,27 @@ void NpzWriter::add_bytes(const std::string& name, const char* kind,
 }
 
 void NpzWriter::add(const std::string& name, std::span<const double> v,
-                    std::vector<std::size_t> shape) {
+                    const std::vector<std::size_t>& shape) {
   add_bytes(name, "<f8", std::as_bytes(v), shape);
 }
 void NpzWriter::add(const std::string& name, std::span<const float> v,
-                    std::vector<std::size_t> shape) {
+                    const std::vector<std::size_t>& shape) {
   add_bytes(name, "<f4", std::as_bytes(v), shape);
 }
 void NpzWriter::add(const std::string& name, std::span<const std::int32_t> v,
-                    std::vector<std::size_t> shape) {
+                    const std::vector<std::size_t>& shape) {
   add_bytes(name, "<i4", std::as_bytes(v), shape);
 }
 void NpzWriter::add(const std::string& name, std::span<const std::int64_t> v,
-                    std::vector<std::size_t> shape) {
+                    const std::vector<std::size_t>& shape) {
   add_bytes(name, "<i8", std::as_bytes(v), shape);
 }
 void NpzWriter::add(const std::string& name, std::span<const std::complex<float>> v,
-                    std::vector<std::size_t> shape) {
+                    const std::vector<std::size_t>& shape) {
   add_bytes(name, "<c8", std::as_bytes(v), shape);
 }
 void NpzWriter::add(const std::string& name, std::span<const std::uint8_t> v,
-                    std::vector<std::size_t> shape) {
+                    const std::vector<std::size_t>& shape) {
   add_bytes(name, "|u1", std::as_bytes(v), shape);
 }
 

@@ -11,13 +11,16 @@ namespace tactus::fem {
 /// Arrays for numpy.load: a ZIP of .npy files, stored without compression, little-endian, C order.
 class NpzWriter {
 public:
-  void add(const std::string& name, std::span<const double>, std::vector<std::size_t> shape);
-  void add(const std::string& name, std::span<const float>, std::vector<std::size_t> shape);
-  void add(const std::string& name, std::span<const std::int32_t>, std::vector<std::size_t> shape);
-  void add(const std::string& name, std::span<const std::int64_t>, std::vector<std::size_t> shape);
+  void add(const std::string& name, std::span<const double>, const std::vector<std::size_t>& shape);
+  void add(const std::string& name, std::span<const float>, const std::vector<std::size_t>& shape);
+  void add(const std::string& name, std::span<const std::int32_t>,
+           const std::vector<std::size_t>& shape);
+  void add(const std::string& name, std::span<const std::int64_t>,
+           const std::vector<std::size_t>& shape);
   void add(const std::string& name, std::span<const std::complex<float>>,
-           std::vector<std::size_t> shape);
-  void add(const std::string& name, std::span<const std::uint8_t>, std::vector<std::size_t> shape);
+           const std::vector<std::size_t>& shape);
+  void add(const std::string& name, std::span<const std::uint8_t>,
+           const std::vector<std::size_t>& shape);
   /// Little-endian elements in C order, `kind` as NumPy's descr: "<f8".
   void add_bytes(const std::string& name, const char* kind, std::span<const std::byte> bytes,
                  const std::vector<std::size_t>& shape);

@@ -2,6 +2,7 @@
 
 #include "fem/mesh/mesh.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -33,7 +34,7 @@ void clean_up_on_interrupt() {
 SafeFile::SafeFile(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
   if (partial_.size() >= sizeof g_partial)
     throw Refusal("the file name " + path_ + " is too long");
-  std::strcpy(g_partial, partial_.c_str());
+  std::copy_n(partial_.c_str(), partial_.size() + 1, g_partial);
   file_ = std::fopen(partial_.c_str(), "wb");
   if (!file_)
     throw Refusal("cannot write " + path_ + ": " + std::strerror(errno));

@@ -237,6 +237,7 @@ void close(Triangles& t) {
   }
   // The largest shell is the outside; the others must be cavities in it.
   std::vector<double> volumes;
+  volumes.reserve(static_cast<std::size_t>(t.shells));
   for (int s = 0; s < t.shells; ++s)
     volumes.push_back(signed_volume(t, s));
   const auto outer = static_cast<int>(

@@ -273,6 +273,7 @@ std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector
   if (concave.empty())
     throw Refusal("--fillet: the body has no concave edge to round");
   std::vector<int> curves;
+  curves.reserve(concave.size());
   for (const double curve : concave)
     curves.push_back(static_cast<int>(curve));
   gmsh::model::mesh::clear();
@@ -384,6 +385,7 @@ void build_discrete(const Triangles& surface) {
 /// The volume between the outer shell's faces and those of each cavity.
 void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
   std::vector<int> loops;
+  loops.reserve(faces_of_shell.size());
   for (const auto& faces : faces_of_shell)
     loops.push_back(gmsh::model::geo::addSurfaceLoop(faces));
   gmsh::model::geo::addVolume(loops);
@@ -412,6 +414,7 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
     return session.run("the surface cannot be filled", [&] {
       build_discrete(triangles);
       std::vector<std::vector<int>> faces_of_shell;
+      faces_of_shell.reserve(static_cast<std::size_t>(triangles.shells));
       for (int s = 0; s < triangles.shells; ++s)
         faces_of_shell.push_back({s + 1});
       set_sizes(wanted, {});

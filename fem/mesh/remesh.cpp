@@ -159,7 +159,7 @@ private:
       if (t[0] >= 0)
         for (std::size_t k = 0; k < 3; ++k)
           if (t[k] < t[(k + 1) % 3])
-            all.push_back({t[k], t[(k + 1) % 3]});
+            all.emplace_back(t[k], t[(k + 1) % 3]);
     return all;
   }
   /// Edges shorter or longer than a limit, the most extreme first.
@@ -170,8 +170,9 @@ private:
         found.emplace_back(longer ? -size : size, a, b);
     std::sort(found.begin(), found.end());
     std::vector<Edge> out;
+    out.reserve(found.size());
     for (const auto& [size, a, b] : found)
-      out.push_back({a, b});
+      out.emplace_back(a, b);
     return out;
   }
 
