@@ -59,6 +59,8 @@ def main():
     parser.add_argument("--approach", type=int, default=3)
     parser.add_argument("--labels", nargs="+", default=["dirt", "highgrass", "snow", "concrete"])
     parser.add_argument("--steps", type=int, default=16)
+    parser.add_argument("--few", type=int, default=8)
+    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--rate", type=int, default=22050)
     arguments = parser.parse_args()
     taken = recordings()

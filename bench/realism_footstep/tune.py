@@ -49,6 +49,7 @@ KEPT = {"modes", "heel_kg", "ball_mass", "mass", "mu_s", "mu_d", "breakaway", "d
 
 # An energy distance of 1 is about half a standard deviation of each feature.
 TO_TABLES, TO_STAND_IN, TO_RECORDINGS, AT_OTHER_SPEEDS = 2.0, 2.0, 0.05, 0.3
+TO_ONE_COLLECTION = 0.4  # where nothing else is to be known
 MATERIALS_APART = 2.5
 # Where the stand-ins disagree they count less; here they doubt their regression more.
 MEMBERS, DOUBT, MOST_NEAR = 12, 0.6, 240
@@ -143,7 +144,8 @@ class Aim:
         self.near.append((TO_STAND_IN, white, near))
         if (labels == label).sum() > 1:
             scale = np.diag(1 / worlds_within(worlds))
-            self.near.append((TO_RECORDINGS, scale, vectors[labels == label] @ scale))
+            weight = TO_ONE_COLLECTION if source else TO_RECORDINGS
+            self.near.append((weight, scale, vectors[labels == label] @ scale))
 
     @classmethod
     def of_label(cls, label):
