@@ -12,7 +12,7 @@ constexpr double kUsualLanding = 0.5; // m/s
 constexpr double kUsualSlope = 10;    // weights a second
 // What no walker does is no step: landings and slopes beyond these count as these.
 constexpr double kHardestLanding = 4, kSteepest = 200;
-constexpr double kWobbleTime = 0.02;  // s
+constexpr double kWobbleTime = 0.02; // s
 constexpr double kMiddleShoe = 0.4, kShoeDecades = 1.6;
 
 } // namespace
@@ -150,7 +150,8 @@ Ground::Sound Ground::next(const SoleState& sole, double weight_n) noexcept {
     return {};
   if (heel_lands)
     new_place();
-  const double slope = std::clamp((sole.heel_slope + sole.ball_slope) / weight_n, -kSteepest, kSteepest);
+  const double slope =
+      std::clamp((sole.heel_slope + sole.ball_slope) / weight_n, -kSteepest, kSteepest);
   double felt = 0;
   bool silent = weights <= 0;
   if (recipe_.solid.present) {

@@ -14,9 +14,9 @@ constexpr double kOn = 0.05, kEarly = 0.025, kOff = 0.025;      // of the weight
 constexpr double kLowestBaseline = 0.02;                        // of the weight
 constexpr double kStepSlope = 4;                                // weights a second
 constexpr double kShortestStance = 0.08, kShortestSwing = 0.06; // s
-constexpr double kTouch = 0.01, kLook = 0.0027; // of the weight, s
-constexpr double kSlowest = 0.02, kFastest = 2;   // m/s
-constexpr double kMostForce = 1e5; // N
+constexpr double kTouch = 0.01, kLook = 0.0027;                 // of the weight, s
+constexpr double kSlowest = 0.02, kFastest = 2;                 // m/s
+constexpr double kMostForce = 1e5;                              // N
 
 } // namespace
 
@@ -140,8 +140,8 @@ void SoleSensor::update(Region& region, double force_n, bool stands, double& lan
   region.touching_s = level > kTouch ? region.touching_s + step_s_ : 0;
   if ((region.down || stands) && !region.landed && region.touching_s >= kLook) {
     region.landed = true;
-    // A heel's pad or a sole stiffens as it is pressed, F ~ x^2, so that slopes go with the square of
-    // the speed.
+    // A heel's pad or a sole stiffens as it is pressed, F ~ x^2, so that slopes go with the square
+    // of the speed.
     const double relative = std::max(slope, 0.0) / region.usual_slope;
     landing = std::clamp(region.usual_speed * std::sqrt(relative), kSlowest, kFastest);
   }

@@ -50,9 +50,9 @@ private:
 /// Two sensors of one foot to its forces and the phases of its steps. A region lands when it
 /// carries 5 % of the body's weight, or 2.5 % while rising as fast as a step does, and lifts
 /// below 2.5 %; a stance lasts at least 80 ms and a swing 60 ms, so that noise makes no steps. How
-/// hard it landed is told 2.7 ms after it first carried 1 %, or as soon as it has landed: before, the
-/// slope is that of the air. A ball that carries 1 % under a heel that stands has landed, too: it takes
-/// on weight slowly.
+/// hard it landed is told 2.7 ms after it first carried 1 %, or as soon as it has landed: before,
+/// the slope is that of the air. A ball that carries 1 % under a heel that stands has landed, too:
+/// it takes on weight slowly.
 class SoleSensor {
 public:
   void prepare(double sample_rate); ///< may allocate
