@@ -58,7 +58,7 @@ set_up() {
 }
 
 # The compiler's own list of what a file reads tells ccache enough: no second look at a new file.
-export CCACHE_DEPEND=1
+export CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 
 # build PRESET LABEL: configures where needed, builds, shows progress; the log on failure
 build() {
