@@ -3,6 +3,7 @@
 import os
 import re
 import shlex
+import signal
 import subprocess
 import time
 
@@ -33,7 +34,7 @@ class Live:
                    "-noprefs", "-stderr", "-path", os.environ["TACTUS_STAGE"],
                    "-open", str(folder / "patch.pd")]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.PIPE)
+                                        stderr=subprocess.PIPE, start_new_session=True)
         os.set_blocking(self.process.stderr.fileno(), False)
         self.text = ""
 
@@ -41,7 +42,7 @@ class Live:
         return self
 
     def __exit__(self, *_):
-        self.process.kill()
+        os.killpg(self.process.pid, signal.SIGKILL)  # the double and the Pd that it started
         self.process.wait()
 
     def tell(self, line):

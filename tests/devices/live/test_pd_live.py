@@ -70,7 +70,7 @@ class Live:
         patch.listen(self.port)
         self.process = subprocess.Popen([*wrapper, *PD, "-open", str(patch.save(folder))],
                                         stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, start_new_session=True,
                                         env=dict(os.environ, **(environment or {})))
         os.set_blocking(self.process.stderr.fileno(), False)
 
@@ -79,7 +79,7 @@ class Live:
 
     def __exit__(self, *_):
         if self.process.poll() is None:
-            self.process.kill()
+            os.killpg(self.process.pid, signal.SIGKILL)  # the double and the Pd that it started
         self.process.wait()
 
     def read(self):
