@@ -147,7 +147,8 @@ TEST_CASE("the bore shut by its reed rings down as theory says") {
     }
 }
 
-TEST_CASE("oscillation starts at the pressure and pitch of linear theory") {
+TEST_CASE("oscillation starts at the pressure and pitch of linear theory" *
+          doctest::skip(kSanitized)) {
   using namespace reference;
   struct Start {
     const char* name;
