@@ -39,7 +39,7 @@ LINEAR = {"t60_tilt": (-0.5, 1.5), "tilt": (-1.5, 2.5), "place": (0.0, 1.0), "de
           "ratio": (1.1, 2.2), "roughness": (0.0, 3.0), "wobble": (0.0, 0.8)}
 LOGARITHMIC = {"frequency": (40, 10000), "t60": (0.005, 1.5), "stiffness": (1e3, 1e11),
                "attack": (2e-4, 0.4), "decay": (0.003, 0.3), "largest": (2, 3000), "count": (3, 3000),
-               "quality": (0.3, 12), "length": (2e-4, 0.03), "level": (1e-4, 100), "slip": (0.005, 1),
+               "quality": (0.3, 12), "length": (2e-4, 0.03), "level": (1e-4, 1e4), "slip": (0.005, 1),
                "pressed": (0.5, 60), "load_n": (0.5, 200), "radiation": (10, 1500),
                "stribeck": (0.005, 0.5), "load": (1e-4, 3), "release": (1e-4, 1), "bright": (300, 10000)}
 ROOM_LEVEL = (-40.0, 3.0)  # dB
