@@ -36,7 +36,7 @@ LINEAR = {"t60_tilt": (-0.5, 1.5), "tilt": (-1.5, 2.5), "place": (0.0, 1.0), "de
           "dissipation": (0.02, 3.0), "exponent": (0.4, 4.0), "lower_by_size": (0.0, 0.5),
           "spread": (0.05, 1.5), "vary_frequency": (0.0, 0.6), "vary_decay": (0.0, 0.45),
           "vary_level": (0.0, 0.8), "heel": (0.0, 3.0), "ball": (0.0, 2.0),
-          "ratio": (1.1, 2.2), "roughness": (0.0, 3.0), "wobble": (0.0, 0.8)}
+          "ratio": (1.02, 2.2), "roughness": (0.0, 3.0), "wobble": (0.0, 0.8)}
 LOGARITHMIC = {"frequency": (40, 10000), "t60": (0.005, 1.5), "stiffness": (1e3, 1e11),
                "attack": (2e-4, 0.4), "decay": (0.003, 0.3), "largest": (2, 3000), "count": (3, 3000),
                "quality": (0.3, 12), "length": (2e-4, 0.03), "level": (1e-4, 1e4), "slip": (0.005, 1),
