@@ -4,6 +4,18 @@ namespace tactus::haptic {
 namespace {
 constexpr double kDeaf_s = 0.02; // a device silent for this long has failed
 constexpr int kActionsPerTick = 64;
+
+ChainSettings::Device device_of(const Caps& caps) noexcept {
+  ChainSettings::Device device;
+  if (caps.damping_limit_n_s_per_m > 0)
+    device.damping_limit_n_s_per_m = caps.damping_limit_n_s_per_m;
+  device.friction_n_s_per_m = caps.friction_n_s_per_m;
+  device.position_noise_m = caps.position_noise_m;
+  device.latency_ticks = caps.latency_ticks;
+  device.continuous_force_n = caps.continuous_force_n;
+  return device;
+}
+
 } // namespace
 
 void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexcept {
@@ -36,6 +48,7 @@ void Servo::take_orders(const Tick& tick) noexcept {
   if (exchange_.settings.read())
     settings_ = exchange_.settings.latest();
   settings_.chain.period_s = tick.period_s;
+  settings_.chain.device = device_of(caps_);
   Action action;
   for (int taken = 0; taken < kActionsPerTick && exchange_.actions.pop(action); ++taken)
     obey(action);
@@ -127,6 +140,7 @@ void Servo::step(const Tick& tick) noexcept {
   input.position = state.position;
   input.velocity = state.velocity;
   input.homed = (state.flags & State::kHomed) != 0;
+  input.warm = (state.flags & State::kMotorsHot) != 0;
   if (model_)
     input.local_force = model_->force(tick, state);
   if (patch_)
