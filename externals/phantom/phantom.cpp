@@ -124,6 +124,7 @@ void Phantom::created(Host& host) {
 }
 
 void Phantom::attach() noexcept {
+  touched_.set_continuous_force(device().caps().continuous_force_n);
   if (driver_)
     servo_.attach(*device_, &touched_, signals_.get());
   else
