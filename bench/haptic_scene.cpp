@@ -1,13 +1,15 @@
 // The worst tick of a scene, in scenes made to be slow and with a handle that leaps.
 //
-//   bench_haptic_scene
+//   bench_haptic_scene                                  some two minutes
+//   bench_haptic_scene --benchmark_filter=unlimited     the same without the work limit: slow
 //
-// prints for each scene the CPU time of the thread (so that other programs do not count) in us:
-// the median tick, the 99.9th percentile and the longest, and the share of the ticks that reached
-// the work limit. "unlimited" is the same without the limit. A tick has 1000 us at 1 kHz.
+// prints for each scene in us the median tick, the 99.9th percentile and the longest, and the share
+// of the ticks that reached the work limit. A tick has 1000 us at 1 kHz. Times are CPU time of the
+// thread. The same 4000 ticks run five times, and of each tick the shortest time counts: it does
+// the same work each time, and what an interrupt or a neighbour adds is not its own.
 //
 // leap: to a random position in a cube of 60 mm at every tick, which is 60 m/s. stroke: at up to 2
-// m/s, a fast hand. glide: all bodies move all the time.
+// m/s, a fast hand. glide: leaps, and all bodies move all the time.
 #include "core/dsp/random.hpp"
 #include "core/haptic/scene/scene_model.hpp"
 #include "tests/core/haptic/meshes.hpp"
@@ -24,7 +26,8 @@ namespace {
 using namespace tactus::haptic;
 using tactus::Random;
 
-constexpr int kTicks = 20000;
+constexpr std::size_t kTicks = 4000;
+constexpr int kRuns = 5;
 constexpr double kCube_m = 0.06;
 
 Vec3 random_point(Random& random, double side_m) {
@@ -117,24 +120,27 @@ double thread_cpu_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void worst(benchmark::State& state, Scene (*make)(), Motion motion, std::int64_t work_per_tick) {
-  Scene scene = make();
-  SceneModel model(work_per_tick);
-  model.publish(std::make_unique<const Scene>(scene));
+struct Times {
+  std::vector<double> tick_s;
+  std::size_t limited = 0;
+};
+
+/// The CPU time of every tick of one run, always of the same motion.
+Times run(Scene scene, Motion motion, std::int64_t work_per_tick) {
+  const auto model = std::make_unique<SceneModel>(work_per_tick);
+  model->publish(std::make_unique<const Scene>(scene));
   Random random(5);
-  std::vector<double> times;
-  times.reserve(kTicks);
+  Times times;
   Vec3 at{0, 0.2, 0}, aim = at;
-  std::uint64_t n = 0, incomplete = 0;
-  for (auto _ : state) {
+  for (std::size_t n = 0; n < kTicks; ++n) {
     if (motion == Motion::kGlide && n % 50 == 0) {
       for (Body& one : scene.bodies) {
-        one.pose = {random_point(random, kCube_m), random_rotation(random)};
+        const Vec3 to = random_point(random, kCube_m);
+        one.pose = {to, random_rotation(random)};
         one.glide_s = 0.05;
       }
-      model.publish(std::make_unique<const Scene>(scene));
+      model->publish(std::make_unique<const Scene>(scene));
     }
-    State handle;
     if (motion == Motion::kStroke) {
       if (n % 60 == 0)
         aim = random_point(random, kCube_m);
@@ -142,29 +148,49 @@ void worst(benchmark::State& state, Scene (*make)(), Motion motion, std::int64_t
     } else {
       at = random_point(random, kCube_m);
     }
+    State handle;
     handle.position = at;
     const double begin_s = thread_cpu_s();
-    benchmark::DoNotOptimize(model.force({n, static_cast<double>(n) * 1e-3, 1e-3}, handle));
-    times.push_back(thread_cpu_s() - begin_s);
-    incomplete += !model.complete();
-    ++n;
+    benchmark::DoNotOptimize(model->force({n, static_cast<double>(n) * 1e-3, 1e-3}, handle));
+    times.tick_s.push_back(thread_cpu_s() - begin_s);
+    times.limited += !model->complete();
     ContactEvent event;
-    while (model.events().pop(event)) {
+    while (model->events().pop(event)) {
     }
   }
-  std::sort(times.begin(), times.end());
+  return times;
+}
+
+void worst(benchmark::State& state, Scene (*make)(), Motion motion, std::int64_t work_per_tick) {
+  const Scene scene = make();
+  Times best;
+  for (auto _ : state)
+    for (int i = 0; i < kRuns; ++i) {
+      const Times times = run(scene, motion, work_per_tick);
+      if (i == 0)
+        best = times;
+      for (std::size_t n = 0; n < kTicks; ++n)
+        best.tick_s[n] = std::min(best.tick_s[n], times.tick_s[n]);
+    }
+  std::sort(best.tick_s.begin(), best.tick_s.end());
   const auto quantile = [&](double q) {
-    return 1e6 * times[static_cast<std::size_t>(q * static_cast<double>(times.size() - 1))];
+    return 1e6 * best.tick_s[static_cast<std::size_t>(q * static_cast<double>(kTicks - 1))];
   };
   state.counters["median_us"] = quantile(0.5);
   state.counters["p99.9_us"] = quantile(0.999);
   state.counters["worst_us"] = quantile(1);
-  state.counters["limited"] = static_cast<double>(incomplete) / static_cast<double>(n);
+  state.counters["limited"] = static_cast<double>(best.limited) / static_cast<double>(kTicks);
 }
 
 const MeshSurface& ball_50000() {
   static const MeshSurface mesh = test::mesh_sphere(0.025, 159, 158);
   return mesh;
+}
+
+Scene ball() {
+  Scene scene;
+  scene.bodies.push_back(body(1, ball_50000()));
+  return scene;
 }
 
 struct Row {
@@ -178,6 +204,7 @@ constexpr Row kRows[] = {
      [] {
        return heap(Box{{0.02, 0.004, 0.01}});
      }},
+    {"ball_50000", [] { return ball(); }},
     {"balls_8x50000", [] { return meshes(ball_50000()); }},
     {"fans_8x50000", [] { return meshes(fan(50000)); }},
     {"soups_8x500", [] { return meshes(soup(500)); }},
@@ -186,6 +213,7 @@ constexpr Row kRows[] = {
      [] {
        return with_tool(heap(Box{{0.02, 0.004, 0.01}}), 0.004);
      }},
+    {"ball_50000_tool", [] { return with_tool(ball(), 0.004); }},
     {"balls_8x50000_tool", [] { return with_tool(meshes(ball_50000()), 0.004); }},
     {"fans_8x50000_tool", [] { return with_tool(meshes(fan(50000)), 0.004); }},
 };
@@ -195,13 +223,15 @@ constexpr std::pair<const char*, Motion> kMotions[] = {
 } // namespace
 
 int main(int argc, char** argv) {
+  bool unlimited = false; // only when it is asked for
+  for (int i = 1; i < argc; ++i)
+    unlimited = unlimited || std::string(argv[i]).find("unlimited") != std::string::npos;
   for (const Row& row : kRows)
     for (const auto& [motion_name, motion] : kMotions)
-      for (const bool limited : {true, false})
-        benchmark::RegisterBenchmark(
-            (std::string(row.name) + "/" + motion_name + (limited ? "" : "/unlimited")).c_str(),
-            worst, row.make, motion, limited ? SceneModel::kWorkPerTick : WorkLimit::kUnlimited)
-            ->Iterations(limited ? kTicks : kTicks / 10);
+      benchmark::RegisterBenchmark(
+          (std::string(row.name) + "/" + motion_name + (unlimited ? "/unlimited" : "")).c_str(),
+          worst, row.make, motion, unlimited ? WorkLimit::kUnlimited : SceneModel::kWorkPerTick)
+          ->Iterations(1);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

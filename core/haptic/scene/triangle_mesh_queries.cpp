@@ -51,26 +51,30 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
   if (nodes_.empty())
     return;
   const Segment segment(from, to);
-  const double length = norm(to - from);
-  const auto entry = [&](const Node& node) {
-    const Bounds bounds = node.bounds();
-    if (radius > 0.0) { // a short motion of a large sphere: the box grown by its radius has corners
-      const double reach = (radius + limit * length) * (1.0 + 1e-12);
-      if (squared_distance(bounds, from) > reach * reach)
-        return Segment::kNever;
-    }
-    return segment.entry(bounds, radius, limit);
-  };
+  const double length = radius > 0.0 ? norm(to - from) : 0.0;
   struct Waiting {
     std::uint32_t node;
-    double entry;
+    double entry, squared_distance; ///< fraction; m^2 from where the motion begins
+  };
+  const auto wait_for = [&](std::uint32_t node) {
+    const Bounds bounds = nodes_[node].bounds();
+    if (radius == 0.0)
+      return Waiting{node, segment.entry(bounds, 0.0, limit), 0.0};
+    // A sphere reaches less than the box grown by its radius, which has corners.
+    const double reach = (radius + limit * length) * (1.0 + 1e-12);
+    const double squared = squared_distance(bounds, from);
+    return Waiting{node,
+                   squared > reach * reach ? Segment::kNever : segment.entry(bounds, radius, limit),
+                   squared};
+  };
+  // Many boxes lie within one radius of a sphere, all entered at 0: of these the nearest first.
+  const auto later = [](const Waiting& a, const Waiting& b) {
+    return a.entry > b.entry || (a.entry == b.entry && a.squared_distance > b.squared_distance);
   };
   std::array<Waiting, kMaxDepth + 2> stack;
   std::size_t count = 0;
-  const double root = entry(nodes_[0]);
   work.spend(kNodeWork);
-  if (root != Segment::kNever)
-    stack[count++] = {0, root};
+  stack[count++] = wait_for(0);
   while (count > 0) {
     const Waiting next = stack[--count];
     if (next.entry > limit)
@@ -86,10 +90,8 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
     }
     if (!work.spend(kNodeWork))
       return;
-    Waiting near{node.first, 0}, far{node.first + 1, 0};
-    near.entry = entry(nodes_[near.node]);
-    far.entry = entry(nodes_[far.node]);
-    if (far.entry < near.entry)
+    Waiting near = wait_for(node.first), far = wait_for(node.first + 1);
+    if (later(near, far))
       std::swap(near, far);
     if (far.entry != Segment::kNever)
       stack[count++] = far;

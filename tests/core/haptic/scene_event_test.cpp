@@ -70,6 +70,15 @@ TEST_CASE("bodies reached at one tick are told in the scene's order") {
   }
 }
 
+TEST_CASE("of two bodies with the same face it is the first that is felt") {
+  for (const double first : {300.0, 900.0}) {
+    SceneRig rig;
+    rig.add(Plane{}, {}, {first, 0, 0});
+    rig.add(Plane{}, {}, {1200 - first, 0, 0});
+    CHECK(norm(rig.stroke({0, 0, 5}, {0, 0, -2}) - Vec3{0, 0, first * 2e-3}) < 1e-9);
+  }
+}
+
 TEST_CASE("a body that appears around a fast hand is no hit") {
   SceneRig rig;
   for (int n = 0; n < 20; ++n) // 0.25 m/s into where the sphere will be
