@@ -76,10 +76,11 @@ inline constexpr std::array kMessages{
     Message{"map", "axes signs", 1, 4, "project axes from the device's, e.g. zxy 1 -1 1"},
     Message{"interp", "auto|off|ms", 1, 1, "way from one force to the next"},
     Message{"watchdog", "hold_ms ramp_ms", 2, 2, "silence before the force falls, and how fast"},
-    Message{"scene",
-            "add name shape ... | mat name k b mu | move name x y z [ms] | del name|all | tool mm | "
-            "k N/m | load file",
-            2, 16, "bodies that the handle feels; mm, N/m, N s/m"},
+    Message{
+        "scene",
+        "add name shape ... | mat name k b mu | move name x y z [ms] | del name|all | tool mm | "
+        "k N/m | load file",
+        2, 16, "bodies that the handle feels; mm, N/m, N s/m"},
     Message{"estop", "", 0, 0, "no force at once, until motors 1"},
     Message{"report", "tag 0|1", 2, 2,
             "mm, vel, force, button, status, jitter, error, hit, contact, release, rot"},
