@@ -5,11 +5,11 @@
 namespace tactus::haptic {
 namespace {
 
-/// The signed volume that a motion along `way` from the origin sees in an edge. The same edge the
+/// The signed volume that a motion from the origin sees in an edge. The same edge the
 /// other way round gives exactly the negative, whatever the rounding.
-double side(const Vec3& way, const Vec3& a, const Vec3& b) noexcept {
-  return way.x * (a.y * b.z - a.z * b.y) + way.y * (a.z * b.x - a.x * b.z) +
-         way.z * (a.x * b.y - a.y * b.x);
+double side(const Vec3& motion, const Vec3& a, const Vec3& b) noexcept {
+  return motion.x * (a.y * b.z - a.z * b.y) + motion.y * (a.z * b.x - a.x * b.z) +
+         motion.z * (a.x * b.y - a.y * b.x);
 }
 
 /// The point of a triangle nearest to p, by its Voronoi regions (Ericson, Real-Time Collision
@@ -102,18 +102,18 @@ void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, con
 
 std::optional<Crossing> TriangleMesh::crossing(const Vec3& from, const Vec3& to,
                                                WorkLimit& work) const noexcept {
-  const Vec3 way = to - from;
+  const Vec3 motion = to - from;
   double fraction = 1.0;
   std::optional<Crossing> first;
   std::uint32_t triangle = 0;
   traverse(from, to, 0.0, fraction, work, [&](std::uint32_t t) {
     const Corners at = corners_of(t);
     const Vec3 a = at.a - from, b = at.b - from, c = at.c - from;
-    const double u = side(way, a, b), v = side(way, b, c), w = side(way, c, a);
+    const double u = side(motion, a, b), v = side(motion, b, c), w = side(motion, c, a);
     if (!((u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)))
       return;
     Vec3 normal = cross(b - a, c - a);
-    const double slope = dot(way, normal), height = dot(a, normal);
+    const double slope = dot(motion, normal), height = dot(a, normal);
     if (slope == 0.0) // along the surface
       return;
     const double here = height / slope;
