@@ -149,14 +149,18 @@ void SceneModel::carry(WorkLimit& work) noexcept {
   }
   const std::size_t holder = touches_.count > 0 ? touches_.touch[0].slot : Proxy::kNobody;
   const std::size_t first = std::exchange(first_carried_, 0);
-  bool waits = false;
+  bool waits = false, carried = false;
   for (std::size_t n = 0; n < count_; ++n) {
     const std::size_t i = (first + n) % count_;
     Slot& slot = slots_[i];
-    if (!slot.moved() || (!waits && carry_with(i, i == holder, work)))
+    if (!slot.moved())
       continue;
-    if (!waits)
-      first_carried_ = i;
+    if (!waits && carry_with(i, i == holder, work)) {
+      carried = true;
+      continue;
+    }
+    if (!waits) // one that exceeds the work by itself does not keep the others waiting
+      first_carried_ = carried ? i : i + 1;
     waits = true;
     slot.pose = slot.before;
     slot.glided -= 1;

@@ -223,6 +223,30 @@ TEST_CASE("in reach of its work a body that glides by carries the hand; else it 
     CHECK(norm(rig.model.proxy() - body.pose.position) > 0.02);
 }
 
+TEST_CASE("a body whose motion never fits the work does not keep the others waiting") {
+  // A plate of slivers that meet in its middle, which passes the hand there.
+  std::vector<Vec3> corners{{}};
+  std::vector<Triangle> triangles;
+  for (std::uint32_t i = 0; i < 4000; ++i) {
+    const double angle = 6.283185307179586 * i / 4000;
+    corners.push_back({0.03 * std::cos(angle), 0.03 * std::sin(angle), 0});
+    triangles.push_back({0, 1 + i, 1 + (i + 1) % 4000});
+  }
+  SceneRig rig(1000);
+  rig.add(MeshSurface{std::make_shared<const TriangleMesh>(corners, triangles)},
+          {{0, 0, -0.01}, {}});
+  rig.add(Sphere{0.01}, {{-0.03, 0, 0}, {}});
+  rig.touch({0.01, 0.01, 0});
+  for (Body& body : rig.scene.bodies)
+    body.glide_s = 0.05;
+  rig.scene.bodies[0].pose.position = {0.009, 0.009, 0.01};
+  rig.scene.bodies[1].pose.position = {0.005, 0.01, 0};
+  rig.publish();
+  for (int n = 0; n < 400; ++n)
+    rig.touch({10, 10, 0});
+  CHECK(rig.model.proxy().x > 0.0149); // carried by the sphere
+}
+
 TEST_CASE("without work for a single motion the known faces hold, pressed as deep as the hand is") {
   for (const double friction : {0.0, 0.4}) {
     SceneRig rig(84); // enough for a plane alone
