@@ -56,6 +56,10 @@ public:
   virtual ~Backend() = default;
   /// Empty when the device is ready, else one sentence that says what to do.
   [[nodiscard]] virtual std::string open() = 0;
+  /// Ask an open() that is under way to end: it returns its sentence within 0.3 s, wherever the
+  /// device's library lets it. For any thread, and harmless when nothing is being opened; the next
+  /// open() starts afresh, so the caller repeats the request until open() has returned.
+  virtual void cancel() noexcept {}
   virtual void close() noexcept = 0;
   [[nodiscard]] virtual Caps caps() const noexcept = 0;
   /// State at this tick; false when the device did not answer.
