@@ -16,11 +16,12 @@ namespace {
 // Half the way across the reach that CHAI3D gives this device; its limits too.
 constexpr double kRadius_m = 0.040, kPeak_n = 8, kStiffness = 3000, kDamping = 20;
 
-constexpr std::size_t kMostFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
+constexpr std::size_t kMaxFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
+const char* const kCancelled = "the opening of the Falcon was cancelled: open it again";
 constexpr double kFirstAnswer_s = 1.0;
 constexpr double kSilent_s = 0.005;    // without an answer before a read fails, and three ticks
 constexpr double kForceReturn_s = 0.5; // from none to full force after homing
-constexpr double kHomingLeast_s = 0.1; // of the homing order after "home"
+constexpr double kMinHoming_s = 0.1;   // of the homing order after "home"
 constexpr double kStuck_s = 5.0;       // without a single count since the opening
 constexpr int kLeap = 400;             // counts between two answers: some 15 m/s
 
@@ -48,9 +49,9 @@ std::string read_firmware(const std::string& file, std::vector<std::uint8_t>& by
   if (!in)
     return "the firmware file " + file + " cannot be read: check its path";
   bytes.assign(std::istreambuf_iterator<char>(in), {});
-  if (bytes.empty() || bytes.size() > kMostFirmware)
+  if (bytes.empty() || bytes.size() > kMaxFirmware)
     return "the firmware file " + file + " has " + std::to_string(bytes.size()) +
-           " bytes; expected 1 to " + std::to_string(kMostFirmware);
+           " bytes; expected 1 to " + std::to_string(kMaxFirmware);
   return {};
 }
 
@@ -58,6 +59,7 @@ std::string read_firmware(const std::string& file, std::vector<std::uint8_t>& by
 
 std::string Falcon::open() {
   close();
+  cancelled_ = false;
   Settings settings;
   {
     const std::scoped_lock lock(mutex_);
@@ -67,7 +69,7 @@ std::string Falcon::open() {
   auto usb = library(obstacle);
   if (!obstacle.empty())
     return obstacle;
-  link_ = std::make_unique<Link>(std::move(usb));
+  link_ = std::make_unique<Link>(std::move(usb), &cancelled_);
   obstacle = link_->open(settings.device);
   if (obstacle.empty())
     obstacle = boot(settings);
@@ -88,6 +90,8 @@ std::string Falcon::open() {
 std::string Falcon::boot(const Settings& settings) {
   if (!settings.reload && firmware_runs(*link_))
     return {};
+  if (cancelled_)
+    return kCancelled;
   if (settings.firmware.empty())
     return "the Falcon has no firmware: send firmware FILE, with the file of the manufacturer's "
            "software (tactus may not ship it; docs/devices/falcon.md)";
@@ -109,9 +113,13 @@ std::string Falcon::start_stream() {
   torque_counts_ = 0;
 
   stream_ = std::make_unique<Stream>(*link_);
-  bool answers = stream_->start();
+  if (std::string obstacle = stream_->start(); !obstacle.empty())
+    return obstacle;
+  bool answers = !stream_->lost();
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kFirstAnswer_s);
   while (answers && !stream_->receive()) {
+    if (cancelled_)
+      return kCancelled;
     answers = !stream_->lost() && std::chrono::steady_clock::now() < end;
     stream_->send(Order{});
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -200,7 +208,7 @@ void Falcon::watch(const haptic::Tick& tick, bool fresh) noexcept {
     homing_s_ = 0;
   }
   homing_s_ += homing_ ? period_s_ : 0;
-  if (homing_ && homing_s_ > kHomingLeast_s && frame_.answer.homed())
+  if (homing_ && homing_s_ > kMinHoming_s && frame_.answer.homed())
     homing_ = false;
   const bool homed = frame_.answer.homed() && !homing_;
   homed_s_ = homed && homed_ ? homed_s_ + period_s_ : 0;

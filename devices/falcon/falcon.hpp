@@ -18,6 +18,7 @@ public:
   ~Falcon() override { close(); }
 
   [[nodiscard]] std::string open() override;
+  void cancel() noexcept override { cancelled_ = true; }
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override;
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
@@ -48,7 +49,7 @@ private:
   std::atomic<Condition> condition_{Condition::kClosed};
   std::atomic<double> counts_per_n_m_{10000};
   std::atomic<int> lights_{-1}; // Order::Flags, or -1: by state
-  std::atomic<bool> home_asked_{false}, stuck_{false};
+  std::atomic<bool> home_asked_{false}, stuck_{false}, cancelled_{false};
 
   // the servo's
   haptic::VelocityEstimator estimator_;

@@ -18,7 +18,6 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kConnect_s = 2, kAnswer_s = 0.5;
-constexpr double kForceLives_s = 0.05;
 constexpr double kFirstPause_s = 0.05, kLongestPause_s = 2;
 constexpr double kPatience_s = 4;
 constexpr int kTriesBeforeRefusal = 4;
@@ -40,7 +39,7 @@ std::string Connection::open(const Wish& wish) {
   wish_ = wish;
   sample_ = {};
   samples_.write({});
-  orders_.write({});
+  forces_.reset();
   phase_ = Phase::kLooking;
   trouble_.clear();
   stop_ = leaving_ = false;
@@ -170,11 +169,8 @@ bool Connection::take(const Message& message) {
 }
 
 Vec3 Connection::wanted_force() noexcept {
-  orders_.read();
-  const Order& order = orders_.latest();
-  const bool alive = ServoThread::now_s() - order.time_s < kForceLives_s;
-  return alive && sample_.calibrated && !leaving_ && is_finite(order.force_n) ? order.force_n
-                                                                              : Vec3{};
+  const Vec3 force_n = forces_.read();
+  return sample_.calibrated && !leaving_ && is_finite(force_n) ? force_n * forces_.gain() : Vec3{};
 }
 
 std::string Connection::talk(Socket& socket) {

@@ -2,6 +2,7 @@
 
 #include "core/haptic/device.hpp"
 #include "core/haptic/mailbox.hpp"
+#include "devices/force_timeout.hpp"
 #include "devices/haply/protocol.hpp"
 
 #include <atomic>
@@ -51,18 +52,14 @@ public:
     samples_.read();
     return samples_.latest();
   }
-  /// Servo's thread. N, project frame; a force that is not renewed falls to zero after 50 ms.
-  void ask(const haptic::Vec3& force_n, double now_s) noexcept { orders_.write({force_n, now_s}); }
+  /// Servo's thread. N, project frame; a force that is not renewed ends (force_timeout.hpp).
+  void ask(const haptic::Vec3& force_n) noexcept { forces_.write(force_n); }
 
   /// Any thread that may wait.
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] Sight sight() const;
 
 private:
-  struct Order {
-    haptic::Vec3 force_n{};
-    double time_s = -1e9;
-  };
   enum class Phase { kLooking, kRunning, kRefused };
 
   void serve() noexcept;
@@ -77,7 +74,7 @@ private:
   std::thread thread_;
   std::atomic<bool> stop_{false}, leaving_{false};
   haptic::Mailbox<Sample> samples_;
-  haptic::Mailbox<Order> orders_;
+  TimedMailbox<haptic::Vec3> forces_;
 
   // The connection's thread
   std::string device_id_;

@@ -85,7 +85,7 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
 }
 
 bool Device::write(const Vec3& force_n) noexcept {
-  connection_.ask(limited(force_n, caps_.peak_force_n), ServoThread::now_s());
+  connection_.ask(limited(force_n, caps_.peak_force_n));
   return true;
 }
 

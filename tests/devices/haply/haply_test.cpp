@@ -60,8 +60,11 @@ TEST_CASE("the handle is read in the project's axes, and a force moves it") {
   CHECK(last.buttons == 2);
   CHECK(last.rotation.y == doctest::Approx(std::acos(0.0)));
   CHECK((last.flags & State::kHomed) != 0);
-  const Mock::Report report = mock.report();
-  CHECK(report.z == 1); // up
+  Mock::Report report;
+  CHECK(drive_until(*device, {0, 1, 0}, [&](bool, const State&) {
+    report = mock.report();
+    return report.z == 1; // up
+  }));
   CHECK(report.wrong == 0);
   CHECK(report.profile == "tactus");
   CHECK(report.basis == "XYZ");
@@ -79,8 +82,10 @@ TEST_CASE("the force ends with the servo, and with the device") {
     fell = mock.report().x == 0;
   }
   CHECK(fell);
+  const auto returned = std::chrono::steady_clock::now();
   REQUIRE(
       drive_until(*device, {1, 0, 0}, [&](bool, const State&) { return mock.report().x == 1; }));
+  CHECK(std::chrono::steady_clock::now() - returned > std::chrono::milliseconds(95)); // softly
   device->close();
   CHECK(mock.report().x == 0);
   REQUIRE(device->open() == "");

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
+
 using tactus::haptic::State;
 
 TEST_CASE("a Falcon on the bus is listed, and one that has left is not") {
@@ -69,6 +71,49 @@ TEST_CASE("a Falcon that always echoes wrongly is given up after some tries with
   CHECK(obstacle.find("echoed the firmware wrongly near byte 62") != std::string::npos);
   CHECK(obstacle.find("another port") != std::string::npos);
   CHECK(rig.open() == "");
+}
+
+TEST_CASE("the opening of a deaf Falcon is cancelled in a third of a second, wherever it is") {
+  Rig rig;
+  rig.control.ask("deaf 100000");
+  for (const int wait_ms : {20, 300, 700, 1500, 2600}) {
+    rig.control.ask("forget");
+    std::string sentence;
+    std::atomic<bool> opened{false};
+    std::thread opening([&] {
+      sentence = rig.open();
+      opened = true;
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+    CHECK_FALSE(opened);
+    const auto asked = std::chrono::steady_clock::now();
+    while (!opened) {
+      rig.falcon.cancel();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked;
+    opening.join();
+    INFO("after " << wait_ms << " ms it took " << took.count() << " s");
+    CHECK(took.count() < 1.0); // 0.3 s, and what a busy machine adds
+    CHECK(sentence.find("cancelled") != std::string::npos);
+  }
+  rig.control.ask("deaf 0");
+  CHECK(rig.open() == "");
+}
+
+TEST_CASE("a Falcon that falls silent in run mode is closed in less than a second") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(50, {0, 0, 1});
+  rig.control.ask("stall 10000");
+  rig.run(50, {0, 0, 1});
+  const auto asked = std::chrono::steady_clock::now();
+  rig.falcon.close();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked;
+  INFO("it took " << took.count() << " s");
+  CHECK(took.count() < 1.0);
+  rig.control.ask("stall 0");
 }
 
 TEST_CASE("no force before homing, full force half a second after") {

@@ -164,3 +164,19 @@ TEST_CASE("forces that are no numbers reach no motor") {
     CHECK(rig.control.value("largest" + std::to_string(i)) <= 4096);
   CHECK(rig.failed_writes == 0);
 }
+
+TEST_CASE("a servo that stalls leaves no force in the motors") {
+  Rig rig;
+  rig.control.ask("still");
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(700, {0, 0, 3});
+  REQUIRE(rig.control.value("motor0") != 0);
+  bool none = false; // nobody reads or writes any more
+  for (int i = 0; i < 500 && !none; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    none = rig.saw("motor0=0") && rig.saw("motor1=0") && rig.saw("motor2=0");
+  }
+  CHECK(none);
+  CHECK(rig.until([&] { return rig.control.value("motor0") != 0; }, 5000, {0, 0, 3}));
+}
