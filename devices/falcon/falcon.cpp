@@ -37,6 +37,12 @@ std::shared_ptr<UsbLibrary> library(std::string& obstacle) {
   return usb;
 }
 
+bool is_open(const std::string& path) {
+  const std::vector<Opened> opened = open_devices("falcon");
+  return std::any_of(opened.begin(), opened.end(),
+                     [&](const Opened& device) { return device.address == path; });
+}
+
 bool leaps(const Counts& from, const Counts& to) noexcept {
   for (std::size_t i = 0; i < 3; ++i)
     if (std::abs(to[i] - from[i]) > kLeap)
@@ -70,7 +76,7 @@ std::string Falcon::open() {
   if (!obstacle.empty())
     return obstacle;
   link_ = std::make_unique<Link>(std::move(usb), &cancelled_);
-  obstacle = link_->open(settings.device);
+  obstacle = link_->open(settings.device, is_open);
   if (obstacle.empty())
     obstacle = boot(settings);
   if (obstacle.empty())
@@ -80,9 +86,12 @@ std::string Falcon::open() {
     link_.reset();
     return obstacle;
   }
-  const std::scoped_lock lock(mutex_);
-  port_ = link_->port();
-  settings_.reload = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    port_ = link_->port();
+    settings_.reload = false;
+  }
+  open_.set("falcon", 0, identity(), port_.path);
   condition_ = Condition::kHoming;
   return {};
 }
@@ -139,6 +148,7 @@ void Falcon::close() noexcept {
   }
   stream_.reset(); // sends no force first
   link_.reset();
+  open_.clear();
 }
 
 haptic::Caps Falcon::caps() const noexcept {

@@ -5,6 +5,7 @@
 #include "devices/driver.hpp"
 #include "devices/falcon/kinematics.hpp"
 #include "devices/falcon/stream.hpp"
+#include "devices/open_devices.hpp"
 
 #include <mutex>
 #include <optional>
@@ -42,6 +43,7 @@ private:
   mutable std::mutex mutex_; // of the next two, held briefly and never in the servo
   Settings settings_;
   Port port_;
+  OpenDevice open_;
   std::unique_ptr<Link> link_;
   std::unique_ptr<Stream> stream_;
 

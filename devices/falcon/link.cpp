@@ -70,12 +70,16 @@ Port port_of(UsbLibrary& usb, libusb_device* device, const libusb_device_descrip
 
 } // namespace
 
-std::vector<Port> Link::ports(UsbLibrary& usb) {
+std::vector<Port> Link::ports(UsbLibrary& usb, const IsOpen& is_open) {
   std::vector<Port> found;
   libusb_context* context = nullptr;
   if (usb.init(&context) != 0)
     return found;
   each_falcon(usb, context, [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
+    if (std::string path = path_of(usb, device); is_open(path)) {
+      found.push_back({std::move(path), {}, {}});
+      return false;
+    }
     libusb_device_handle* handle = nullptr;
     const int error = usb.open(device, &handle);
     if (error == 0) {
@@ -90,41 +94,44 @@ std::vector<Port> Link::ports(UsbLibrary& usb) {
   return found;
 }
 
-std::string Link::open(const std::string& which) {
+std::string Link::open(const std::string& which, const IsOpen& is_open) {
   close();
   if (usb_->init(&context_) != 0) {
     context_ = nullptr;
     return "libusb does not start: is /dev/bus/usb there?";
   }
-  int index = 0;
+  int index = -1;
   std::string obstacle;
-  each_falcon(*usb_, context_,
-              [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
-                libusb_device_handle* handle = nullptr;
-                const int error = usb_->open(device, &handle);
-                Port port = error == 0 ? port_of(*usb_, device, descriptor, handle)
-                                       : Port{path_of(*usb_, device), {}, {}};
-                const bool wanted = which.empty() || which == std::to_string(index) ||
-                                    which == port.path || which == port.serial;
-                ++index;
-                if (wanted && error == 0) {
-                  handle_ = handle;
-                  port_ = std::move(port);
-                  return true;
-                }
-                if (wanted)
-                  obstacle = "the Falcon at " + port.path +
-                             " cannot be opened: " + why_not_opened(*usb_, error);
-                if (error == 0)
-                  usb_->close(handle);
-                return wanted;
-              });
+  const auto visit = [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
+    ++index;
+    const std::string path = path_of(*usb_, device);
+    const bool named = which == std::to_string(index) || which == path;
+    if (is_open(path)) {
+      obstacle = "the Falcon at " + path + " is open in this program already: close it there";
+      return named;
+    }
+    libusb_device_handle* handle = nullptr;
+    const int error = usb_->open(device, &handle);
+    Port port = error == 0 ? port_of(*usb_, device, descriptor, handle) : Port{path, {}, {}};
+    const bool wanted = named || which.empty() || which == port.serial;
+    if (wanted && error == 0) {
+      handle_ = handle;
+      port_ = std::move(port);
+      return true;
+    }
+    if (wanted)
+      obstacle = "the Falcon at " + path + " cannot be opened: " + why_not_opened(*usb_, error);
+    if (error == 0)
+      usb_->close(handle);
+    return wanted;
+  };
+  each_falcon(*usb_, context_, visit);
   if (!handle_) {
     close();
     if (!obstacle.empty())
       return obstacle;
-    return index == 0 ? "no Falcon (USB 0403:cb48) is plugged in: check cable and power"
-                      : "no Falcon is called " + which + ": send devices for a list";
+    return index < 0 ? "no Falcon (USB 0403:cb48) is plugged in: check cable and power"
+                     : "no Falcon is called " + which + ": send devices for a list";
   }
   usb_->set_auto_detach_kernel_driver(handle_, 1);
   const int error = usb_->claim_interface(handle_, 0);

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,12 +33,15 @@ public:
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// All Falcons on the buses now.
-  [[nodiscard]] static std::vector<Port> ports(UsbLibrary& usb);
+  /// True for the path of a Falcon that this process has open already: it is left alone.
+  using IsOpen = std::function<bool(const std::string& path)>;
 
-  /// which: an index into ports(), a serial number or a path; empty is the first. Empty answer when
-  /// the device is ours, else a sentence.
-  [[nodiscard]] std::string open(const std::string& which);
+  /// All Falcons on the buses now; of one that is open already the path alone.
+  [[nodiscard]] static std::vector<Port> ports(UsbLibrary& usb, const IsOpen& is_open);
+
+  /// which: an index into ports(), a serial number or a path; empty is the first that is not open.
+  /// Empty answer when the device is ours, else a sentence.
+  [[nodiscard]] std::string open(const std::string& which, const IsOpen& is_open);
   void close() noexcept;
 
   /// 9600 baud and a restart of the boot loader.

@@ -45,11 +45,9 @@ std::string DhdLibrary::load() {
   need("dhdEnableForce", enable_force);
   need("dhdErrorGetLastStr", last_error);
   if (missing) {
-    std::string sentence = library_.name() + " has no function " + missing +
-                           "; it is not version 3 of Force Dimension's SDK: install that, or "
-                           "set TACTUS_LIBDHD to the path of its libdhd";
-    library_.unload();
-    return sentence;
+    return library_.name() + " has no function " + missing +
+           "; it is not version 3 of Force Dimension's SDK: install that, or "
+           "set TACTUS_LIBDHD to the path of its libdhd";
   }
   library_.symbol("dhdOpenSerial", open_serial);
   library_.symbol("dhdGetSystemName", system_name);

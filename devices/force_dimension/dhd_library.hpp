@@ -61,7 +61,6 @@ struct DhdLibrary {
   /// environment's TACTUS_LIBDHD names the file; else the usual names are tried.
   [[nodiscard]] std::string load();
   [[nodiscard]] bool loaded() const noexcept { return library_.loaded(); }
-  void unload() noexcept { library_.unload(); }
 
 private:
   SharedLibrary library_;

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <system_error>
 
 namespace tactus::devices::haply {
 namespace {
@@ -19,7 +20,7 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr double kConnect_s = 2, kAnswer_s = 0.5;
 constexpr double kFirstPause_s = 0.05, kLongestPause_s = 2;
-constexpr double kPatience_s = 4;
+constexpr double kPatience_s = 4, kLook_s = 0.02; // in open()
 constexpr int kTriesBeforeRefusal = 4;
 constexpr int kGarbageBeforeHangingUp = 50;
 
@@ -42,17 +43,25 @@ std::string Connection::open(const Wish& wish) {
   forces_.reset();
   phase_ = Phase::kLooking;
   trouble_.clear();
-  stop_ = leaving_ = false;
-  thread_ = std::thread([this] { serve(); });
+  stop_ = leaving_ = cancelled_ = false;
+  try {
+    thread_ = std::thread([this] { serve(); });
+  } catch (const std::system_error&) {
+    return "no thread can be started for the connection: close other programs";
+  }
   std::string sentence;
   {
     std::unique_lock lock(guard_);
-    changed_.wait_for(lock, Seconds(kPatience_s), [this] { return phase_ != Phase::kLooking; });
+    const auto until =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kPatience_s));
+    while (phase_ == Phase::kLooking && !cancelled_ && Clock::now() < until)
+      changed_.wait_for(lock, Seconds(kLook_s));
     if (phase_ == Phase::kRunning)
       return {};
-    sentence = trouble_.empty() ? "Haply's service on " + wish_.address.host + ":" +
-                                      wish_.address.port + " does not answer"
-                                : trouble_;
+    sentence = cancelled_         ? "the opening was cancelled: open the device again"
+               : trouble_.empty() ? "Haply's service on " + wish_.address.host + ":" +
+                                        wish_.address.port + " does not answer"
+                                  : trouble_;
   }
   close();
   return sentence;

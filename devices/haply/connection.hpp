@@ -44,6 +44,8 @@ public:
 
   /// Waits for the first state of the wanted device; empty, else what to do.
   [[nodiscard]] std::string open(const Wish& wish);
+  /// Any thread: ends an open() that waits, soon.
+  void cancel() noexcept { cancelled_ = true; }
   /// Sends zero force and ends the thread.
   void close() noexcept;
 
@@ -72,7 +74,7 @@ private:
 
   Wish wish_;
   std::thread thread_;
-  std::atomic<bool> stop_{false}, leaving_{false};
+  std::atomic<bool> stop_{false}, leaving_{false}, cancelled_{false};
   haptic::Mailbox<Sample> samples_;
   TimedMailbox<haptic::Vec3> forces_;
 

@@ -12,6 +12,7 @@ public:
   ~Device() override { close(); }
 
   [[nodiscard]] std::string open() override;
+  void cancel() noexcept override { connection_.cancel(); }
   void close() noexcept override { connection_.close(); }
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;

@@ -20,6 +20,7 @@ constexpr int kCalibrationCheck_ticks = 256;
 constexpr int kErrorStays_ticks = 500;
 constexpr int kQuiet_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
+constexpr int kLook_ms = 20; // between two looks at whether the opening was cancelled
 
 // The vendor has one scheduler for all of its devices.
 std::mutex scheduler_guard;
@@ -93,8 +94,11 @@ std::string Device::try_names(const std::string& wanted) {
   names.insert(names.end(), {"Default Device", "Default PHANToM", nullptr});
   Code error = kSuccess;
   for (const int pause_ms : kPausesBetweenTries_ms) {
-    std::this_thread::sleep_for(Milliseconds(pause_ms));
+    for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kLook_ms)
+      std::this_thread::sleep_for(Milliseconds(kLook_ms));
     for (const char* name : names) {
+      if (cancelled_)
+        return "openhaptics: the opening was cancelled: open the device again";
       static_cast<void>(library_.take_errors());
       handle_ = library_.init_device(name);
       error = library_.take_errors();
@@ -118,6 +122,7 @@ std::string Device::try_names(const std::string& wanted) {
 
 std::string Device::open() {
   close();
+  cancelled_ = false;
   if (std::string sentence = library_.load(); !sentence.empty())
     return "openhaptics: " + sentence;
   std::string wanted;
@@ -125,16 +130,15 @@ std::string Device::open() {
     const std::lock_guard lock(wish_guard_);
     wanted = wanted_name_;
   }
-  if (std::string sentence = try_names(wanted); !sentence.empty()) {
-    library_.unload();
+  if (std::string sentence = try_names(wanted); !sentence.empty())
     return sentence;
-  }
   library_.make_current_device(handle_);
   const auto text = [&](Code value) {
     const char* answer = library_.get_string(value);
     return std::string(answer ? answer : "");
   };
   identity_ = {text(kVendor), text(kModelType), text(kSerialNumber)};
+  open_.set("openhaptics", static_cast<int>(open_devices("openhaptics").size()), identity_);
   caps_ = device_caps(library_, identity_.model);
   library_.enable(kForceOutput);
   library_.enable(kMaxForceClamping);
@@ -157,7 +161,7 @@ void Device::close() noexcept {
     library_.disable_device(handle_);
     handle_ = kNoDevice;
   }
-  library_.unload();
+  open_.clear();
 }
 
 bool Device::run(void (*step)(void*), void* context) {

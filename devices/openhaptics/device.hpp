@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/haptic/device.hpp"
+#include "devices/open_devices.hpp"
 #include "devices/openhaptics/hd_library.hpp"
 
 #include <atomic>
@@ -17,6 +18,8 @@ public:
   ~Device() override { close(); }
 
   [[nodiscard]] std::string open() override;
+  /// Between two calls of the vendor's library; a call that hangs is not ended.
+  void cancel() noexcept override { cancelled_ = true; }
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
@@ -40,6 +43,8 @@ private:
   [[nodiscard]] std::string try_names(const std::string& wanted);
 
   HdLibrary library_;
+  OpenDevice open_;
+  std::atomic<bool> cancelled_{false};
   Handle handle_ = kNoDevice;
   haptic::Caps caps_{};
   haptic::Identity identity_{};

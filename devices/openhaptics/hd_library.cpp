@@ -70,11 +70,9 @@ std::string HdLibrary::load() {
   library_.symbol("hdUpdateCalibration", update_calibration);
   library_.symbol("hdSetSchedulerRate", set_scheduler_rate);
   if (missing) {
-    std::string sentence = library_.name() + " has no function " + missing +
-                           "; it is not OpenHaptics 3.4 or newer: install that, or set "
-                           "PHANTOM_LIBHD to the path of its libHD";
-    library_.unload();
-    return sentence;
+    return library_.name() + " has no function " + missing +
+           "; it is not OpenHaptics 3.4 or newer: install that, or set "
+           "PHANTOM_LIBHD to the path of its libHD";
   }
   return {};
 }

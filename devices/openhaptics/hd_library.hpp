@@ -97,7 +97,6 @@ struct HdLibrary {
   /// The environment's PHANTOM_LIBHD names the file; else the usual names are tried.
   [[nodiscard]] std::string load();
   [[nodiscard]] bool loaded() const noexcept { return library_.loaded(); }
-  void unload() noexcept { library_.unload(); }
 
   /// The errors that have piled up, oldest first out; the most serious one is the answer.
   [[nodiscard]] Code take_errors() const noexcept;

@@ -1,5 +1,7 @@
 /* A stand-in for Force Dimension's libdhd: one omega.3 whose handle, 0.1 kg with drag, advances by
- * 1 ms each time its position is asked for. The environment's FAKE_DHD chooses what goes wrong. */
+ * 1 ms each time its position is asked for. The environment's FAKE_DHD chooses what goes wrong;
+ * FAKE_DHD_LOADS counts how often it was loaded. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,6 +9,16 @@ static double position[3], velocity[3], force[3];
 static int open_devices, force_on, cause, saturated, dead, calls, reset, expert, watchdog_steps;
 static double max_force;
 static unsigned buttons;
+
+static int device_counts;
+#ifndef FAKE_DHD_INCOMPLETE
+__attribute__((constructor)) static void loaded(void) {
+  const char* before = getenv("FAKE_DHD_LOADS");
+  char text[16];
+  snprintf(text, sizeof text, "%d", 1 + (before ? atoi(before) : 0));
+  setenv("FAKE_DHD_LOADS", text, 1);
+}
+#endif
 
 static int mode(const char* word) {
   const char* chosen = getenv("FAKE_DHD");
@@ -31,7 +43,8 @@ void fake_dhd_counts(int* out) {
 double fake_dhd_max_force(void) { return max_force; }
 
 /* The interface. */
-int dhdGetDeviceCount(void) { return mode("none") ? 0 : 1; }
+int dhdGetDeviceCount(void) { return ++device_counts, mode("none") ? 0 : 1; }
+int fake_dhd_device_counts(void) { return device_counts; }
 int dhdOpenID(char index) {
   if (index != 0 || mode("none"))
     return -1;
@@ -114,7 +127,7 @@ int dhdEnableExpertMode(void) { return expert = 1, 0; }
 int dhdDisableExpertMode(void) { return expert = 0, 0; }
 int dhdSetWatchdog(unsigned char steps, char id) {
   (void)id;
-  if (!expert)
+  if (!expert || mode("no watchdog"))
     return -1;
   watchdog_steps = steps;
   return 0;

@@ -2,6 +2,7 @@
 #include "tests/devices/haply/mock.hpp"
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -218,4 +219,24 @@ TEST_CASE("settings are checked") {
   CHECK(refused({}));
   CHECK_FALSE(refused({"rate", "500"}));
   CHECK_FALSE(refused({"service", "localhost", "10001"}));
+}
+
+TEST_CASE("an opening that waits for a service is cancelled") {
+  setenv("TACTUS_HAPLY", "127.0.0.1:1", 1);
+  const auto device = make();
+  std::string sentence;
+  std::atomic<bool> opened{false};
+  std::thread opening([&] {
+    sentence = device->open();
+    opened = true;
+  });
+  wait_1ms();
+  const auto asked = std::chrono::steady_clock::now();
+  while (!opened) {
+    device->cancel();
+    wait_1ms();
+  }
+  opening.join();
+  CHECK(std::chrono::steady_clock::now() - asked < std::chrono::milliseconds(600));
+  CHECK(sentence.find("cancelled") != std::string::npos);
 }

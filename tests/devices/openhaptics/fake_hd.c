@@ -1,7 +1,9 @@
 /* A stand-in for the vendor's libHD: one device with a mass of 0.1 kg and a scheduler thread of
  * 1 kHz. Force moves the mass, so a caller can see that force and position belong together.
- * The environment's FAKE_HD chooses what goes wrong. */
+ * The environment's FAKE_HD chooses what goes wrong. As the real driver, it opens no device when it
+ * is loaded a second time; the environment's FAKE_HD_LOADS counts. */
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -26,6 +28,17 @@ static int callback_done = 1;
 static pthread_t thread;
 static _Atomic int running;
 static pthread_mutex_t guard = PTHREAD_MUTEX_INITIALIZER;
+
+static int loads;
+#ifndef FAKE_HD_INCOMPLETE
+__attribute__((constructor)) static void loaded(void) {
+  const char* before = getenv("FAKE_HD_LOADS");
+  char text[16];
+  loads = 1 + (before ? atoi(before) : 0);
+  snprintf(text, sizeof text, "%d", loads);
+  setenv("FAKE_HD_LOADS", text, 1);
+}
+#endif
 
 static int mode(const char* word) {
   const char* chosen = getenv("FAKE_HD");
@@ -68,7 +81,7 @@ void fake_hd_last_force(double out[3]) {
 unsigned hdInitDevice(const char* name) {
   if (mode("licence"))
     return fail(0x0600), 0xFFFFFFFFu;
-  if (mode("dead"))
+  if (mode("dead") || loads > 1)
     return fail(0x0302), 0xFFFFFFFFu;
   if (mode("silent")) /* no handle, and no error either */
     return 0xFFFFFFFFu;

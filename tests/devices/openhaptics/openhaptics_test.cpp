@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <string>
@@ -269,4 +270,39 @@ TEST_CASE("a scheduler that does not start is refused") {
   const auto device = make();
   REQUIRE(device->open() == "");
   CHECK_FALSE(device->run([](void*) {}, nullptr));
+}
+
+TEST_CASE("the library is loaded once, whatever is listed, opened and closed") {
+  setenv("FAKE_HD", "", 1);
+  setenv("PHANTOM_LIBHD", FAKE_HD, 1);
+  const devices::Driver& driver = *devices::find_driver("openhaptics");
+  for (int round = 0; round < 3; ++round) {
+    CHECK(driver.obstacle() == "");
+    CHECK(driver.list().size() == 1);
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    CHECK(driver.list().at(0).identity.serial == "F-0042");
+    CHECK(driver.list().at(0).state == "open in this program");
+    device->close();
+    CHECK(driver.list().at(0).identity.serial == "");
+  }
+  CHECK(std::string(getenv("FAKE_HD_LOADS")) == "1");
+}
+
+TEST_CASE("an opening that waits between its tries is cancelled") {
+  const Fake fake("dead");
+  const auto device = make();
+  std::string sentence;
+  std::atomic<bool> opened{false};
+  std::thread opening([&] {
+    sentence = device->open();
+    opened = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (!opened) {
+    device->cancel();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  opening.join();
+  CHECK(sentence.find("cancelled") != std::string::npos);
 }
