@@ -40,13 +40,26 @@ struct Identity {
 };
 
 struct State {
-  enum Flags : std::uint32_t { kHomed = 1, kFault = 2, kMotorsHot = 4, kForceLimited = 8 };
+  enum Flags : std::uint32_t {
+    kHomed = 1,
+    kFault = 2,
+    kMotorsHot = 4,
+    kForceLimited = 8,
+    /// The newest reading is no position that the device can have; position is the last good one.
+    /// There is no force at this tick, and it returns as after motors on.
+    kUnreachable = 16
+  };
   Vec3 position{}; ///< m, project frame
   Vec3 velocity{}; ///< m/s
   Vec3 rotation{}; ///< rad about x, y, z; of a sprung knob its share of full deflection, -1..1
   std::uint32_t buttons = 0;
   std::uint32_t flags = kHomed;
 };
+
+/// Puts the state's position right: one that is not finite, or lies farther from the workspace's
+/// centre than four times its half diagonal, becomes the last good one and sets kUnreachable. For
+/// drivers whose library or service gives positions; last_good is theirs to keep.
+void check_reach(const Caps& caps, State& state, Vec3& last_good) noexcept;
 
 /// A device. open and close may take seconds and allocate: they run in a thread of the host's that
 /// may wait, never while the servo steps. read and write neither allocate, block for more than 2

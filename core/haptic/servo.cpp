@@ -139,7 +139,7 @@ void Servo::step(const Tick& tick) noexcept {
   input.heartbeat_s = has_heartbeat_ ? command_.heartbeat_s : tick.time_s;
   input.position = state.position;
   input.velocity = state.velocity;
-  input.homed = (state.flags & State::kHomed) != 0;
+  input.homed = (state.flags & State::kHomed) && !(state.flags & State::kUnreachable);
   input.warm = (state.flags & State::kMotorsHot) != 0;
   if (model_)
     input.local_force = model_->force(tick, state);

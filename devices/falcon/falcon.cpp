@@ -25,16 +25,26 @@ constexpr double kMinHoming_s = 0.1;   // of the homing order after "home"
 constexpr double kStuck_s = 5.0;       // without a single count since the opening
 constexpr int kLeap = 400;             // counts between two answers: some 15 m/s
 
-// Encoders that stand still to the count for so long, under a force that a hand cannot hold that
-// still, away from the stops, are frozen.
-constexpr double kFrozen_s = 2.0;
-constexpr int kFrozenTorque = 1000; // counts: about 2 N
-constexpr double kStops_m = 0.025;  // from the centre: the arms are free there
+// Within so much of the centre no arm can lean against a stop, where it stands still to the count
+// under any force.
+constexpr double kStops_m = 0.025;
 
 std::shared_ptr<UsbLibrary> library(std::string& obstacle) {
   auto usb = std::make_shared<UsbLibrary>();
   obstacle = usb->load();
   return usb;
+}
+
+// The closure equations have solutions that the arms have not: far outside, or with an arm folded
+// the other way.
+bool reachable(const Vec3& position, const Angles& angles) noexcept {
+  constexpr double kReach_m = 0.1; // from the centre: a corner of +-2 inches is at 88 mm
+  constexpr double kSame_rad = 1e-6;
+  if (!(norm(position - kCentre) <= kReach_m))
+    return false;
+  const std::optional<Angles> back = inverse(position);
+  return back && std::equal(angles.begin(), angles.end(), back->begin(),
+                            [](double a, double b) { return std::abs(a - b) < kSame_rad; });
 }
 
 bool is_open(const std::string& path) {
@@ -116,10 +126,11 @@ std::string Falcon::start_stream() {
   rejected_.reset();
   position_ = kCentre;
   velocity_ = {};
-  homed_ = homing_ = frozen_ = false;
+  watch_.reset();
+  asked_n_ = {};
+  homed_ = homing_ = unreachable_ = changed_ = false;
   stuck_ = home_asked_ = moved_ = false;
-  time_s_ = fresh_s_ = open_s_ = homed_s_ = homing_s_ = still_s_ = 0;
-  torque_counts_ = 0;
+  time_s_ = fresh_s_ = open_s_ = homed_s_ = homing_s_ = 0;
 
   stream_ = std::make_unique<Stream>(*link_);
   if (std::string obstacle = stream_->start(); !obstacle.empty())
@@ -142,7 +153,8 @@ std::string Falcon::start_stream() {
 void Falcon::close() noexcept {
   const Condition last = condition_.exchange(Condition::kClosed);
   // Encoders that stand still: begin with the boot loader next time.
-  if (last == Condition::kFrozen || (last == Condition::kHoming && stuck_)) {
+  if (last == Condition::kFrozen || last == Condition::kAtStop || last == Condition::kUnreachable ||
+      (last == Condition::kHoming && stuck_)) {
     const std::scoped_lock lock(mutex_);
     settings_.reload = !settings_.firmware.empty();
   }
@@ -169,21 +181,19 @@ haptic::Caps Falcon::caps() const noexcept {
 bool Falcon::take(const Frame& frame) noexcept {
   const Counts& counts = frame.answer.encoders;
   const bool leapt = frame_.number > 0 && leaps(frame_.answer.encoders, counts);
+  const Forward found = forward(angles_of(counts), leapt ? kCentre : position_);
+  unreachable_ = !found.found || !reachable(found.position, angles_of(counts));
+  if (unreachable_)
+    return false;
   if (leapt && (!rejected_ || leaps(*rejected_, counts))) {
     rejected_ = counts; // a second answer near it makes it true
     return false;
   }
   rejected_.reset();
-  const Forward found = forward(angles_of(counts), leapt ? kCentre : position_);
-  if (!found.found)
-    return false;
   if (leapt)
     estimator_.reset(); // an arm has passed its mark: that was no motion
-  if (frame_.number > 0 && frame_.answer.encoders != counts) {
-    moved_ = true;
-    still_s_ = 0;
-    frozen_ = false;
-  }
+  if (frame_.number > 0 && frame_.answer.encoders != counts)
+    changed_ = moved_ = true;
   position_ = found.position;
   velocity_ = estimator_.update(position_, frame.time_s);
   frame_ = frame;
@@ -195,24 +205,27 @@ bool Falcon::read(const haptic::Tick& tick, haptic::State& state) noexcept {
     return false;
   period_s_ = std::clamp(tick.time_s - time_s_, 0.0, 0.1);
   time_s_ = tick.time_s;
-  const bool fresh = stream_->receive() && take(stream_->latest());
-  watch(tick, fresh);
+  changed_ = false;
+  const bool answered = stream_->receive();
+  const bool sensible = answered && take(stream_->latest());
+  home();
+  judge(tick, sensible || (answered && unreachable_));
   state.position = position_ - kCentre;
   state.velocity = velocity_;
   state.buttons = frame_.answer.flags & Answer::kButtons;
   state.flags = homed_ ? haptic::State::kHomed : 0u;
+  if (unreachable_)
+    state.flags |= haptic::State::kUnreachable;
   const Condition condition = condition_.load(std::memory_order_relaxed);
   if (condition == Condition::kFrozen)
     state.flags |= haptic::State::kFault;
   return condition != Condition::kLost && condition != Condition::kSilent;
 }
 
-void Falcon::watch(const haptic::Tick& tick, bool fresh) noexcept {
-  if (fresh || fresh_s_ == 0)
-    fresh_s_ = tick.time_s;
+// The device reports a flag for each arm that has passed its mark.
+void Falcon::home() noexcept {
   open_s_ += period_s_;
   stuck_.store(!moved_ && open_s_ > kStuck_s, std::memory_order_relaxed);
-  // Homing: the device reports a flag for each arm that has passed its mark.
   if (home_asked_.exchange(false)) {
     homing_ = true;
     homing_s_ = 0;
@@ -223,17 +236,22 @@ void Falcon::watch(const haptic::Tick& tick, bool fresh) noexcept {
   const bool homed = frame_.answer.homed() && !homing_;
   homed_s_ = homed && homed_ ? homed_s_ + period_s_ : 0;
   homed_ = homed;
+}
 
-  const bool centred = norm(position_ - kCentre) < kStops_m;
-  still_s_ = homed_ && centred && torque_counts_ >= kFrozenTorque ? still_s_ + period_s_ : 0;
-  frozen_ = frozen_ || still_s_ >= kFrozen_s; // until a count changes
+void Falcon::judge(const haptic::Tick& tick, bool fresh) noexcept {
+  if (fresh || fresh_s_ == 0)
+    fresh_s_ = tick.time_s;
+  const bool silent = tick.time_s - fresh_s_ > std::max(kSilent_s, 3 * tick.period_s);
+  watch_.update(changed_, asked_n_, period_s_, homed_ && !silent && !unreachable_);
   Condition condition = Condition::kWell;
   if (stream_->lost())
     condition = Condition::kLost;
-  else if (tick.time_s - fresh_s_ > std::max(kSilent_s, 3 * tick.period_s))
+  else if (unreachable_)
+    condition = Condition::kUnreachable;
+  else if (silent)
     condition = Condition::kSilent;
-  else if (frozen_)
-    condition = Condition::kFrozen;
+  else if (watch_.frozen())
+    condition = norm(position_ - kCentre) < kStops_m ? Condition::kFrozen : Condition::kAtStop;
   else if (!homed_)
     condition = Condition::kHoming;
   condition_.store(condition, std::memory_order_relaxed);
@@ -242,18 +260,16 @@ void Falcon::watch(const haptic::Tick& tick, bool fresh) noexcept {
 bool Falcon::write(const Vec3& force_n) noexcept {
   if (!stream_ || stream_->lost())
     return false;
+  asked_n_ = {};
   Order order;
   order.flags = lights(homed_);
-  if (homed_) {
-    const double share = std::min(homed_s_ / kForceReturn_s, 1.0);
-    order.motors = motor_counts(torques(position_, force_n * share),
+  if (homed_ && !unreachable_) {
+    asked_n_ = force_n * std::min(homed_s_ / kForceReturn_s, 1.0);
+    order.motors = motor_counts(torques(position_, asked_n_ * watch_.gain()),
                                 counts_per_n_m_.load(std::memory_order_relaxed));
-  } else {
+  } else if (!homed_) {
     order.flags |= Order::kHoming;
   }
-  torque_counts_ = 0;
-  for (const std::int16_t motor : order.motors)
-    torque_counts_ = std::max(torque_counts_, std::abs(motor));
   stream_->send(order);
   return true;
 }
@@ -276,6 +292,14 @@ std::string Falcon::trouble() const {
     return "the Falcon has left the bus: plug it in and open it again";
   case Condition::kSilent:
     return "the Falcon does not answer: check its power, then close and open it";
+  case Condition::kUnreachable:
+    return "the Falcon reports angles that its arms cannot have: home it, or close and open it, "
+           "which "
+           "loads the firmware again";
+  case Condition::kAtStop:
+    return "the Falcon has no force: its encoders stand still near a stop; pull the grip towards "
+           "the "
+           "centre, and if that changes nothing, close and open it, which loads the firmware again";
   case Condition::kFrozen:
     return "the Falcon's encoders stand still under force: close and open it, which loads the "
            "firmware again";

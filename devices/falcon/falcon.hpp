@@ -3,6 +3,7 @@
 #include "core/haptic/device.hpp"
 #include "core/haptic/velocity.hpp"
 #include "devices/driver.hpp"
+#include "devices/falcon/encoder_watch.hpp"
 #include "devices/falcon/kinematics.hpp"
 #include "devices/falcon/stream.hpp"
 #include "devices/open_devices.hpp"
@@ -29,14 +30,15 @@ public:
   [[nodiscard]] std::string trouble() const override;
 
 private:
-  enum class Condition { kClosed, kWell, kHoming, kSilent, kFrozen, kLost };
+  enum class Condition { kClosed, kWell, kHoming, kSilent, kUnreachable, kAtStop, kFrozen, kLost };
   struct Settings {
     std::string device, firmware;
     bool reload = false; ///< upload at the next opening even if firmware runs
   };
   [[nodiscard]] std::string boot(const Settings& settings);
   [[nodiscard]] bool take(const Frame& frame) noexcept;
-  void watch(const haptic::Tick& tick, bool fresh) noexcept;
+  void home() noexcept;
+  void judge(const haptic::Tick& tick, bool fresh) noexcept;
   [[nodiscard]] std::string start_stream();
   [[nodiscard]] std::uint8_t lights(bool homed) const noexcept;
 
@@ -58,10 +60,13 @@ private:
   Frame frame_{};
   std::optional<Counts> rejected_{};
   Vec3 position_ = kCentre, velocity_{};
-  bool homed_ = false, homing_ = false, frozen_ = false, moved_ = false;
+  EncoderWatch watch_;
+  Vec3 asked_n_{};       // of the last write, before the watch
+  bool changed_ = false; // a count, in this tick
+  bool homed_ = false, homing_ = false, unreachable_ = false;
+  std::atomic<bool> moved_{false}; // a count, since the opening
   double time_s_ = 0, period_s_ = 1e-3;
-  double fresh_s_ = 0, open_s_ = 0, homed_s_ = 0, homing_s_ = 0, still_s_ = 0;
-  int torque_counts_ = 0; // the largest of the last order
+  double fresh_s_ = 0, open_s_ = 0, homed_s_ = 0, homing_s_ = 0;
 };
 
 } // namespace tactus::devices::falcon

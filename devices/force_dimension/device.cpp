@@ -131,6 +131,7 @@ std::string Device::open() {
   until_status_ = quiet_ticks_ = 0;
   homed_ = true;
   limited_ = false;
+  last_position_ = {};
   timeout_ = {};
   written_s_ = -1e9;
   force_off_cause_ = kNoCause;
@@ -221,6 +222,7 @@ bool Device::read_device(State& state) noexcept {
     state.flags |= State::kFault;
   if (limited_)
     state.flags |= State::kForceLimited;
+  haptic::check_reach(caps_, state, last_position_);
   return true;
 }
 

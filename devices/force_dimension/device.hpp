@@ -59,6 +59,7 @@ private:
   std::array<int, kLongestStatus> status_{};
   ForceTimeout timeout_{};
   double written_s_ = -1e9;
+  haptic::Vec3 last_position_{};
   int until_status_ = 0, quiet_ticks_ = 0;
   bool homed_ = true, limited_ = false;
 

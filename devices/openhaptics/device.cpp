@@ -147,8 +147,9 @@ std::string Device::open() {
     library_.set_scheduler_rate(1000);
   static_cast<void>(library_.take_errors()); // ramping and the rate are wishes
   calibration_ = kCalibrationNeedsUpdate;
-  until_calibration_check_ = error_ticks_left_ = quiet_ticks_ = 0;
+  until_calibration_check_ = error_ticks_left_ = warm_ticks_left_ = quiet_ticks_ = 0;
   force_off_ = false;
+  last_position_ = {};
   error_ = kSuccess;
   return {};
 }
@@ -208,7 +209,9 @@ unsigned int Device::on_tick(void* self) noexcept {
   if (!more)
     device.send({});
   device.library_.end_frame(device.handle_);
-  device.judge(device.library_.take_errors());
+  bool warm = false;
+  const Code error = device.library_.take_errors(&warm);
+  device.judge(error, warm);
   if (!more)
     device.finished_ = true;
   return more ? kCallbackContinue : kCallbackDone;
@@ -240,7 +243,8 @@ void Device::look_after_calibration() noexcept {
   seen_calibration_ = calibration_;
 }
 
-void Device::judge(Code error) noexcept {
+void Device::judge(Code error, bool warm) noexcept {
+  warm_ticks_left_ = warm ? kErrorStays_ticks : std::max(warm_ticks_left_ - 1, 0);
   if (error != kSuccess) {
     error_ = error;
     error_ticks_left_ = kErrorStays_ticks;
@@ -269,10 +273,11 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   state.rotation = -Vec3{gimbal[1], gimbal[0], gimbal[2]};
   state.buttons = static_cast<std::uint32_t>(buttons);
   state.flags = calibration_ == kCalibrated ? State::kHomed : 0u;
+  haptic::check_reach(caps_, state, last_position_);
   const Code error = error_;
   if (force_off_)
     state.flags |= State::kFault;
-  if (error == kWarmMotors)
+  if (warm_ticks_left_ > 0) // also while a worse error is told
     state.flags |= State::kMotorsHot;
   if (error == kTooMuchForce)
     state.flags |= State::kForceLimited;

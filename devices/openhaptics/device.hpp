@@ -38,7 +38,7 @@ private:
   static unsigned int on_tick(void* self) noexcept;
   [[nodiscard]] bool tick() noexcept;
   void look_after_calibration() noexcept;
-  void judge(Code error) noexcept;
+  void judge(Code error, bool warm) noexcept;
   void send(const haptic::Vec3& force_n) noexcept;
   [[nodiscard]] std::string try_names(const std::string& wanted);
 
@@ -58,8 +58,9 @@ private:
   SchedulerHandle scheduled_ = 0;
   Code calibration_ = kCalibrationNeedsUpdate;
   int until_calibration_check_ = 0;
-  int error_ticks_left_ = 0, quiet_ticks_ = 0;
+  int error_ticks_left_ = 0, warm_ticks_left_ = 0, quiet_ticks_ = 0;
   bool force_off_ = false;
+  haptic::Vec3 last_position_{};
 
   // Both sides
   std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};

@@ -77,13 +77,15 @@ std::string HdLibrary::load() {
   return {};
 }
 
-Code HdLibrary::take_errors() const noexcept {
+Code HdLibrary::take_errors(bool* warm) const noexcept {
   constexpr int kLongestPile = 32;
   Code worst = kSuccess;
   for (int i = 0; i < kLongestPile; ++i) {
     const Code code = get_error().code;
     if (code == kSuccess)
       break;
+    if (warm && code == kWarmMotors)
+      *warm = true;
     if (severity(code) > severity(worst))
       worst = code;
   }

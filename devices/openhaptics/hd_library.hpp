@@ -98,8 +98,9 @@ struct HdLibrary {
   [[nodiscard]] std::string load();
   [[nodiscard]] bool loaded() const noexcept { return library_.loaded(); }
 
-  /// The errors that have piled up, oldest first out; the most serious one is the answer.
-  [[nodiscard]] Code take_errors() const noexcept;
+  /// The errors that have piled up, oldest first out; the most serious one is the answer. warm, if
+  /// given, becomes true when warm motors were among them.
+  [[nodiscard]] Code take_errors(bool* warm = nullptr) const noexcept;
 
 private:
   SharedLibrary library_;

@@ -51,6 +51,17 @@ static void fail(unsigned code) {
 }
 
 /* For the test. */
+void fake_hd_reset(void) {
+  static const double start[3] = {10, 20, -30};
+  pthread_mutex_lock(&guard);
+  memcpy(position, start, sizeof position);
+  memset(velocity, 0, sizeof velocity);
+  memset(force, 0, sizeof force);
+  memset(last_force, 0, sizeof last_force);
+  error_count = buttons = clamping = calibration_checks = updates = 0;
+  frames = forces_outside_frame = 0;
+  pthread_mutex_unlock(&guard);
+}
 void fake_hd_fail(unsigned code) {
   pthread_mutex_lock(&guard);
   fail(code);

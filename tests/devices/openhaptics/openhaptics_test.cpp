@@ -28,6 +28,9 @@ struct Fake {
     REQUIRE(library.symbol("fake_hd_press", press));
     REQUIRE(library.symbol("fake_hd_counts", counts_of));
     REQUIRE(library.symbol("fake_hd_last_force", force_of));
+    void (*reset)() = nullptr;
+    REQUIRE(library.symbol("fake_hd_reset", reset));
+    reset(); // the library stays loaded, with its state
   }
   std::array<unsigned long, 6> counts() const {
     std::array<unsigned long, 6> all{};
@@ -168,7 +171,7 @@ TEST_CASE("limits come from the device, else from the table, else the least of a
   const auto device = make();
   REQUIRE(device->open() == "");
   CHECK(device->caps().peak_force_n == doctest::Approx(3.3));
-  CHECK(device->caps().continuous_force_n == 0); // not known
+  CHECK(device->caps().continuous_force_n == doctest::Approx(0.88));
   CHECK(device->caps().stiffness_limit_n_per_m == doctest::Approx(700));
 }
 
@@ -223,6 +226,9 @@ TEST_CASE("warm motors are told; a speeding handle loses its force until none ha
   fake.fail(0x0200);
   CHECK((session.after(20).state.flags & State::kMotorsHot) != 0);
   CHECK(device->trouble().find("warm") != std::string::npos);
+  fake.fail(0x0200);
+  fake.fail(0x0201); // worse, and at the same time
+  CHECK((session.after(20).state.flags & State::kMotorsHot) != 0);
   session.ask({0.5, 0, 0});
   session.after(20);
   fake.fail(0x0203);
