@@ -30,8 +30,8 @@ struct Wish {
 
 /// The newest that is known of the device.
 struct Sample {
-  haptic::State state{};
-  double time_s = -1e9; ///< of its arrival, ServoThread's clock
+  haptic::State state{}; ///< position in metres of the handle, from the origin that origin() says
+  double time_s = -1e9;  ///< of its arrival, ServoThread's clock
   bool calibrated = false;
 };
 
@@ -60,6 +60,8 @@ public:
   /// Any thread that may wait.
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] Sight sight() const;
+  /// The service has put the origin into the middle of the workspace; else it is the device's base.
+  [[nodiscard]] bool centred() const noexcept { return centred_; }
 
 private:
   enum class Phase { kLooking, kRunning, kRefused };
@@ -67,6 +69,7 @@ private:
   void serve() noexcept;
   void look_and_talk();
   [[nodiscard]] std::string talk(Socket& socket);
+  [[nodiscard]] std::string set_up(Socket& socket);
   [[nodiscard]] std::string choose(const Message& inventory);
   [[nodiscard]] bool take(const Message& message);
   [[nodiscard]] haptic::Vec3 wanted_force() noexcept;
@@ -78,9 +81,12 @@ private:
   haptic::Mailbox<Sample> samples_;
   TimedMailbox<haptic::Vec3> forces_;
 
+  std::atomic<bool> centred_{false};
+
   // The connection's thread
   std::string device_id_;
   Sample sample_{};
+  Placement workspace_{}, mount_{};
 
   mutable std::mutex guard_;
   std::condition_variable changed_;

@@ -27,11 +27,12 @@ private:
   Connection connection_;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
+  haptic::Vec3 last_position_{}; // the servo's
   std::atomic<bool> calibrated_{true};
 
   std::mutex wish_guard_;
   Wish wish_;
-  double peak_n_;
+  double peak_n_ = 0; ///< 0: the model's
 };
 
 } // namespace tactus::devices::haply
