@@ -281,10 +281,10 @@ TEST_CASE("a servo that stalls leaves no force, and its return is soft") {
   const auto stalled = std::chrono::steady_clock::now();
   REQUIRE(soon(none));
   CHECK(std::chrono::steady_clock::now() - stalled > std::chrono::milliseconds(40));
-  CHECK(usb.last.flags == Order::kGreen);
   long orders = 0;
   {
     const std::scoped_lock lock(usb.mutex);
+    CHECK(usb.last.flags == Order::kGreen);
     orders = usb.orders;
   }
   // It is said again and again, in case an order was lost.
