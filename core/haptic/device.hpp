@@ -31,7 +31,10 @@ struct Caps {
   bool has_velocity = false;   ///< State::velocity is measured; else the servo estimates it
   bool has_buttons = false;
   bool needs_home = false;
-  bool has_rotation = false; ///< State::rotation is measured
+  bool has_rotation = false;  ///< State::rotation is measured
+  double peak_torque_n_m = 0; ///< of the wrist's motors; 0: it has none
+  double peak_grip_n = 0;     ///< of the gripper's motor; 0: it has none
+  bool has_gripper = false;   ///< State::gripper_m is measured
 };
 
 /// Who a device is, as far as it says.
@@ -49,11 +52,18 @@ struct State {
     /// There is no force at this tick, and it returns as after motors on.
     kUnreachable = 16
   };
-  Vec3 position{}; ///< m, project frame
-  Vec3 velocity{}; ///< m/s
-  Vec3 rotation{}; ///< rad about x, y, z; of a sprung knob its share of full deflection, -1..1
+  Vec3 position{};      ///< m, project frame
+  Vec3 velocity{};      ///< m/s
+  Vec3 rotation{};      ///< rad about x, y, z; of a sprung knob its share of full deflection, -1..1
+  double gripper_m = 0; ///< how far the gripper is open
   std::uint32_t buttons = 0;
   std::uint32_t flags = kHomed;
+};
+
+/// For devices with more motors than three: torque on the handle and force of the gripper.
+struct WristCommand {
+  Vec3 torque_n_m{}; ///< about x, y, z of the same frame as the force
+  double grip_n = 0; ///< positive as the device's library counts it, taken for opening
 };
 
 /// Puts the state's position right: one that is not finite, or lies farther from the workspace's
@@ -79,6 +89,10 @@ public:
   [[nodiscard]] virtual bool read(const Tick& tick, State& state) noexcept = 0;
   /// Force in N, held by the device until the next write; false when it could not be sent.
   [[nodiscard]] virtual bool write(const Vec3& force_n) noexcept = 0;
+  /// What goes out with the next write, and with that one alone: a write that no call precedes has
+  /// no torque and no gripper force. A device that is never asked is sent neither. For the servo's
+  /// thread, as write; nothing happens on a device that has neither.
+  virtual void set_wrist(const WristCommand& command) noexcept { static_cast<void>(command); }
   /// One setting of this device alone, such as "firmware FILE" or "speed 100", or "device WHICH"
   /// (an index, serial number or path) before it is opened. Empty when taken, else what was
   /// expected. Takes effect between two ticks or at the next opening.

@@ -28,6 +28,7 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
   followed_ = 0;
   refresh_caps();
   chain_ = {};
+  wrist_.reset();
   statistics_ = {};
   state_ = {};
   unread_ = unwritten_ = 0;
@@ -128,6 +129,19 @@ void Servo::notice(const Tick& tick, const State& state) noexcept {
   tripped_ = chain_.tripped;
 }
 
+/// After the force's chain, whose gains it shares, and before write.
+WristCommand Servo::drive_wrist(const Tick& tick, bool homed) noexcept {
+  exchange_.wrist.read();
+  const WristRequest& request = exchange_.wrist.latest();
+  if (!request.on) {
+    wrist_.reset();
+    return {};
+  }
+  const WristCommand command = wrist_.step(request.command, chain_, caps_, homed, tick.period_s);
+  device_->set_wrist({settings_.map.torque_to_device(command.torque_n_m), command.grip_n});
+  return command;
+}
+
 void Servo::step(const Tick& tick) noexcept {
   if (!device_)
     return;
@@ -146,6 +160,7 @@ void Servo::step(const Tick& tick) noexcept {
   if (patch_)
     input.patch_force = patch_->force(tick, state);
   const Vec3 force = haptic::step(chain_, settings_.chain, input);
+  const WristCommand wrist = drive_wrist(tick, input.homed);
   if (device_->write(settings_.map.to_device(force))) {
     unwritten_ = 0;
   } else {
@@ -161,6 +176,7 @@ void Servo::step(const Tick& tick) noexcept {
   report.tick = tick;
   report.state = state;
   report.force_n = force;
+  report.wrist = wrist;
   report.counters = chain_.counters;
   report.energy_j = chain_.energy_j;
   report.lowest_energy_j = chain_.lowest_energy_j;

@@ -8,6 +8,7 @@
 #include "core/haptic/statistics.hpp"
 #include "core/haptic/velocity.hpp"
 #include "core/haptic/workspace.hpp"
+#include "core/haptic/wrist_chain.hpp"
 
 #include <atomic>
 
@@ -52,6 +53,7 @@ struct Report {
   Tick tick{};
   State state{};
   Vec3 force_n{};
+  WristCommand wrist{}; ///< zero while it is off
   ChainCounters counters{};
   double energy_j = 0, lowest_energy_j = 0;
   bool motors = true, latched = false;
@@ -77,6 +79,7 @@ struct ServoStatistics {
 struct Exchange {
   Mailbox<Command> commands;
   Mailbox<ServoSettings> settings;
+  Mailbox<WristRequest> wrist;
   Ring<Action, 64> actions;
   Mailbox<Report> reports;
   Mailbox<ServoStatistics> statistics; ///< every kStatisticsTicks ticks
@@ -119,6 +122,7 @@ private:
   void take_orders(const Tick& tick) noexcept;
   void obey(Action action) noexcept;
   State sense(const Tick& tick) noexcept;
+  WristCommand drive_wrist(const Tick& tick, bool homed) noexcept;
   void notice(const Tick& tick, const State& state) noexcept;
   void fail(const Tick& tick, Event::Fault fault) noexcept;
 
@@ -128,6 +132,7 @@ private:
   Caps caps_{};
   ServoSettings settings_{};
   ChainState chain_{};
+  WristChain wrist_{};
   VelocityEstimator estimator_{};
   Pacer pacer_{};
   ServoStatistics statistics_{};

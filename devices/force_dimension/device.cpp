@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <thread>
 #include <utility>
 
@@ -99,6 +100,18 @@ bool Device::set_watchdog() noexcept {
   return set;
 }
 
+/// What the wrist and the gripper can do: the device's own word over the table's.
+void Device::ask_for_wrist() noexcept {
+  const auto id = static_cast<char>(id_);
+  wrist_ = caps_.has_rotation =
+      library_.has_wrist && library_.orientation && library_.has_wrist(id);
+  caps_.has_gripper = library_.has_gripper && library_.gripper_gap && library_.has_gripper(id);
+  if (!library_.set_all || !library_.has_active_wrist || !library_.has_active_wrist(id))
+    caps_.peak_torque_n_m = 0;
+  if (!library_.set_all || !library_.has_active_gripper || !library_.has_active_gripper(id))
+    caps_.peak_grip_n = 0;
+}
+
 std::string Device::open() {
   close();
   cancelled_ = false;
@@ -121,8 +134,7 @@ std::string Device::open() {
                has_serial ? std::to_string(serial) : ""};
   open_.set("dhd", wanted < kSerialsFrom ? wanted : id_, identity_);
   caps_.has_buttons = library_.button_mask != nullptr;
-  wrist_ = caps_.has_rotation =
-      library_.has_wrist && library_.orientation && library_.has_wrist(id);
+  ask_for_wrist();
   if (library_.set_max_force)
     library_.set_max_force(caps_.peak_force_n, id);
   const bool watched = set_watchdog();
@@ -132,6 +144,8 @@ std::string Device::open() {
   homed_ = true;
   limited_ = false;
   last_position_ = {};
+  wrist_command_ = {};
+  wrist_driven_ = false;
   timeout_ = {};
   written_s_ = -1e9;
   force_off_cause_ = kNoCause;
@@ -141,7 +155,7 @@ std::string Device::open() {
     return {};
   const auto end_force = [](void* self) noexcept {
     auto& device = *static_cast<Device*>(self);
-    device.library_.set_force(0, 0, 0, static_cast<char>(device.id_));
+    static_cast<void>(device.send({}, {}));
   };
   std::string obstacle = guard_.start(end_force, this);
   if (!obstacle.empty())
@@ -153,7 +167,7 @@ void Device::close() noexcept {
   guard_.stop();
   if (id_ >= 0) {
     const auto id = static_cast<char>(id_);
-    library_.set_force(0, 0, 0, id);
+    static_cast<void>(send({}, {}));
     library_.enable_force(0, id);
     library_.close(id);
     id_ = -1;
@@ -210,6 +224,8 @@ bool Device::read_device(State& state) noexcept {
   state.velocity = to_project(x, y, z);
   if (wrist_ && library_.orientation(&x, &y, &z, id) >= 0)
     state.rotation = to_project(x, y, z);
+  if (caps_.has_gripper && library_.gripper_gap(&x, id) >= 0 && std::isfinite(x))
+    state.gripper_m = x;
   state.buttons = library_.button_mask ? library_.button_mask(id) : 0u;
   if (reset_wanted_.exchange(false) && library_.reset) {
     static_cast<void>(library_.reset(id));
@@ -234,6 +250,21 @@ bool Device::write(const Vec3& force_n) noexcept {
   return well;
 }
 
+void Device::set_wrist(const haptic::WristCommand& command) noexcept {
+  if (caps_.peak_torque_n_m <= 0 && caps_.peak_grip_n <= 0)
+    return;
+  wrist_command_ = command;
+  wrist_driven_ = true;
+}
+
+int Device::send(const Vec3& force_n, const haptic::WristCommand& wrist) noexcept {
+  const auto id = static_cast<char>(id_);
+  if (!wrist_driven_)
+    return library_.set_force(force_n.z, force_n.x, force_n.y, id);
+  const Vec3& t = wrist.torque_n_m;
+  return library_.set_all(force_n.z, force_n.x, force_n.y, t.z, t.x, t.y, wrist.grip_n, id);
+}
+
 bool Device::write_device(const Vec3& force_n) noexcept {
   const double now_s = ForceTimeout::now_s();
   const double share = timeout_.gain(std::exchange(written_s_, now_s), now_s);
@@ -241,7 +272,14 @@ bool Device::write_device(const Vec3& force_n) noexcept {
   quiet_ticks_ = none ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;
   const bool allowed = homed_ && force_off_cause_ == kNoCause && is_finite(force_n);
   const Vec3 f = allowed ? limited(force_n, caps_.peak_force_n) * share : Vec3{};
-  const int result = library_.set_force(f.z, f.x, f.y, static_cast<char>(id_));
+  const haptic::WristCommand asked = std::exchange(wrist_command_, {});
+  haptic::WristCommand wrist;
+  if (allowed) {
+    wrist.torque_n_m = limited(asked.torque_n_m, caps_.peak_torque_n_m) * share;
+    if (std::isfinite(asked.grip_n))
+      wrist.grip_n = std::clamp(asked.grip_n, -caps_.peak_grip_n, caps_.peak_grip_n) * share;
+  }
+  const int result = send(f, wrist);
   limited_ = result == kMotorSaturated;
   return answered(result) && (allowed || none);
 }

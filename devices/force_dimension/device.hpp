@@ -28,6 +28,7 @@ public:
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  void set_wrist(const haptic::WristCommand& command) noexcept override;
   /// "device WHICH": an index below 64, else a serial number. "home" or "calibrate": the device
   /// waits for its calibration again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
@@ -38,6 +39,8 @@ private:
   [[nodiscard]] int open_wanted(int wanted);
   [[nodiscard]] std::string open_with_retries(int wanted);
   [[nodiscard]] bool set_watchdog() noexcept;
+  void ask_for_wrist() noexcept;
+  [[nodiscard]] int send(const haptic::Vec3& force_n, const haptic::WristCommand& wrist) noexcept;
   [[nodiscard]] bool read_device(haptic::State& state) noexcept;
   [[nodiscard]] bool write_device(const haptic::Vec3& force_n) noexcept;
   void look_at_status() noexcept;
@@ -60,6 +63,8 @@ private:
   ForceTimeout timeout_{};
   double written_s_ = -1e9;
   haptic::Vec3 last_position_{};
+  haptic::WristCommand wrist_command_{};  // of the next write
+  std::atomic<bool> wrist_driven_{false}; // since the opening; then zero is sent, too
   int until_status_ = 0, quiet_ticks_ = 0;
   bool homed_ = true, limited_ = false;
 

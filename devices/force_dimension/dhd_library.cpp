@@ -56,6 +56,11 @@ std::string DhdLibrary::load() {
   library_.symbol("dhdGetStatus", status);
   library_.symbol("dhdGetOrientationRad", orientation);
   library_.symbol("dhdHasWrist", has_wrist);
+  library_.symbol("dhdHasActiveWrist", has_active_wrist);
+  library_.symbol("dhdHasGripper", has_gripper);
+  library_.symbol("dhdHasActiveGripper", has_active_gripper);
+  library_.symbol("dhdGetGripperGap", gripper_gap);
+  library_.symbol("dhdSetForceAndTorqueAndGripperForce", set_all);
   library_.symbol("dhdReset", reset);
   library_.symbol("dhdEnableExpertMode", expert_mode);
   library_.symbol("dhdDisableExpertMode", ordinary_mode);

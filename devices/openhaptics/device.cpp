@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdio>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace tactus::devices::openhaptics {
@@ -149,7 +150,8 @@ std::string Device::open() {
   calibration_ = kCalibrationNeedsUpdate;
   until_calibration_check_ = error_ticks_left_ = warm_ticks_left_ = quiet_ticks_ = 0;
   force_off_ = false;
-  last_position_ = {};
+  last_position_ = torque_n_m_ = {};
+  torque_driven_ = false;
   error_ = kSuccess;
   return {};
 }
@@ -207,7 +209,7 @@ unsigned int Device::on_tick(void* self) noexcept {
   device.library_.begin_frame(device.handle_);
   const bool more = device.tick();
   if (!more)
-    device.send({});
+    device.send({}, {});
   device.library_.end_frame(device.handle_);
   bool warm = false;
   const Code error = device.library_.take_errors(&warm);
@@ -287,13 +289,26 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
 bool Device::write(const Vec3& force_n) noexcept {
   quiet_ticks_ = force_n == Vec3{} ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;
   const bool allowed = calibration_ == kCalibrated && !force_off_ && is_finite(force_n);
-  send(allowed ? limited(force_n, caps_.peak_force_n) : Vec3{});
+  const Vec3 torque_n_m = std::exchange(torque_n_m_, {});
+  send(allowed ? limited(force_n, caps_.peak_force_n) : Vec3{},
+       allowed ? limited(torque_n_m, caps_.peak_torque_n_m) : Vec3{});
   return !force_off_ || force_n == Vec3{};
 }
 
-void Device::send(const Vec3& force_n) noexcept {
+void Device::set_wrist(const haptic::WristCommand& command) noexcept {
+  if (caps_.peak_torque_n_m <= 0)
+    return;
+  torque_n_m_ = command.torque_n_m;
+  torque_driven_ = true;
+}
+
+void Device::send(const Vec3& force_n, const Vec3& torque_n_m) noexcept {
   const double force[3] = {force_n.x, force_n.y, force_n.z};
   library_.set_doubles(kForce, force);
+  if (!torque_driven_)
+    return;
+  const double torque[3] = {1e3 * torque_n_m.x, 1e3 * torque_n_m.y, 1e3 * torque_n_m.z};
+  library_.set_doubles(kTorque, torque);
 }
 
 std::string Device::trouble() const {

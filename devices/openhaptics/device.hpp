@@ -24,6 +24,7 @@ public:
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  void set_wrist(const haptic::WristCommand& command) noexcept override;
   /// "device NAME": the name under which the vendor's set-up tool knows it. "home" or "calibrate":
   /// the vendor's library looks at the calibration again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
@@ -39,7 +40,7 @@ private:
   [[nodiscard]] bool tick() noexcept;
   void look_after_calibration() noexcept;
   void judge(Code error, bool warm) noexcept;
-  void send(const haptic::Vec3& force_n) noexcept;
+  void send(const haptic::Vec3& force_n, const haptic::Vec3& torque_n_m) noexcept;
   [[nodiscard]] std::string try_names(const std::string& wanted);
 
   HdLibrary library_;
@@ -61,6 +62,8 @@ private:
   int error_ticks_left_ = 0, warm_ticks_left_ = 0, quiet_ticks_ = 0;
   bool force_off_ = false;
   haptic::Vec3 last_position_{};
+  haptic::Vec3 torque_n_m_{};  // of the next write
+  bool torque_driven_ = false; // since the opening; then zero is sent, too
 
   // Both sides
   std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};

@@ -23,6 +23,9 @@ constexpr Model kModels[] = {
 };
 constexpr Model kUnknown{"", 3.3, 0.88, 400.0, 4.0, 0.075};
 
+// Of the Premiums with six motors: CHAI3D's figure.
+constexpr double kTorque_n_m = 0.188;
+
 // A position step of 450 a inch, the coarsest of the family.
 constexpr double kStep_m = 0.0254 / 450;
 
@@ -87,6 +90,10 @@ haptic::Caps device_caps(const HdLibrary& library, std::string_view model) noexc
       asked(library, kNominalMaxStiffness, 1e3, 50, 1e4, caps.stiffness_limit_n_per_m);
   caps.damping_limit_n_s_per_m =
       asked(library, kNominalMaxDamping, 1e3, 0.1, 100, caps.damping_limit_n_s_per_m);
+  int axes = 0;
+  library.get_integers(kOutputAxes, &axes);
+  if (library.take_errors() == kSuccess && axes == 6)
+    caps.peak_torque_n_m = asked(library, kNominalMaxTorque, 1e-3, 0.01, 1, kTorque_n_m);
   if (!ask_box(library, kUsableWorkspace, caps))
     ask_box(library, kMaxWorkspace, caps);
   return caps;

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
+#include <utility>
 
 using namespace tactus;
 using haptic::State;
@@ -31,11 +32,19 @@ struct Fake {
     REQUIRE(library.symbol("fake_dhd_counts", counts_of));
     REQUIRE(library.symbol("fake_dhd_max_force", max_force));
     REQUIRE(library.symbol("fake_dhd_device_counts", device_counts));
+    REQUIRE(library.symbol("fake_dhd_wrist", wrist_of));
+    REQUIRE(library.symbol("fake_dhd_gap", gap));
   }
   Vec3 force() const {
     double f[3] = {};
     force_of(f);
     return {f[0], f[1], f[2]};
+  }
+  /// Torque, gripper force; how many calls had them.
+  std::pair<std::array<double, 4>, int> wrist() const {
+    std::array<double, 4> all{};
+    const int calls = wrist_of(all.data());
+    return {all, calls};
   }
   std::array<int, 4> counts() const {
     std::array<int, 4> all{};
@@ -51,6 +60,8 @@ struct Fake {
   void (*counts_of)(int*) = nullptr;
   double (*max_force)() = nullptr;
   int (*device_counts)() = nullptr;
+  int (*wrist_of)(double*) = nullptr;
+  void (*gap)(double) = nullptr;
 };
 
 std::unique_ptr<haptic::Backend> make() {
@@ -286,4 +297,72 @@ TEST_CASE("an opening that waits between its tries is cancelled") {
   }
   opening.join();
   CHECK(sentence.find("cancelled") != std::string::npos);
+}
+
+TEST_CASE(
+    "a sigma.7 is sent torque and gripper force only once it was asked, and none at the end") {
+  const Fake fake("sigma.7");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_torque_n_m == 0.2);
+  CHECK(device->caps().peak_grip_n == 8);
+  CHECK(device->caps().has_gripper);
+  fake.gap(0.012);
+  CHECK(drive(*device, {}, 1).gripper_m == 0.012);
+  REQUIRE(press(fake, *device, {1, 2, 3}, {3, 1, 2}));
+  CHECK(fake.wrist().second == 0); // only dhdSetForce so far
+  device->set_wrist({{0.01, 0.02, 0.03}, -5});
+  CHECK(device->write({1, 2, 3}));
+  CHECK(norm(fake.force() - Vec3{3, 1, 2}) < 1e-12);
+  CHECK(fake.wrist().first == std::array<double, 4>{0.03, 0.01, 0.02, -5});
+  CHECK(device->write({1, 2, 3})); // nobody asked for this one
+  CHECK(fake.wrist().first == std::array<double, 4>{});
+  CHECK(norm(fake.force() - Vec3{3, 1, 2}) < 1e-12);
+  device->set_wrist({{3, 4, 0}, 100}); // no more than the peaks
+  CHECK(device->write({}));
+  const auto limited = fake.wrist().first;
+  CHECK(limited[0] == doctest::Approx(0));
+  CHECK(limited[1] == doctest::Approx(0.12));
+  CHECK(limited[2] == doctest::Approx(0.16));
+  CHECK(limited[3] == 8);
+  device->set_wrist({{NAN, 0, 0}, NAN});
+  CHECK(device->write({}));
+  CHECK(fake.wrist().first == std::array<double, 4>{});
+  device->set_wrist({{0, 0.1, 0}, 1});
+  CHECK(device->write({}));
+  CHECK(fake.wrist().first[2] != 0);
+  fake.set(0, 0, 1, 0); // not calibrated
+  drive(*device, {}, 100);
+  device->set_wrist({{0, 0.1, 0}, 1});
+  static_cast<void>(device->write({}));
+  CHECK(fake.wrist().first == std::array<double, 4>{});
+  fake.set(0, 0, 0, 0);
+  drive(*device, {}, 100);
+  device->set_wrist({{0, 0.1, 0}, 1});
+  CHECK(device->write({}));
+  CHECK(fake.wrist().first[2] != 0);
+  device->close();
+  CHECK(fake.wrist().first == std::array<double, 4>{});
+}
+
+TEST_CASE("an omega.7 grips and has no torque; an omega.3 has neither and is sent neither") {
+  {
+    const Fake fake("omega.7");
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    CHECK(device->caps().peak_torque_n_m == 0);
+    CHECK(device->caps().peak_grip_n == 8);
+    REQUIRE(press(fake, *device, {0, 0, 1}, {1, 0, 0}));
+    device->set_wrist({{0.1, 0.1, 0.1}, 2});
+    CHECK(device->write({}));
+    CHECK(fake.wrist().first == std::array<double, 4>{0, 0, 0, 2});
+  }
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_grip_n == 0);
+  CHECK_FALSE(device->caps().has_gripper);
+  device->set_wrist({{0.1, 0.1, 0.1}, 2});
+  CHECK(device->write({}));
+  CHECK(fake.wrist().second == 0);
 }

@@ -19,6 +19,8 @@ enum { kErrors = 16 };
 static unsigned errors[kErrors];
 static int error_count;
 static double position[3] = {10, 20, -30}, velocity[3], force[3], last_force[3];
+static double torque[3];
+static int torques;
 static _Atomic int enabled_force;
 static int clamping, buttons, in_frame, open_devices, calibration_checks, updates;
 static unsigned long frames, forces_outside_frame;
@@ -58,7 +60,8 @@ void fake_hd_reset(void) {
   memset(velocity, 0, sizeof velocity);
   memset(force, 0, sizeof force);
   memset(last_force, 0, sizeof last_force);
-  error_count = buttons = clamping = calibration_checks = updates = 0;
+  memset(torque, 0, sizeof torque);
+  torques = error_count = buttons = clamping = calibration_checks = updates = 0;
   frames = forces_outside_frame = 0;
   pthread_mutex_unlock(&guard);
 }
@@ -81,6 +84,13 @@ void fake_hd_counts(unsigned long out[6]) {
   out[3] = (unsigned long)enabled_force, out[4] = (unsigned long)clamping;
   out[5] = (unsigned long)updates;
   pthread_mutex_unlock(&guard);
+}
+/* mN m, of the last call; how many there were */
+int fake_hd_torque(double out[3]) {
+  pthread_mutex_lock(&guard);
+  memcpy(out, torque, sizeof torque);
+  pthread_mutex_unlock(&guard);
+  return torques;
 }
 void fake_hd_last_force(double out[3]) {
   pthread_mutex_lock(&guard);
@@ -145,11 +155,18 @@ void hdGetDoublev(unsigned what, double* out) {
 }
 void hdGetIntegerv(unsigned what, int* out) {
   pthread_mutex_lock(&guard);
-  *out = what == 0x2000 ? buttons : 2;
+  *out = what == 0x2000 ? buttons : what == 0x2554 ? (mode("6dof") ? 6 : 3) : 2;
   pthread_mutex_unlock(&guard);
 }
 #ifndef FAKE_HD_INCOMPLETE
 void hdSetDoublev(unsigned what, const double* in) {
+  if (what == 0x2701) {
+    pthread_mutex_lock(&guard);
+    forces_outside_frame += !in_frame;
+    memcpy(torque, in, sizeof torque);
+    ++torques;
+    pthread_mutex_unlock(&guard);
+  }
   if (what != 0x2700)
     return;
   if (!in_frame)

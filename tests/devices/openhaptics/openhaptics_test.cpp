@@ -28,6 +28,7 @@ struct Fake {
     REQUIRE(library.symbol("fake_hd_press", press));
     REQUIRE(library.symbol("fake_hd_counts", counts_of));
     REQUIRE(library.symbol("fake_hd_last_force", force_of));
+    REQUIRE(library.symbol("fake_hd_torque", torque_of));
     void (*reset)() = nullptr;
     REQUIRE(library.symbol("fake_hd_reset", reset));
     reset(); // the library stays loaded, with its state
@@ -47,6 +48,7 @@ struct Fake {
   void (*press)(int) = nullptr;
   void (*counts_of)(unsigned long*) = nullptr;
   void (*force_of)(double*) = nullptr;
+  int (*torque_of)(double*) = nullptr;
 };
 
 /// The servo as the host hangs it into the device's own thread.
@@ -311,4 +313,48 @@ TEST_CASE("an opening that waits between its tries is cancelled") {
   }
   opening.join();
   CHECK(sentence.find("cancelled") != std::string::npos);
+}
+
+TEST_CASE("a PHANTOM with six motors is sent torque inside frames, once it was asked for it") {
+  const Fake fake("6dof");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_torque_n_m == doctest::Approx(0.188));
+  double torque[3] = {};
+  {
+    Session session(*device);
+    session.after(300);
+    CHECK(fake.torque_of(torque) == 0);
+    session.servo.exchange().wrist.write({true, {{0.01, -0.02, 0.3}, 5}});
+    session.after(300);
+    CHECK(fake.torque_of(torque) > 0);
+    const haptic::Vec3 sent = haptic::Vec3{torque[0], torque[1], torque[2]} * 1e-3;
+    CHECK(norm(sent) == doctest::Approx(0.188)); // the device's peak
+    CHECK(sent.x > 0);
+    CHECK(sent.y < 0);
+    CHECK(fake.counts()[1] == 0);
+    CHECK(norm(session.after(1).wrist.torque_n_m) == doctest::Approx(0.188));
+    session.servo.exchange().wrist.write({false, {}});
+    session.after(20);
+    fake.torque_of(torque);
+    CHECK(torque[2] == 0);
+    session.servo.exchange().wrist.write({true, {{0, 0, 0.1}, 0}});
+    session.after(100);
+    fake.torque_of(torque);
+    CHECK(torque[2] != 0);
+  }
+  fake.torque_of(torque); // halted
+  CHECK(torque[2] == 0);
+}
+
+TEST_CASE("one with three motors is sent no torque whatever is asked") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_torque_n_m == 0);
+  Session session(*device);
+  session.servo.exchange().wrist.write({true, {{0, 0, 0.1}, 1}});
+  session.after(300);
+  double torque[3] = {};
+  CHECK(fake.torque_of(torque) == 0);
 }
