@@ -117,6 +117,7 @@ void Phantom::send_values(Host& host, bool all) {
     triple("force", report.force_n);
   if (reported_[kRot] || (all && device().caps().has_rotation))
     triple("rot", report.state.rotation);
+  send_wrist(host, all);
 }
 
 void Phantom::send_workspace(Host& host) const {
@@ -150,7 +151,8 @@ void Phantom::on_report(Words words, Host& host) {
     }
   host.error(
       expected("report", words[0],
-               "mm, vel, force, button, status, jitter, error, hit, contact, release or rot"));
+               "mm, vel, force, button, status, jitter, error, hit, contact, release, rot, torque "
+               "or grip"));
 }
 
 void Phantom::on_stats(Words words, Host& host) {

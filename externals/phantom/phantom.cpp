@@ -319,6 +319,12 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
     return on_watchdog(arguments, host);
   case kScene:
     return on_scene(arguments, host);
+  case kTorques:
+    return on_torques(arguments, host);
+  case kTorque:
+    return on_torque(arguments, host);
+  case kGrip:
+    return on_grip(arguments, host);
   case kEstop:
     servo_.exchange().actions.push(Action::kEmergencyStop);
     if (reported_[kStatus])

@@ -134,6 +134,13 @@ private:
   void on_scene(Words, Host&);
   void warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host);
 
+  // torque.cpp: torque and gripper force
+  void on_torques(Words, Host&);
+  void on_torque(Words, Host&);
+  void on_grip(Words, Host&);
+  void set_wrist(const haptic::WristCommand& command, std::string_view message, Host& host);
+  void send_wrist(Host& host, bool all);
+
   // simulation.cpp: the simulated device's own
   void on_hand(Words, Host&);
   void on_path(Words, Host&);
@@ -154,6 +161,7 @@ private:
   haptic::ServoSettings settings_{};
   haptic::SimulatedDevice::Settings simulation_{};
   haptic::Command command_{};
+  haptic::WristRequest wrist_{};
   haptic::Vec3 asked_{}; // inlets, in the chosen units
   bool refused_now_ = false, changed_now_ = false;
 
@@ -179,8 +187,8 @@ private:
 
   std::optional<haptic::Vec3> sent_{};
   bool has_report_ = false;
-  std::array<bool, 11> reported_{false, false, false, true, true, false,
-                                 true,  true,  true,  true, false};
+  std::array<bool, 13> reported_{false, false, false, true,  true,  false, true,
+                                 true,  true,  true,  false, false, false};
   double last_error_ms_ = -1e9, last_timing_ms_ = 0;
   double warned_n_per_m_ = 0;
   bool scheduling_told_ = false;
