@@ -123,6 +123,9 @@ std::string Falcon::start_stream() {
   estimator_.reset();
   estimator_.set_bound(reading_bound_m());
   frame_ = {};
+  flags_ = 0;
+  encoders_ = {};
+  answered_ = false;
   rejected_.reset();
   position_ = kCentre;
   velocity_ = {};
@@ -147,6 +150,7 @@ std::string Falcon::start_stream() {
   if (!answers)
     return "the Falcon stopped answering: plug it in again and open it again";
   frame_ = stream_->latest();
+  flags_ = frame_.answer.flags;
   return {};
 }
 
@@ -180,6 +184,11 @@ haptic::Caps Falcon::caps() const noexcept {
 // False when the answer makes no sense.
 bool Falcon::take(const Frame& frame) noexcept {
   const Counts& counts = frame.answer.encoders;
+  flags_ = frame.answer.flags; // these are good whatever the arms' angles are
+  if (answered_ && encoders_ != counts)
+    changed_ = moved_ = true;
+  answered_ = true;
+  encoders_ = counts;
   const bool leapt = frame_.number > 0 && leaps(frame_.answer.encoders, counts);
   const Forward found = forward(angles_of(counts), leapt ? kCentre : position_);
   unreachable_ = !found.found || !reachable(found.position, angles_of(counts));
@@ -192,8 +201,6 @@ bool Falcon::take(const Frame& frame) noexcept {
   rejected_.reset();
   if (leapt)
     estimator_.reset(); // an arm has passed its mark: that was no motion
-  if (frame_.number > 0 && frame_.answer.encoders != counts)
-    changed_ = moved_ = true;
   position_ = found.position;
   velocity_ = estimator_.update(position_, frame.time_s);
   frame_ = frame;
@@ -212,7 +219,7 @@ bool Falcon::read(const haptic::Tick& tick, haptic::State& state) noexcept {
   judge(tick, sensible || (answered && unreachable_));
   state.position = position_ - kCentre;
   state.velocity = velocity_;
-  state.buttons = frame_.answer.flags & Answer::kButtons;
+  state.buttons = flags_ & Answer::kButtons;
   state.flags = homed_ ? haptic::State::kHomed : 0u;
   if (unreachable_)
     state.flags |= haptic::State::kUnreachable;
@@ -230,10 +237,11 @@ void Falcon::home() noexcept {
     homing_ = true;
     homing_s_ = 0;
   }
+  const bool marked = (flags_ & Answer::kHomed) == Answer::kHomed;
   homing_s_ += homing_ ? period_s_ : 0;
-  if (homing_ && homing_s_ > kMinHoming_s && frame_.answer.homed())
+  if (homing_ && homing_s_ > kMinHoming_s && marked)
     homing_ = false;
-  const bool homed = frame_.answer.homed() && !homing_;
+  const bool homed = marked && !homing_;
   homed_s_ = homed && homed_ ? homed_s_ + period_s_ : 0;
   homed_ = homed;
 }
@@ -246,14 +254,14 @@ void Falcon::judge(const haptic::Tick& tick, bool fresh) noexcept {
   Condition condition = Condition::kWell;
   if (stream_->lost())
     condition = Condition::kLost;
-  else if (unreachable_)
-    condition = Condition::kUnreachable;
   else if (silent)
     condition = Condition::kSilent;
+  else if (!homed_) // until then the angles mean nothing
+    condition = Condition::kHoming;
+  else if (unreachable_)
+    condition = Condition::kUnreachable;
   else if (watch_.frozen())
     condition = norm(position_ - kCentre) < kStops_m ? Condition::kFrozen : Condition::kAtStop;
-  else if (!homed_)
-    condition = Condition::kHoming;
   condition_.store(condition, std::memory_order_relaxed);
 }
 
@@ -293,12 +301,10 @@ std::string Falcon::trouble() const {
   case Condition::kSilent:
     return "the Falcon does not answer: check its power, then close and open it";
   case Condition::kUnreachable:
-    return "the Falcon reports angles that its arms cannot have: home it, or close and open it, "
-           "which "
-           "loads the firmware again";
+    return "the Falcon reports angles that its arms cannot have: home it; if they stay, close and "
+           "open it, which loads the firmware again";
   case Condition::kAtStop:
-    return "the Falcon has no force: its encoders stand still near a stop; pull the grip towards "
-           "the "
+    return "the Falcon has no force: its encoders stand still near a stop; pull the grip to the "
            "centre, and if that changes nothing, close and open it, which loads the firmware again";
   case Condition::kFrozen:
     return "the Falcon's encoders stand still under force: close and open it, which loads the "

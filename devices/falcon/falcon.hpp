@@ -57,7 +57,10 @@ private:
 
   // the servo's
   haptic::VelocityEstimator estimator_;
-  Frame frame_{};
+  Frame frame_{};          // the newest whose arms' angles make sense
+  Counts encoders_{};      // of the newest, whatever they are
+  std::uint8_t flags_ = 0; // likewise
+  bool answered_ = false;
   std::optional<Counts> rejected_{};
   Vec3 position_ = kCentre, velocity_{};
   EncoderWatch watch_;

@@ -233,3 +233,31 @@ TEST_CASE("angles that the arms cannot have take the force away at that tick") {
   REQUIRE(rig.until([&] { return !unreachable(); }));
   CHECK(rig.falcon.trouble().empty());
 }
+
+TEST_CASE("a Falcon homes although its angles make no sense before") {
+  Rig rig;
+  rig.control.ask("pose -2500 2500 -2500");
+  rig.control.ask("forget");
+  REQUIRE(rig.open() == "");
+  rig.step();
+  CHECK_FALSE(rig.homed());
+  CHECK(rig.says("not homed"));
+  REQUIRE(rig.home());
+  rig.control.ask("buttons 3");
+  CHECK(rig.until([&] { return rig.state.buttons == 3; }));
+  rig.control.ask("buttons 0");
+  rig.control.ask("pose");
+  CHECK(rig.until([&] { return (rig.state.flags & State::kUnreachable) == 0; }));
+}
+
+TEST_CASE("a line that falls silent at an unreachable pose is silent") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.control.ask("pose -2500 2500 -2500");
+  REQUIRE(rig.until([&] { return (rig.state.flags & State::kUnreachable) != 0; }));
+  rig.control.ask("stall 2000");
+  CHECK(rig.until([&] { return rig.says("does not answer") && rig.gap_s > 0; }, 1500));
+  rig.control.ask("pose");
+  rig.control.ask("stall 0");
+}
