@@ -64,6 +64,7 @@ struct State {
 struct WristCommand {
   Vec3 torque_n_m{}; ///< about x, y, z of the same frame as the force
   double grip_n = 0; ///< positive as the device's library counts it, taken for opening
+  friend bool operator==(const WristCommand&, const WristCommand&) = default;
 };
 
 /// Puts the state's position right: one that is not finite, or lies farther from the workspace's

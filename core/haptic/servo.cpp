@@ -3,7 +3,6 @@
 namespace tactus::haptic {
 namespace {
 constexpr double kDeaf_s = 0.02; // a device silent for this long has failed
-constexpr int kActionsPerTick = 64;
 
 ChainSettings::Device device_of(const Caps& caps) noexcept {
   ChainSettings::Device device;
@@ -27,14 +26,26 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
       one->begin();
   followed_ = 0;
   refresh_caps();
+  const ThermalLimit motors_heat = chain_.thermal; // which no connection cools
   chain_ = {};
+  chain_.thermal = motors_heat;
   wrist_.reset();
   statistics_ = {};
   state_ = {};
   unread_ = unwritten_ = 0;
-  failed_ = tripped_ = has_heartbeat_ = false;
+  tripped_ = has_heartbeat_ = false;
+  faults_ = 0;
+  statistics_resets_ = exchange_.statistics_resets.load(std::memory_order_relaxed);
   exchange_.commands.read();
   command_ = exchange_.commands.latest();
+  const MotorControl::Request request = exchange_.motors.request();
+  if (request.enables != request_.enables && !request.stopped)
+    fault_ = Fault::kNone;
+  request_ = request;
+  if (request.stopped || fault_ != Fault::kNone)
+    emergency_stop(chain_);
+  if (!request.on || request.paused)
+    motors(chain_, false);
 }
 
 void Servo::refresh_caps() noexcept {
@@ -50,9 +61,9 @@ void Servo::take_orders(const Tick& tick) noexcept {
     settings_ = exchange_.settings.latest();
   settings_.chain.period_s = tick.period_s;
   settings_.chain.device = device_of(caps_);
-  Action action;
-  for (int taken = 0; taken < kActionsPerTick && exchange_.actions.pop(action); ++taken)
-    obey(action);
+  control_motors();
+  if (exchange_.statistics_resets.load(std::memory_order_relaxed) != statistics_resets_)
+    reset_statistics();
   if (!exchange_.commands.read())
     return;
   const Command& newest = exchange_.commands.latest();
@@ -68,25 +79,33 @@ void Servo::take_orders(const Tick& tick) noexcept {
   has_heartbeat_ = true;
 }
 
-void Servo::obey(Action action) noexcept {
-  switch (action) {
-  case Action::kMotorsOn:
-    motors(chain_, true);
-    failed_ = false;
-    unread_ = unwritten_ = 0;
-    break;
-  case Action::kMotorsOff:
-    motors(chain_, false);
-    break;
-  case Action::kEmergencyStop:
+/// What was requested since the last tick: a stop and a later enable both count, in that order.
+void Servo::control_motors() noexcept {
+  const MotorControl::Request request = exchange_.motors.request();
+  if (request == request_)
+    return;
+  if (request.stopped || request.stops != request_.stops)
     emergency_stop(chain_);
-    break;
-  case Action::kResetStatistics:
-    statistics_ = {};
-    chain_.counters = {};
-    chain_.lowest_energy_j = chain_.energy_j;
-    break;
+  if (request.enables != request_.enables && !request.stopped) {
+    motors(chain_, true);
+    fault_ = Fault::kNone;
+    unread_ = unwritten_ = 0;
   }
+  if (!request.on || request.paused) {
+    motors(chain_, false);
+  } else if (!chain_.motors) { // after a pause: an emergency stop stays
+    const bool latched = chain_.latched;
+    motors(chain_, true);
+    chain_.latched = latched;
+  }
+  request_ = request;
+}
+
+void Servo::reset_statistics() noexcept {
+  statistics_resets_ = exchange_.statistics_resets.load(std::memory_order_relaxed);
+  statistics_ = {};
+  chain_.counters = {};
+  chain_.lowest_energy_j = chain_.energy_j;
 }
 
 State Servo::sense(const Tick& tick) noexcept {
@@ -94,12 +113,12 @@ State Servo::sense(const Tick& tick) noexcept {
   if (!device_->read(tick, raw) || !is_finite(raw.position)) {
     ++statistics_.device_errors;
     if (++unread_ * tick.period_s >= kDeaf_s)
-      fail(tick, Event::kSilent);
+      fail(Fault::kSilent);
     return state_;
   }
   unread_ = 0;
   if (raw.flags & State::kFault)
-    fail(tick, Event::kSaysSo);
+    fail(Fault::kReported);
   State state = raw;
   state.position = settings_.map.to_project(raw.position);
   state.velocity = caps_.has_velocity && is_finite(raw.velocity)
@@ -108,12 +127,12 @@ State Servo::sense(const Tick& tick) noexcept {
   return state;
 }
 
-void Servo::fail(const Tick& tick, Event::Fault fault) noexcept {
-  if (failed_)
+void Servo::fail(Fault fault) noexcept {
+  if (fault_ != Fault::kNone)
     return;
-  failed_ = true;
+  fault_ = fault;
+  ++faults_;
   emergency_stop(chain_);
-  exchange_.events.push({Event::Kind::kFault, fault, true, tick.time_s});
 }
 
 void Servo::notice(const Tick& tick, const State& state) noexcept {
@@ -166,8 +185,11 @@ void Servo::step(const Tick& tick) noexcept {
   } else {
     ++statistics_.device_errors;
     if (++unwritten_ * tick.period_s >= kDeaf_s)
-      fail(tick, Event::kSilent);
+      fail(Fault::kSilent);
   }
+
+  exchange_.motors.confirm(request_, unwritten_ == 0 && force == Vec3{} &&
+                                         wrist == WristCommand{});
 
   notice(tick, state);
   state_ = state;
@@ -182,11 +204,20 @@ void Servo::step(const Tick& tick) noexcept {
   report.lowest_energy_j = chain_.lowest_energy_j;
   report.motors = chain_.motors;
   report.latched = chain_.latched;
+  report.fault = fault_;
+  report.faults = faults_;
   exchange_.reports.write(report);
   if (exchange_.tracing.load(std::memory_order_relaxed))
     exchange_.trace.push(report);
   if (statistics_.ticks % kStatisticsTicks == 0)
     exchange_.statistics.write(statistics_);
+}
+
+bool Servo::release() noexcept {
+  if (device_ && !device_->write({})) // no wrist goes with it
+    return false;
+  exchange_.motors.confirm(exchange_.motors.request(), true);
+  return true;
 }
 
 void Servo::wake(Clock& clock) noexcept {

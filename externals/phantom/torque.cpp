@@ -14,7 +14,7 @@ void Phantom::on_torques(Words words, Host& host) {
   wrist_.on = words[0].number != 0;
   if (!wrist_.on)
     wrist_.command = {};
-  servo_.exchange().wrist.write(wrist_);
+  exchange().wrist.write(wrist_);
   const haptic::Caps caps = device().caps();
   if (wrist_.on && open() && !(caps.peak_torque_n_m > 0) && !(caps.peak_grip_n > 0))
     host.error("torques: this device has motors neither for torque nor for a gripper");
@@ -41,11 +41,11 @@ void Phantom::set_wrist(const haptic::WristCommand& command, std::string_view me
   if (!wrist_.on)
     return host.error(std::string(message) + ": torque and grip are off: send torques 1 first");
   wrist_.command = command;
-  servo_.exchange().wrist.write(wrist_);
+  exchange().wrist.write(wrist_);
 }
 
 void Phantom::send_wrist(Host& host, bool all) {
-  const haptic::Report& report = servo_.exchange().reports.latest();
+  const haptic::Report& report = exchange().reports.latest();
   const haptic::Vec3& torque = report.wrist.torque_n_m;
   if (reported_[kTorqueTag] || (all && wrist_.on))
     host.info({"torque", torque.x, torque.y, torque.z});

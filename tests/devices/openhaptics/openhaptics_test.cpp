@@ -241,7 +241,7 @@ TEST_CASE("warm motors are told; a speeding handle loses its force until none ha
   session.after(300);
   CHECK((session.after(1).state.flags & State::kFault) == 0);
   CHECK(fake.counts()[3] == 1);
-  session.servo.exchange().actions.push(haptic::Action::kMotorsOn);
+  session.servo.exchange().motors.enable();
   session.ask({0.5, 0, 0});
   session.after(20);
   CHECK(fake.force().x == doctest::Approx(0.5));
