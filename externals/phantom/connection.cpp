@@ -204,14 +204,15 @@ void Phantom::end_session(Host& host) {
   worker_->forget();
   while (const auto answer = worker_->take())
     if (answer->kind == Answer::Kind::kOpened)
-      static_cast<void>(worker_->close({}, answer->device)); // its thread is there
+      static_cast<void>(worker_->close(driver_, {}, answer->device)); // its thread is there
   if (open()) {
     collect(host);
     if (!open())
       return; // the device was lost at this very moment
     rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
     exchange().motors.pause(true);
-    if (const std::string refusal = worker_->close({rig_, runner_}, device_); !refusal.empty())
+    if (const std::string refusal = worker_->close(driver_, {rig_, runner_}, device_);
+        !refusal.empty())
       host.error("close: " + refusal);
     renew_rig(host);
   }
@@ -320,7 +321,7 @@ void Phantom::watch_worker(Host& host) {
       return closed("open: " + refusal, host);
     return host.wake_in(kWatchWorker, kWatchEvery_ms);
   }
-  if (link_ != Link::kClosed) {
+  if (driver_ && link_ != Link::kClosed) {
     if (open())
       renew_rig(host);
     closed({}, host);
@@ -329,7 +330,7 @@ void Phantom::watch_worker(Host& host) {
 
 void Phantom::opened(const Answer& answer, Host& host) {
   if (answer.ticket != ticket_ || (link_ != Link::kOpening && link_ != Link::kLost)) {
-    static_cast<void>(worker_->close({}, answer.device)); // its thread is there
+    static_cast<void>(worker_->close(driver_, {}, answer.device)); // its thread is there
     return;
   }
   link_ = Link::kOpen;
@@ -386,7 +387,7 @@ void Phantom::let_go() noexcept {
     worker_->forget();
     exchange().motors.pause(true);
     if (open())
-      static_cast<void>(worker_->close({rig_, runner_}, device_));
+      static_cast<void>(worker_->close(driver_, {rig_, runner_}, device_));
   }
   link_ = Link::kClosed;
 }

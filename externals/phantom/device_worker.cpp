@@ -71,8 +71,8 @@ std::string DeviceWorker::open(const devices::Driver& driver, Device device, std
 std::string DeviceWorker::run(Session session, double period_s, std::uint64_t ticket) {
   return give({Task::Kind::kRun, nullptr, {}, std::move(session), ticket, period_s});
 }
-std::string DeviceWorker::close(Session session, Device device) {
-  return give({Task::Kind::kClose, nullptr, std::move(device), std::move(session)});
+std::string DeviceWorker::close(const devices::Driver* driver, Session session, Device device) {
+  return give({Task::Kind::kClose, driver, std::move(device), std::move(session)});
 }
 std::string DeviceWorker::reopen(const devices::Driver& driver, Session session, Device device,
                                  std::uint64_t ticket) {

@@ -61,8 +61,8 @@ public:
   /// Starts the servo on the opened device.
   [[nodiscard]] std::string run(Session session, double period_s, std::uint64_t ticket);
   /// Ends the session, if there is one, and the device's connection. The caller has paused the
-  /// motors: it is waited 200 ms for their zero force.
-  [[nodiscard]] std::string close(Session session, Device device);
+  /// motors: it is waited 200 ms for their zero force. The driver, if given, is for the messages.
+  [[nodiscard]] std::string close(const devices::Driver* driver, Session session, Device device);
   /// The same, then tries to open it again after 0.25, 0.5, 1, 2 and then every 4 s, until it
   /// succeeds or another ticket is asked for.
   [[nodiscard]] std::string reopen(const devices::Driver& driver, Session session, Device device,

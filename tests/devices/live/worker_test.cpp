@@ -154,7 +154,7 @@ TEST_CASE("a device is opened beside, and a refusal is one answer") {
   CHECK(opened.kind == Answer::Kind::kOpened);
   CHECK(opened.ticket == 2);
   CHECK(rig.called == 2);
-  CHECK(rig.worker.close({}, opened.device) == "");
+  CHECK(rig.worker.close(&kPlanned, {}, opened.device) == "");
   CHECK(rig.wait().kind == Answer::Kind::kClosed);
   CHECK(rig.worker.finish(20));
   CHECK(plan.closed == 1);
@@ -171,7 +171,7 @@ TEST_CASE("a lost device is tried again until it returns, and its troubles are t
   CHECK(trouble.sentence == "planned: not this time");
   CHECK(rig.wait().kind == Answer::Kind::kOpened);
   CHECK_FALSE(plan.twice);
-  CHECK(rig.worker.close({}, rig.device) == "");
+  CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
   CHECK(rig.worker.finish(20));
 }
 
@@ -198,7 +198,7 @@ TEST_CASE("a list asks the drivers that are not in use, and answers from what is
   CHECK(plan.lists == 1); // nobody asked the driver
   CHECK(plan.obstacles == asked);
 
-  CHECK(rig.worker.close({}, rig.device) == "");
+  CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
   CHECK(rig.wait().kind == Answer::Kind::kClosed);
   CHECK(lister.list() == "");
   listed = Rig::wait(lister);
@@ -232,7 +232,7 @@ TEST_CASE("who is not wanted any more is closed again, whenever that is said") {
       rig.worker.forget();
       while (const auto answer = rig.worker.take())
         if (answer->kind == Answer::Kind::kOpened)
-          CHECK(rig.worker.close({}, answer->device) == "");
+          CHECK(rig.worker.close(&kPlanned, {}, answer->device) == "");
       CHECK(rig.worker.open(kPlanned, rig.device, 2) == "");
       Answer answer = rig.wait();
       while (answer.kind == Answer::Kind::kClosed)
@@ -240,7 +240,7 @@ TEST_CASE("who is not wanted any more is closed again, whenever that is said") {
       CHECK(answer.ticket == 2);
       CHECK(plan.open);
       CHECK_FALSE(plan.twice);
-      CHECK(rig.worker.close({}, rig.device) == "");
+      CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
       CHECK(rig.worker.finish(20));
     }
     CHECK_FALSE(plan.open);
@@ -270,7 +270,7 @@ TEST_CASE("closing a session writes zero force last") {
   DeviceWorker::Session session = rig.start();
   until([] { return plan.newest_force_n > 0.9; });
   session.rig->servo.exchange().motors.pause(true);
-  CHECK(rig.worker.close(session, rig.device) == "");
+  CHECK(rig.worker.close(&kPlanned, session, rig.device) == "");
   const Answer closed = rig.wait();
   CHECK(closed.kind == Answer::Kind::kClosed);
   CHECK(closed.released);
@@ -298,9 +298,9 @@ TEST_CASE("a call that hangs is told, keeps what it touches, and ends properly w
     if (gate == &plan.reading)
       until([&] { return gate->waiting > 0; });
     session.rig->servo.exchange().motors.pause(true);
-    CHECK(rig.worker.close(std::exchange(session, {}), rig.device) == "");
+    CHECK(rig.worker.close(&kPlanned, std::exchange(session, {}), rig.device) == "");
     until([&] { return gate->waiting > 0; });
-    until([&] { return rig.worker.overdue(0.05) == "closing the device"; });
+    until([&] { return rig.worker.overdue(0.05) == "planned: closing the device"; });
     CHECK(rig.worker.overdue(1e6) == "");
     CHECK_FALSE(rig.worker.finish(0.05));
     rig.device.reset();

@@ -1,0 +1,21 @@
+/* The double of libHD, with calls that hang on demand. */
+#include "hang.h"
+#define hdInitDevice plain_hdInitDevice
+#define hdDisableDevice plain_hdDisableDevice
+#define hdStartScheduler plain_hdStartScheduler
+#define hdStopScheduler plain_hdStopScheduler
+#define hdEndFrame plain_hdEndFrame
+#include "tests/devices/openhaptics/fake_hd.c"
+#undef hdInitDevice
+#undef hdDisableDevice
+#undef hdStartScheduler
+#undef hdStopScheduler
+#undef hdEndFrame
+
+unsigned hdInitDevice(const char* name) {
+  return may_hang("hdInitDevice"), plain_hdInitDevice(name);
+}
+void hdDisableDevice(unsigned device) { may_hang("hdDisableDevice"), plain_hdDisableDevice(device); }
+void hdStartScheduler(void) { may_hang("hdStartScheduler"), plain_hdStartScheduler(); }
+void hdStopScheduler(void) { may_hang("hdStopScheduler"), plain_hdStopScheduler(); }
+void hdEndFrame(unsigned device) { may_hang("hdEndFrame"), plain_hdEndFrame(device); }
