@@ -84,16 +84,21 @@ DriverUse::Listed DriverUse::known(const devices::Driver& driver) {
     if (&use->driver_ != &driver)
       continue;
     const char* state = use->phase_ == Phase::kOpen ? "open" : "busy";
+    const std::string& serial = use->identity_.serial;
     const auto entry =
         std::find_if(listed.found.begin(), listed.found.end(), [&](const devices::Found& found) {
-          return found.state != "open" &&
-                 (found.identity.serial == use->identity_.serial || use->identity_.serial.empty());
+          const bool same = serial.empty() || found.identity.serial.empty() ||
+                            found.identity.serial == serial;
+          return same && found.state != "open" && found.state != "busy";
         });
-    if (entry != listed.found.end())
-      entry->state = state;
-    else
-      listed.found.push_back(
-          {driver.name, static_cast<int>(listed.found.size()), use->identity_, state});
+    if (entry == listed.found.end()) {
+      const auto index = static_cast<int>(listed.found.size());
+      listed.found.push_back({driver.name, index, use->identity_, state});
+      continue;
+    }
+    entry->state = state;
+    if (!serial.empty()) // an open device knows more of itself than the list did
+      entry->identity = use->identity_;
   }
   return listed;
 }

@@ -62,10 +62,8 @@ void Phantom::fail(Host& host) {
   exchange().motors.emergency_stop();
   latch_stop();
   const std::string said = device_->trouble();
-  host.error(std::string(driver_name()) +
-             ": the device has failed and its motors are off until "
-             "motors 1" +
-             (said.empty() ? "; check it first" : ": " + said));
+  host.error("the device has failed and its motors are off until motors 1: " +
+             (said.empty() ? std::string(driver_name()) + ": check it first" : said));
   if (!said.empty())
     send_trouble(trouble_ = said, host);
   if (reported_[kStatus])
