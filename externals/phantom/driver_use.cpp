@@ -87,8 +87,8 @@ DriverUse::Listed DriverUse::known(const devices::Driver& driver) {
     const std::string& serial = use->identity_.serial;
     const auto entry =
         std::find_if(listed.found.begin(), listed.found.end(), [&](const devices::Found& found) {
-          const bool same = serial.empty() || found.identity.serial.empty() ||
-                            found.identity.serial == serial;
+          const bool same =
+              serial.empty() || found.identity.serial.empty() || found.identity.serial == serial;
           return same && found.state != "open" && found.state != "busy";
         });
     if (entry == listed.found.end()) {
