@@ -65,7 +65,7 @@ inline constexpr std::array kMessages{
     Message{"open", "index|serial|path", 0, 1, "connect the device"},
     Message{"close", "", 0, 0, "let the force fall and disconnect"},
     Message{"name", "word", 1, 1, "tells this device from others; devices and dump show it"},
-    Message{"devices", "", 0, 0, "list the devices of all drivers"},
+    Message{"devices", "", 0, 0, "list the devices of all drivers; one in use is not asked"},
     Message{"driver", "word ...", 1, 16, "a setting of the device's own driver"},
     Message{"firmware", "file", 1, 1, "what the device's own software sends it at power-up"},
     Message{"home", "", 0, 0, "find the device's zero again"},
@@ -84,7 +84,9 @@ inline constexpr std::array kMessages{
     Message{"torques", "0|1", 1, 1, "1: torque and grip are sent to a device that has them"},
     Message{"torque", "tx ty tz", 3, 3, "on the handle, about x, y, z; N m"},
     Message{"grip", "N", 1, 1, "force of the gripper"},
-    Message{"estop", "", 0, 0, "no force at once, until motors 1"},
+    Message{
+        "estop", "", 0, 0,
+        "no force at once, until motors 1; holds for the next phantom of this name or device, too"},
     Message{
         "report", "tag 0|1", 2, 2,
         "mm, vel, force, button, status, jitter, error, hit, contact, release, rot, torque, grip"},
