@@ -256,7 +256,7 @@ def test_an_emergency_stop_holds_whatever_happens_to_the_connection(tmp_path, be
     assert back == pytest.approx(2)
 
 
-def made_twice(folder, name, say):
+def made_twice(folder, name, say, first=("estop",)):
     """A phantom that is stopped and deleted, and the one that is made after it, with what is said
     to that; the forces of both, half a second after they were asked for."""
     patch = DevicePatch("", 3000)
@@ -268,7 +268,8 @@ def made_twice(folder, name, say):
             patch.at(start + i, rf"\; pd-made {line}", None)
     patch.at(100, r"\; say list 2 0 0", None)
     patch.at(150, r"\; say bang", None)
-    patch.at(200, r"\; say estop", None)
+    for i, message in enumerate(first):
+        patch.at(200 + i, rf"\; say {message}", None)
     patch.at(300, r"\; pd-made clear", None)
     for i, message in enumerate(say):
         patch.at(350 + i, rf"\; say {message}", None)
@@ -289,6 +290,12 @@ def test_the_user_ends_the_stop_of_an_earlier_phantom_of_that_name(tmp_path):
     forces, result = made_twice(tmp_path, "-name left", ["motors 1", "dump"])
     assert forces == [pytest.approx(2), pytest.approx(2)]
     assert re.search(r"^again: estop 0", result.text, re.M)
+
+
+def test_a_stop_that_was_ended_is_not_inherited(tmp_path):
+    forces, result = made_twice(tmp_path, "-name left", [], ("estop", "motors 1"))
+    assert forces == [pytest.approx(2), pytest.approx(2)]
+    assert "earlier phantom" not in result.text
 
 
 def test_a_creation_argument_does_not_end_it(tmp_path):

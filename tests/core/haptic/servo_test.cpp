@@ -350,11 +350,13 @@ TEST_CASE("an emergency stop outlives every new attachment until the motors are 
   }
   SUBCASE("another servo takes it over") {
     PushedServo next;
+    rig.motors().pause(true); // as the one that ends: the next one is not
     next.motors().take_over(rig.motors());
     next.servo.attach(next.device);
     CHECK(next.run(600) == 0.0);
     next.motors().enable();
     CHECK(next.run(600) == doctest::Approx(2));
+    rig.motors().pause(false);
   }
   rig.motors().enable();
   CHECK(rig.run(600) == doctest::Approx(2));

@@ -86,6 +86,24 @@ def test_pd_ends_beside_an_opening_that_hangs(tmp_path, driver, call):
         assert seconds_to_end(live) < GENEROUS_S
 
 
+@pytest.mark.parametrize("message", ["close", "backend sim"])
+def test_an_opening_that_hangs_and_is_not_wanted_any_more_is_told(tmp_path, message):
+    hang(tmp_path, "dhdOpenID")
+    with Live(tmp_path, Patch("dhd"), environment=vendors_world(tmp_path)) as live:
+        live.wait_for_patch()
+        live.tell_phantom("open")
+        live.wait_for(r"^info: status opening dhd")
+        live.tell_phantom(message)
+        live.wait_for(r"^info: status closed dhd")
+        live.wait_for(r"^error: .*dhd: opening the device has not returned for 1 s; its thread is")
+        hang(tmp_path)  # it opens after all, for nobody, and is closed
+        live.tell_phantom("backend dhd")
+        time.sleep(0.5)
+        live.tell_phantom("open")
+        live.wait_for(r"^info: status open dhd")
+        assert seconds_to_end(live) < GENEROUS_S
+
+
 def test_pd_ends_beside_many_devices_that_hang(tmp_path):
     with opened(tmp_path, "dhd", 6) as live:
         hang(tmp_path, "dhdClose", "dhdGetPosition")
