@@ -21,7 +21,8 @@ using namespace tactus::haptic::test;
 using Scene = WallCase::Scene;
 using Velocity = WallCase::Velocity;
 
-constexpr double kSameForce_n = 2e-3; // an rms below this is rest, whatever the ratio
+constexpr double kSameForce_n = 2e-3; // an rms below this is rest, whatever the ratio; as is less
+                                      // than one step of the encoder makes at that stiffness
 constexpr double kMaxForceRatio = 1.1, kMaxExitEnergy = 1.005;
 
 const char* name_of(Velocity velocity) {
@@ -121,7 +122,7 @@ Sweep sweep(int latency, bool declared, bool quick, std::FILE* csv) {
               if (off.exit_energy > 1)
                 result.exits.add(on.exit_energy, kMaxExitEnergy, describe(c));
             } else if (off.stable()) {
-              result.force.add(on.force_rms_n <= kSameForce_n
+              result.force.add(on.force_rms_n <= std::max(kSameForce_n, k * encoder)
                                    ? 0.0
                                    : on.force_rms_n / std::max(off.force_rms_n, 1e-9),
                                kMaxForceRatio, describe(c));

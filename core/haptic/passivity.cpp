@@ -91,13 +91,13 @@ double PassivityController::release_cut(const PassivitySettings& settings, doubl
   outward_ = outward;
   fastest_inward_ = std::max(fastest_inward_ * std::exp(-T / kApproachMemory_s), inward);
   const int latency = std::clamp(settings.latency_ticks, 0, kMaxLatency_ticks);
+  const double hidden =
+      2.0 * settings.position_noise_m / kVelocityWindow_s; // by the reading's error
   const bool held_by_friction = stiffness * T * (0.5 + latency) <= settings.friction_n_s_per_m;
   if (held_by_friction || !(contact_n > 0.0) ||
-      !(outward > kMinThrow_m_per_s + 2.0 * settings.position_noise_m / kVelocityWindow_s))
+      !(outward > kMinThrow_m_per_s + (1 + latency) * hidden))
     return 0.0;
-  // The speed when this force acts, and what the forces under way will have released by then; the
-  // reading's error may hide some of it.
-  const double hidden = 2.0 * settings.position_noise_m / kVelocityWindow_s;
+  // The speed when this force acts, and what the forces under way will have released by then.
   const double now = hidden > 0.0 ? outward + hidden : std::max(outward, reading);
   const double speed = now + accelerated * latency;
   if (!(speed + accelerated > kThrowShare * fastest_inward_))

@@ -448,7 +448,7 @@ def test_closing_stops_and_opening_starts_afresh(tmp_path):
     ("workspace 1 2",
      "workspace: expected device, learn 0|1 or xmin ymin zmin xmax ymax zmax in mm"),
     ("report x 1", "report x: expected mm, vel, force, button, status, jitter, "
-     "error, hit, contact, release or rot"),
+     "error, hit, contact, release, rot, torque or grip"),
     ("list 1 2", "list: expected 3 arguments (fx fy fz), got 2"),
     ("list 1 two 3", "list two: expected three numbers, fx fy fz"),
     ("button 40 1", "button: number 40: expected 0..31"),

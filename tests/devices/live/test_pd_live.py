@@ -132,7 +132,7 @@ def test_a_vendor_library_with_its_own_scheduler_steps_the_servo(tmp_path):
     with Live(tmp_path, patch, environment={"PHANTOM_LIBHD": os.environ["FAKE_HD"]}) as live:
         live.wait_for(r"^info: status open openhaptics")
         live.wait_for(r"^info: status sched driver")
-        live.tell_phantom("list 1 0 0")
+        live.tell_phantom("list 0.2 0 0")  # slow enough for many positions in the workspace
         live.wait_until(lambda: len(set(live.positions())) > 50)
         live.tell_phantom("stats")
         live.wait_for(r"^info: stats ticks \d\d+")
