@@ -156,6 +156,7 @@ void Phantom::dump(Host& host) {
     host.info({"interp", chain.interpolation == Interpolation::kAuto ? "auto" : "off"});
   host.info({"watchdog", chain.hold_s * 1e3, chain.ramp_s * 1e3});
   scene_.dump(host);
+  network_book_.dump(host, period_s());
   if (!driver_)
     dump_hand(host);
 }

@@ -26,6 +26,7 @@ void Phantom::collect(Host& host) {
   for (int taken = 0; taken < 256 && touched_.events().pop(contact); ++taken)
     send_contact(contact, host);
   touched_.collect();
+  network_.collect();
   watch_flags(host);
   if (!wall_)
     return;

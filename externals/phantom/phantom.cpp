@@ -32,6 +32,7 @@ Phantom::Phantom() {
   for (std::size_t i = 0; i < kParameters.size(); ++i)
     values_[i] = kParameters[i].initial;
   signals_->watch(touched_);
+  signals_->listen(network_);
   settle();
   settle_device();
 }
@@ -125,9 +126,9 @@ void Phantom::created(Host& host) {
 
 void Phantom::attach() noexcept {
   if (driver_)
-    servo_.attach(*device_, &touched_, signals_.get());
+    servo_.attach(*device_, &felt_, signals_.get());
   else
-    servo_.attach(simulated_, &touched_, signals_.get());
+    servo_.attach(simulated_, &felt_, signals_.get());
   if (!on(kMotors))
     servo_.exchange().actions.push(Action::kMotorsOff);
 }
@@ -207,6 +208,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
     new_grids_ = false;
     origin_ms_ = output_origin_ms_ = host.now_ms();
     steps_ = outputs_ = 0;
+    check_network(host);
   }
   if (!open())
     return;
@@ -318,6 +320,8 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
     return on_watchdog(arguments, host);
   case kScene:
     return on_scene(arguments, host);
+  case kNetwork:
+    return on_network(arguments, host);
   case kEstop:
     servo_.exchange().actions.push(Action::kEmergencyStop);
     if (reported_[kStatus])

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/haptic/local_models.hpp"
+#include "core/haptic/network/network_model.hpp"
 #include "core/haptic/scene/scene_model.hpp"
 #include "core/haptic/servo.hpp"
 #include "core/haptic/signal_link.hpp"
@@ -9,6 +11,7 @@
 #include "externals/phantom/declaration.hpp"
 #include "externals/phantom/device_worker.hpp"
 #include "externals/phantom/live_connections.hpp"
+#include "externals/phantom/network_book.hpp"
 #include "externals/phantom/scene_book.hpp"
 #include "externals/phantom/trace.hpp"
 
@@ -134,6 +137,10 @@ private:
   void on_scene(Words, Host&);
   void warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host);
 
+  // network.cpp: the mass-spring network
+  void on_network(Words, Host&);
+  void check_network(Host&);
+
   // simulation.cpp: the simulated device's own
   void on_hand(Words, Host&);
   void on_path(Words, Host&);
@@ -146,10 +153,13 @@ private:
   haptic::Servo servo_{};
   haptic::SimulatedDevice simulated_{};
   haptic::SceneModel touched_{};
+  haptic::NetworkModel network_{};
+  haptic::LocalModels<2> felt_{{&touched_, &network_}};
   std::shared_ptr<haptic::SignalLink> signals_ = std::make_shared<haptic::SignalLink>();
   devices::ServoThread runner_{};
   phantom::Trace trace_{};
   phantom::SceneBook scene_{};
+  phantom::NetworkBook network_book_{};
 
   haptic::ServoSettings settings_{};
   haptic::SimulatedDevice::Settings simulation_{};

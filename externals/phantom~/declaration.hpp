@@ -37,6 +37,8 @@ inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "vx", "m/s", "with -vel 1: velocity to the right"},
     Port{Port::Kind::kSignal, "vy", "m/s", "velocity up"},
     Port{Port::Kind::kSignal, "vz", "m/s", "velocity towards the user"},
+    Port{Port::Kind::kSignal, "net1", "", "first pickup of the phantom's mass-spring network, SI"},
+    Port{Port::Kind::kSignal, "net2", "", "second pickup"},
 };
 inline constexpr std::array kArguments{CreationArgument{"name"}};
 
