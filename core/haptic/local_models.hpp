@@ -18,13 +18,16 @@ public:
   }
   [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override {
     Vec3 sum;
-    for (LocalModel* model : models_)
-      sum += model->force(tick, state);
+    for (std::size_t i = 0; i < Count; ++i)
+      sum += forces_[i] = models_[i]->force(tick, state);
     return sum;
   }
+  /// What that model gave last; for models asked after it in the same tick.
+  [[nodiscard]] const Vec3& force_of(std::size_t model) const noexcept { return forces_[model]; }
 
 private:
   std::array<LocalModel*, Count> models_;
+  std::array<Vec3, Count> forces_{};
 };
 
 } // namespace tactus::haptic

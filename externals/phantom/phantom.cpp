@@ -33,6 +33,7 @@ Phantom::Phantom() {
     values_[i] = kParameters[i].initial;
   signals_->watch(touched_);
   signals_->listen(network_);
+  effects_.watch(touched_, felt_.force_of(0));
   settle();
   settle_device();
 }
@@ -126,9 +127,9 @@ void Phantom::created(Host& host) {
 
 void Phantom::attach() noexcept {
   if (driver_)
-    servo_.attach(*device_, &felt_, signals_.get());
+    servo_.attach(*device_, &felt_, &wished_);
   else
-    servo_.attach(simulated_, &felt_, signals_.get());
+    servo_.attach(simulated_, &felt_, &wished_);
   if (!on(kMotors))
     servo_.exchange().actions.push(Action::kMotorsOff);
 }
@@ -320,6 +321,8 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
     return on_watchdog(arguments, host);
   case kScene:
     return on_scene(arguments, host);
+  case kEffect:
+    return on_effect(arguments, host);
   case kNetwork:
     return on_network(arguments, host);
   case kEstop:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/haptic/effects/effect_model.hpp"
 #include "core/haptic/local_models.hpp"
 #include "core/haptic/network/network_model.hpp"
 #include "core/haptic/scene/scene_model.hpp"
@@ -141,6 +142,9 @@ private:
   void on_network(Words, Host&);
   void check_network(Host&);
 
+  // effect_message.cpp: force effects by name
+  void on_effect(Words, Host&);
+
   // simulation.cpp: the simulated device's own
   void on_hand(Words, Host&);
   void on_path(Words, Host&);
@@ -153,13 +157,17 @@ private:
   haptic::Servo servo_{};
   haptic::SimulatedDevice simulated_{};
   haptic::SceneModel touched_{};
+  haptic::EffectModel effects_{};
+  haptic::DrivenEffects driven_effects_{effects_};
   haptic::NetworkModel network_{};
-  haptic::LocalModels<2> felt_{{&touched_, &network_}};
   std::shared_ptr<haptic::SignalLink> signals_ = std::make_shared<haptic::SignalLink>();
+  haptic::LocalModels<3> felt_{{&touched_, &effects_, &network_}}; // passive by themselves
+  haptic::LocalModels<2> wished_{{signals_.get(), &driven_effects_}};
   devices::ServoThread runner_{};
   phantom::Trace trace_{};
   phantom::SceneBook scene_{};
   phantom::NetworkBook network_book_{};
+  haptic::EffectSettings effect_settings_{};
 
   haptic::ServoSettings settings_{};
   haptic::SimulatedDevice::Settings simulation_{};

@@ -9,7 +9,7 @@
 namespace tactus::phantom_signal {
 
 inline constexpr std::array kParameters{
-    Parameter{"vel", "", 0, 0, 1, "1: velocities at the last three outlets"},
+    Parameter{"vel", "", 0, 0, 1, "1: velocities at the outlets vx, vy and vz"},
     Parameter{"delay", "ms", 3, 0, 100,
               "wall clock: how far behind the newest position the outlets play"},
     Parameter{"gate", "", 1, 0, 1,
