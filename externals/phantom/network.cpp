@@ -15,7 +15,7 @@ void Phantom::on_network(Words words, Host& host) {
       return host.error(refusal);
     network_.publish(network_book_.snapshot());
     const auto stepping = network_book_.stepping(period_s());
-    if (!stepping.reason.empty() && stepping.rate_hz > before_hz)
+    if (!stepping.reason.empty() && stepping.rate_hz != before_hz)
       host.log("network: stepped at " + number_text(stepping.rate_hz) + " Hz: " + stepping.reason);
     const haptic::Network& network = network_book_.network();
     if (is(words[0], "touch"))

@@ -99,23 +99,19 @@ std::string NetworkBook::too_large() const {
 NetworkBook::Stepping NetworkBook::stepping(double period_s) const {
   const haptic::StepBound bound = haptic::max_stable_step(network_);
   const auto steps = haptic::steps_per_tick(network_, bound.step_s, period_s).steps;
-  const double asked_hz = 1 / (haptic::kStepMargin * bound.step_s);
-  if (asked_hz <= network_.rate_hz && steps > 0)
-    return {steps / period_s, {}};
-  if (network_.masses.empty())
-    return {network_.rate_hz, {}};
+  const double needed_hz = 1 / (haptic::kStepMargin * bound.step_s), got_hz = steps / period_s;
   std::string reason;
-  if (asked_hz > network_.rate_hz)
+  if (steps == 0 || needed_hz > network_.rate_hz)
     reason = "mass " + names_[bound.mass].name + " (" +
              number_text(network_.masses[bound.mass].mass_kg) +
-             " kg) with its springs and the hand needs " + number_text(std::ceil(asked_hz)) +
+             " kg) with its springs and the hand needs " + number_text(std::ceil(needed_hz)) +
              " steps a second";
-  else
-    reason = "the rate asks for " + number_text(network_.rate_hz) + " steps a second";
+  else if (got_hz < 0.9 * network_.rate_hz)
+    reason = std::to_string(network_.links.size()) + " links leave time for no more";
   if (steps == 0)
     reason += ", too many for " + std::to_string(network_.links.size()) +
               " links: expected fewer links, softer springs, weaker dampers or heavier masses";
-  return {steps / period_s, std::move(reason)};
+  return {got_hz, std::move(reason)};
 }
 
 std::string NetworkBook::obey(Words words, const Host& host, double period_s) {

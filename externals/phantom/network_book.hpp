@@ -32,8 +32,8 @@ public:
     std::string refusal{};
   };
   [[nodiscard]] Found movable(const Atom& name) const;
-  /// Steps a second in ticks of that length, 0 when they are too many for a tick; and a sentence
-  /// about them when they are more than the set rate.
+  /// Steps a second in ticks of that length, 0 when they are too many for a tick; and why they are
+  /// not as many as the set rate.
   struct Stepping {
     double rate_hz = 0;
     std::string reason{};

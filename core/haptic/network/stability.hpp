@@ -27,15 +27,15 @@ struct NetworkSteps {
   int steps = 0, stride = 1;
 };
 
-/// As many steps as the network's rate or the bound asks for, whichever are more; none when that is
-/// more work than a tick may have. Pickups are read at 48 to 96 kHz, or at each step if those are
-/// fewer.
+/// As many steps as the network's rate asks for, fewer where a tick's work allows no more, more
+/// where the bound needs them; none when it needs more than the work allows. Pickups are read at 48
+/// to 96 kHz, or at each step if those are fewer.
 [[nodiscard]] NetworkSteps steps_per_tick(const Network& network, double max_step_s,
                                           double period_s) noexcept;
 
 inline constexpr int kMaxStepsPerTick = 1024;
 /// Limit of (links + masses/4) x steps in one tick: bench/network_speed.cpp says what that costs.
-inline constexpr double kMaxNetworkWork = 60000;
+inline constexpr double kMaxNetworkWork = 36000;
 /// Share of the bound that is used: omega h <= 1.4, so that the highest mode is still resolved, and
 /// a network whose velocities are taken away each step still settles (h^2 omega^2 < 2).
 inline constexpr double kStepMargin = 0.7;

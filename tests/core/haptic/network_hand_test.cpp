@@ -150,6 +150,34 @@ TEST_CASE("a hand at rest never gets more energy out than is in the network") {
           " mJ");
 }
 
+TEST_CASE("the hand's spring loses k T of its damping: half a tick by the hold, half by the mean") {
+  NetworkRig rig;
+  rig.network.grab = {300, 0};
+  const std::size_t heavy = rig.mass(10, {});
+  rig.publish();
+  SimulatedDevice device;
+  SimulatedDevice::Settings settings;
+  settings.hand.hold = HandSettings::Hold::kFree; // 100 g, 0.5 N s/m
+  device.set(settings);
+  device.place({0, 0, 0.01}, {});
+  rig.model.act({Order::Kind::kGrab, rig.key(heavy), {}, 0});
+  double early = 0, late = 0;
+  for (std::uint64_t n = 0; n < 2000; ++n) {
+    State state;
+    REQUIRE(device.read({n, static_cast<double>(n) * 1e-3, 1e-3}, state));
+    REQUIRE(device.write(rig.model.force({n, static_cast<double>(n) * 1e-3, 1e-3}, state)));
+    const double speed = state.velocity.z - rig.model.velocity(heavy).z;
+    if (n < 500)
+      early = std::max(early, std::abs(speed));
+    else if (n >= 1500)
+      late = std::max(late, std::abs(speed));
+  }
+  // Peaks 1.5 s apart; (B - k T)/2M = 1/s, with k T/2 instead it were 1.75/s.
+  const double decay = std::log(early / late) / 1.5;
+  MESSAGE("damping of the handle ", decay, " 1/s");
+  CHECK(decay == doctest::Approx(1).epsilon(0.1));
+}
+
 TEST_CASE("a plucked string's motion does not depend on the servo's rate") {
   const auto end = [](double rate_hz) {
     NetworkRig rig;
