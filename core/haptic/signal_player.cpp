@@ -20,7 +20,6 @@ void SignalPlayer::prepare(double sample_rate_hz) noexcept {
 void SignalPlayer::attach(SignalLink* link) noexcept {
   link_ = link;
   rate_hz_ = 0;
-  first_sample_ = link ? link->taken_samples() + 1 : 0;
 }
 
 void SignalPlayer::restart(SignalLink::Time time, double rate_hz) noexcept {
@@ -69,15 +68,12 @@ void SignalPlayer::take_network(std::uint64_t until) noexcept {
     network_[link_->taken_samples() % kNetworkHistory] = sample;
 }
 
-/// Samples are numbered from 1; those before the first or after the last are the nearest of them.
+/// Samples are numbered from 1; before the first and after the last the nearest counts.
 NetworkSample SignalPlayer::network_sample(double number) const noexcept {
-  const std::uint64_t last = link_->taken_samples();
-  if (last < first_sample_ || last == 0)
+  const auto last = static_cast<double>(link_->taken_samples());
+  if (last < 1)
     return {};
-  const std::uint64_t oldest =
-      std::max(first_sample_, last >= kNetworkHistory ? last - kNetworkHistory + 1 : 1);
-  const double inside = std::clamp(number, static_cast<double>(oldest), static_cast<double>(last));
-  return network_[static_cast<std::uint64_t>(inside) % kNetworkHistory];
+  return network_[static_cast<std::uint64_t>(std::clamp(number, 1.0, last)) % kNetworkHistory];
 }
 
 /// Lagrange's cubic through the four samples around that number.

@@ -29,8 +29,8 @@ public:
     double vibration_n = 0;
   };
   struct Outputs {
-    Vec3 position; ///< 0..1 over the workspace
-    Vec3 velocity; ///< m/s
+    Vec3 position;                                   ///< 0..1 over the workspace
+    Vec3 velocity;                                   ///< m/s
     std::array<double, Network::kPickups> network{}; ///< of the phantom's mass-spring network
   };
 
@@ -81,7 +81,6 @@ private:
   std::array<Sample, kHistory> history_{};
   std::uint64_t written_ = 0;
   std::array<NetworkSample, kNetworkHistory> network_{}; // number n at n % kNetworkHistory
-  std::uint64_t first_sample_ = 0; // of the network, that this player has taken
   double played_s_ = 0;
   double fed_s_ = 0, unfed_s_ = 0, longest_unfed_s_ = 0; // newest time; played since it came
   bool playing_ = false;

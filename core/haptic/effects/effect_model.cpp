@@ -96,11 +96,11 @@ Vec3 EffectModel::relief(const EffectSettings::Relief& relief,
   const double push = dot(*scene_force_, normal);
   if (!(depth > kMinDepth_m) || !(push > 0))
     return {};
-  const double turn = kTwoPi * dot(position, relief.direction) / relief.wavelength_m;
+  const Vec3 along = relief.direction - normal * dot(relief.direction, normal);
+  const double turn = kTwoPi * dot(position, along) / relief.wavelength_m;
   const double height = 0.5 * relief.depth_m * (std::cos(turn) - 1);
   const double slope = -0.5 * relief.depth_m * kTwoPi / relief.wavelength_m * std::sin(turn);
   const double carved = push * std::max(0.0, depth + height) / depth;
-  const Vec3 along = relief.direction - normal * dot(relief.direction, normal);
   return limited(normal * (carved - push) - along * (carved * slope), kMaxEffect_n);
 }
 

@@ -150,21 +150,18 @@ void NetworkModel::reset() noexcept {
   has_budget_ = false;
 }
 
-/// Never a number that is not finite, nor a denormal, which would make later ticks slow.
+/// Also without denormals, which would make later ticks slow.
 void NetworkModel::keep_bounded() noexcept {
   constexpr double kTiny = 1e-30;
-  bool finite = true;
-  const auto bound = [&finite](double& value, double most) {
-    finite = finite && std::isfinite(value);
-    value = std::abs(value) < kTiny ? 0.0 : std::clamp(value, -most, most);
+  const auto bound = [](double& value, double largest) {
+    value = std::abs(value) < kTiny ? 0.0 : std::clamp(value, -largest, largest);
   };
   for (std::size_t i = 0; i < count_; ++i) {
-    bound(x_[i], kMaxPosition_m), bound(y_[i], kMaxPosition_m), bound(z_[i], kMaxPosition_m);
-    bound(vx_[i], kMaxSpeed_m_per_s), bound(vy_[i], kMaxSpeed_m_per_s),
-        bound(vz_[i], kMaxSpeed_m_per_s);
+    for (Row* row : {&x_, &y_, &z_})
+      bound((*row)[i], kMaxPosition_m);
+    for (Row* row : {&vx_, &vy_, &vz_})
+      bound((*row)[i], kMaxSpeed_m_per_s);
   }
-  if (!finite)
-    reset();
 }
 
 Vec3 NetworkModel::position(std::size_t mass) const noexcept {

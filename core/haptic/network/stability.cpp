@@ -50,8 +50,6 @@ NetworkSteps steps_per_tick(const Network& network, double max_step_s, double pe
   const double most = std::min(std::floor(kMaxNetworkWork / load), 1.0 * kMaxStepsPerTick);
   const double needed = std::max(1.0, std::ceil(period_s / (kStepMargin * max_step_s) - 1e-9));
   const double wanted = std::max(1.0, std::floor(network.rate_hz * period_s + 0.5));
-  if (!(needed <= most))
-    return {};
   double steps = std::max(needed, std::min(wanted, most));
   const double stride = std::max(1.0, std::floor(steps / (period_s * kSampleRate_hz) + 1e-9));
   steps = std::floor(steps / stride) * stride < needed ? std::ceil(steps / stride) * stride

@@ -2,6 +2,7 @@
 #include "core/haptic/effects/effect_model.hpp"
 #include "core/haptic/local_models.hpp"
 #include "core/haptic/simulated_device.hpp"
+#include "tests/core/haptic/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,6 +14,7 @@
 
 using namespace tactus::haptic;
 using tactus::Random;
+using test::approx;
 
 namespace {
 
@@ -129,8 +131,7 @@ TEST_CASE("a free handle with inertia accelerates as both masses together, and s
       }
       if (is_free && mass >= 0.1) // 50 mN s on M + m, slowed by 0.5 N s/m, since 25 ms
         CHECK(velocity_at.x ==
-              doctest::Approx(0.05 / (0.1 + mass) * std::exp(-0.5 * 0.975 / (0.1 + mass)))
-                  .epsilon(0.1));
+              approx(0.05 / (0.1 + mass) * std::exp(-0.5 * 0.975 / (0.1 + mass))).epsilon(0.1));
       CHECK(late <= (is_free ? 0.05 / (0.1 + mass) : 0.05));
     }
 }
@@ -147,8 +148,10 @@ TEST_CASE("inertia and friction never give back more than they got, whatever the
       settings.inertia = {in(1e-3, 20), in(1, 5000), round % 4 == 1 ? 0 : in(1e-3, 20)};
     else
       settings.friction = {in(0.01, 20), in(1, 5000)};
-    rig.effects.set(settings);
     Vec3 x{};
+    for (int n = 0; n < 5; ++n) // they begin while the hand moves
+      rig.tick(x += Vec3{2e-4, 0, 0});
+    rig.effects.set(settings);
     double got = 0;
     for (int n = 0; n < 2000; ++n) {
       const Vec3 before = x;
@@ -165,14 +168,14 @@ TEST_CASE("friction holds like a spring, slips at its force, and holds again on 
   settings.friction = {0.8, 400};
   rig.effects.set(settings);
   rig.tick({});
-  CHECK(rig.tick({0.001, 0, 0}).x == doctest::Approx(-0.4));
-  CHECK(rig.tick({0.002, 0, 0}).x == doctest::Approx(-0.8));
+  CHECK(rig.tick({0.001, 0, 0}).x == approx(-0.4));
+  CHECK(rig.tick({0.002, 0, 0}).x == approx(-0.8));
   for (int n = 0; n < 100; ++n)
-    CHECK(rig.tick({0.002 + 1e-4 * n, 0, 0}).x == doctest::Approx(-0.8));
+    CHECK(rig.tick({0.002 + 1e-4 * n, 0, 0}).x == approx(-0.8));
   const double turn = 0.002 + 99e-4;
-  CHECK(rig.tick({turn - 0.002, 0, 0}).x == doctest::Approx(0).scale(1));
-  CHECK(rig.tick({turn - 0.004, 0, 0}).x == doctest::Approx(0.8));
-  CHECK(norm(rig.tick({turn - 0.02, 0, 0.02})) == doctest::Approx(0.8)); // one cone, all ways
+  CHECK(rig.tick({turn - 0.002, 0, 0}).x == approx(0).scale(1));
+  CHECK(rig.tick({turn - 0.004, 0, 0}).x == approx(0.8));
+  CHECK(norm(rig.tick({turn - 0.02, 0, 0.02})) == approx(0.8)); // one cone, all ways
 }
 
 TEST_CASE("texture is a sine of the position along its direction, and costs nothing round a way") {
@@ -209,6 +212,13 @@ TEST_CASE("relief is carved into what is touched, and only there") {
   CHECK(norm(rig.tick({1e-3, 0, -1e-3}) - Vec3{0, 0, -0.16}) < 1e-8);
   const double pushed = 800 * (1e-3 - 1e-4), slope = kPi * 2e-4 / 2e-3;
   CHECK(norm(rig.tick({0.5e-3, 0, -1e-3}) - Vec3{pushed * slope, 0, pushed - 0.8}) < 1e-8);
+  // A direction that leans out of the surface counts by its part along it.
+  EffectSettings leaning;
+  leaning.relief = {2e-4, 2e-3, {0.6, 0, 0.8}};
+  rig.effects.set(leaning);
+  CHECK(norm(rig.tick({0.5e-3 / 0.6, 0, -1e-3}) - Vec3{0.6 * pushed * slope, 0, pushed - 0.8}) <
+        1e-8);
+  rig.effects.set(settings);
   // In the groove, above its ground: no force at all is left.
   const Vec3 felt = rig.tick({1e-3, 0, -1e-4});
   CHECK(norm(felt + rig.models.force_of(0)) < 1e-9);

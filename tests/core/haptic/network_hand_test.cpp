@@ -1,5 +1,6 @@
 #include "core/dsp/random.hpp"
 #include "core/haptic/simulated_device.hpp"
+#include "tests/core/haptic/approx.hpp"
 #include "tests/core/haptic/network_rig.hpp"
 
 #include <doctest/doctest.h>
@@ -9,6 +10,7 @@
 
 using namespace tactus::haptic;
 using tactus::Random;
+using test::approx;
 using test::NetworkRig;
 using Order = NetworkModel::Action;
 
@@ -61,6 +63,7 @@ TEST_CASE("hand, anchors, pluck, drag and gravity account for all momentum of a 
     momentum = rig.momentum();
     CHECK(norm(momentum - before - force * 1e-3) < 1e-15);
   }
+  CHECK(rig.model.position(0) == Vec3{-0.05, 0, 0}); // anchors do not fall
 }
 
 TEST_CASE("a pressed and a grabbed mass feel as two springs in series") {
@@ -76,7 +79,7 @@ TEST_CASE("a pressed and a grabbed mass feel as two springs in series") {
   rig.model.act({Order::Kind::kGrab, rig.key(mass), {}, 0});
   rig.network.touch.stiffness_n_per_m = 0;
   rig.publish();
-  CHECK(rig.tick_for(1, {0.004, 0, 0}).x == doctest::Approx(-0.004 / (1 / 250. + 1 / 200.)));
+  CHECK(rig.tick_for(1, {0.004, 0, 0}).x == approx(-0.004 / (1 / 250. + 1 / 200.)));
   rig.model.act({Order::Kind::kRelease, 0, {}, 0});
   CHECK(rig.tick_for(1, {0.004, 0, 0}) == Vec3{});
   CHECK(norm(rig.model.position(mass)) < 1e-9); // plucked, and at rest again
@@ -86,8 +89,8 @@ TEST_CASE("a pressed and a grabbed mass feel as two springs in series") {
   rig.publish();
   rig.tick_for(0.1, {0, 0, 0.02});
   const Vec3 force = rig.tick_for(1, {0, 0, 0.006});
-  CHECK(force.z == doctest::Approx(200 * 600 * 0.004 / 800).epsilon(1e-9));
-  CHECK(rig.model.position(mass).z == doctest::Approx(-600 * 0.004 / 800).epsilon(1e-9));
+  CHECK(force.z == approx(200 * 600 * 0.004 / 800).epsilon(1e-9));
+  CHECK(rig.model.position(mass).z == approx(-600 * 0.004 / 800).epsilon(1e-9));
 }
 
 TEST_CASE("a string pressed in the middle has the stiffness 4 T/L of the continuous one") {
@@ -99,7 +102,7 @@ TEST_CASE("a string pressed in the middle has the stiffness 4 T/L of the continu
   rig.tick({});
   rig.model.act({Order::Kind::kGrabNearest, 0, {}, 0});
   const double felt = -rig.tick_for(2, {0, 0, 0.002}).z / 0.002;
-  CHECK(felt == doctest::Approx(1 / (1 / 400. + 1 / 1e4)).epsilon(1e-6)); // 4 T/L = 400 N/m
+  CHECK(felt == approx(1 / (1 / 400. + 1 / 1e4)).epsilon(1e-6)); // 4 T/L = 400 N/m
 }
 
 TEST_CASE("the sphere pushes and never pulls, and lets go") {
@@ -114,6 +117,56 @@ TEST_CASE("the sphere pushes and never pulls, and lets go") {
   CHECK(lowest >= 0);
   CHECK(rig.model.velocity(0).z < -0.01); // it flies on
   CHECK(rig.tick({0, 0, 0.5}) == Vec3{});
+}
+
+TEST_CASE("a mass that flies at the sphere is met within the tick, however fast") {
+  NetworkRig rig;
+  rig.network.touch = {0.01, 1000, 0};
+  const std::size_t mass = rig.mass(1e-3, {0, 0, -0.035});
+  rig.publish();
+  rig.tick({});
+  rig.model.act({Order::Kind::kPluck, rig.key(mass), {0, 0, 15}, 1e-3}); // 15 m/s
+  CHECK(rig.tick({}) == Vec3{});
+  CHECK(rig.model.velocity(mass).z == approx(15));
+  const Vec3 felt = rig.tick({}); // from 27 mm to 12 mm away, with the sphere at 10
+  CHECK(felt == Vec3{});
+  CHECK(rig.tick({0, 0, 0.008}).z > 0); // it catches up with a hand that flees at 8 m/s
+  CHECK(rig.model.velocity(mass).z < 15);
+}
+
+TEST_CASE("a hand that leaps over a mass pushes it on the way") {
+  NetworkRig rig;
+  rig.network.touch = {0.01, 1000, 0};
+  rig.mass(1e-3, {0.001, 0, 0.018});
+  rig.publish();
+  rig.tick({0, 0, -0.03});
+  CHECK(norm(rig.tick({0, 0, 0.03})) > 0.1);
+}
+
+TEST_CASE("a pluck gives its impulse, also one shorter than a step") {
+  for (const double duration_s : {1e-5, 1.3 / 48000, 4e-3}) {
+    NetworkRig rig;
+    const std::size_t mass = rig.mass(1e-2, {});
+    rig.publish();
+    rig.tick();
+    rig.model.act({Order::Kind::kPluck, rig.key(mass), {0, 3, 0}, duration_s});
+    rig.tick_for(0.01);
+    CHECK(rig.model.velocity(mass).y == approx(3 * duration_s / 1e-2).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("displacement is heard from the position at rest") {
+  NetworkRig rig;
+  const std::size_t mass = rig.mass(1e-3, {0.01, 0.02, 0.03});
+  rig.network.pickups[1] = {mass, 1, NetworkPickup::Quantity::kDisplacement};
+  rig.publish();
+  rig.tick();
+  REQUIRE(rig.model.samples().size() == 48);
+  CHECK(rig.model.samples()[0][1] == 0);
+  rig.model.act({Order::Kind::kPluck, rig.key(mass), {0, 0.2, 0}, 1e-3});
+  rig.tick_for(0.01);
+  CHECK(rig.model.samples()[47][1] ==
+        approx(rig.model.position(mass).y - 0.02 - 0.2 / 48000).epsilon(1e-5));
 }
 
 TEST_CASE("a hand at rest never gets more energy out than is in the network") {
@@ -175,7 +228,7 @@ TEST_CASE("the hand's spring loses k T of its damping: half a tick by the hold, 
   // Peaks 1.5 s apart; (B - k T)/2M = 1/s, with k T/2 instead it were 1.75/s.
   const double decay = std::log(early / late) / 1.5;
   MESSAGE("damping of the handle ", decay, " 1/s");
-  CHECK(decay == doctest::Approx(1).epsilon(0.1));
+  CHECK(decay == approx(1).epsilon(0.1));
 }
 
 TEST_CASE("a plucked string's motion does not depend on the servo's rate") {
@@ -210,11 +263,11 @@ TEST_CASE("a cable pulls only, a buffer pushes only") {
   };
   using Kind = NetworkLink::Kind;
   const double k = 1 / (1 / 100. + 1e-5);
-  CHECK(force_at(Kind::kSpring, 0.03) == doctest::Approx(-0.01 * k).epsilon(1e-6));
-  CHECK(force_at(Kind::kPull, 0.03) == doctest::Approx(-0.01 * k).epsilon(1e-6));
-  CHECK(force_at(Kind::kPull, 0.01) == doctest::Approx(0).scale(1e-6));
-  CHECK(force_at(Kind::kPush, 0.01) == doctest::Approx(0.01 * k).epsilon(1e-6));
-  CHECK(force_at(Kind::kPush, 0.03) == doctest::Approx(0).scale(1e-6));
+  CHECK(force_at(Kind::kSpring, 0.03) == approx(-0.01 * k).epsilon(1e-6));
+  CHECK(force_at(Kind::kPull, 0.03) == approx(-0.01 * k).epsilon(1e-6));
+  CHECK(force_at(Kind::kPull, 0.01) == approx(0).scale(1e-6));
+  CHECK(force_at(Kind::kPush, 0.01) == approx(0.01 * k).epsilon(1e-6));
+  CHECK(force_at(Kind::kPush, 0.03) == approx(0).scale(1e-6));
 }
 
 TEST_CASE("an edited network keeps the motion of the masses that stay") {
@@ -227,14 +280,14 @@ TEST_CASE("an edited network keeps the motion of the masses that stay") {
   rig.model.act({Order::Kind::kPluck, rig.key(4), {0, 0, 1}, 1e-3});
   rig.tick_for(0.01);
   const Vec3 position = rig.model.position(lone), velocity = rig.model.velocity(lone);
-  CHECK(velocity.z == doctest::Approx(1));
+  CHECK(velocity.z == approx(1));
   // The string goes, a mass comes: the lone one is now the first.
   rig.network.links.clear();
   rig.network.masses.erase(rig.network.masses.begin(), rig.network.masses.begin() + 12);
   rig.mass(1e-3, {0.3, 0, 0});
   rig.publish();
   rig.tick();
-  CHECK(rig.model.position(0).z == doctest::Approx(position.z + 1e-3 * velocity.z));
+  CHECK(rig.model.position(0).z == approx(position.z + 1e-3 * velocity.z));
   CHECK(rig.model.position(1) == Vec3{0.3, 0, 0});
   rig.model.act({Order::Kind::kReset, 0, {}, 0});
   rig.tick();

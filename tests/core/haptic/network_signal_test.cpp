@@ -1,4 +1,5 @@
 #include "core/haptic/signal_player.hpp"
+#include "tests/core/haptic/approx.hpp"
 #include "tests/core/haptic/network_rig.hpp"
 
 #include <doctest/doctest.h>
@@ -9,6 +10,7 @@
 #include <vector>
 
 using namespace tactus::haptic;
+using test::approx;
 
 namespace {
 
@@ -72,7 +74,7 @@ TEST_CASE("in logical time the network is heard step by step, at any sample rate
     double loudest = 0;
     for (const double v : velocity)
       loudest = std::max(loudest, std::abs(v));
-    CHECK(loudest == doctest::Approx(rig.amplitude * rig.omega).epsilon(2e-3));
+    CHECK(loudest == approx(rig.amplitude * rig.omega).epsilon(2e-3));
     // At 48 kHz each sample is a step: only float's rounding. Else the cubic's error, (w h)^4/30.
     CHECK(HeardRig::roughness(velocity, turn) / loudest < (rate == 48000 ? 4e-7 : 1e-5));
     // The force of the anchor is k z, in quadrature.
@@ -127,7 +129,7 @@ TEST_CASE("in wall time the network is played smoothly behind the servo, over bu
     }
   }
   const double speed = rig.amplitude * rig.omega;
-  CHECK(loudest == doctest::Approx(speed).epsilon(1e-3));
+  CHECK(loudest == approx(speed).epsilon(1e-3));
   CHECK(largest_step < 1.05 * speed * rig.omega / 48000); // 2 % faster at most, no clicks
 }
 
