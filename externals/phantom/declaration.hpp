@@ -80,16 +80,18 @@ inline constexpr std::array kMessages{
             "add name shape ... | mat name k b mu | move name x y z [ms] | del name|all | k N/m | "
             "load file",
             2, 16, "bodies that the handle feels; mm, N/m, N s/m"},
-    Message{"effect",
-            "constant fx fy fz | spring k x y z [N] | viscous b | inertia kg [k b] | friction N [k] "
-            "| texture N mm [dx dy dz] | relief mm mm [dx dy dz] | name off | off",
-            1, 6, "force effects, several at a time; N, N/m, N s/m, kg, mm"},
-    Message{"network",
-            "string name n ... | membrane name nx ny ... | mass name kg x y z | anchor name [x y z] "
-            "| link name name k [b l0 pull|push] | load file | del name|all | touch mm [k b] | grab "
-            "name|nearest|off | pluck name fx fy fz ms | listen name axis ... | drag 1/s | gravity "
-            "gx gy gz | rate Hz | reset",
-            1, 16, "masses and springs that the hand feels and phantom~ plays: docs/network.md"},
+    Message{
+        "effect",
+        "constant fx fy fz | spring k x y z [N] | viscous b | inertia kg [k b] | friction N [k] "
+        "| texture N mm [dx dy dz] | relief mm mm [dx dy dz] | name off | off",
+        1, 6, "force effects, several at a time; N, N/m, N s/m, kg, mm"},
+    Message{
+        "network",
+        "string name n ... | membrane name nx ny ... | mass name kg x y z | anchor name [x y z] "
+        "| link name name k [b l0 pull|push] | load file | del name|all | touch mm [k b] | grab "
+        "name|nearest|off | pluck name fx fy fz ms | listen name axis ... | drag 1/s | gravity "
+        "gx gy gz | rate Hz | reset",
+        1, 16, "masses and springs that the hand feels and phantom~ plays: docs/network.md"},
     Message{"estop", "", 0, 0, "no force at once, until motors 1"},
     Message{"report", "tag 0|1", 2, 2,
             "mm, vel, force, button, status, jitter, error, hit, contact, release, rot"},

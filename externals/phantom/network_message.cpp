@@ -252,7 +252,7 @@ std::string NetworkBook::set_touch(Words words) {
   return refusal;
 }
 
-/// Only how firmly; whom is the servo's affair.
+/// Checks the mass and sets the spring; NetworkModel::Action does the grabbing.
 std::string NetworkBook::set_grab(Words words) {
   constexpr Range ranges[] = {{"k", "N/m", 1, 1e5}, kDamping};
   if (words.empty())

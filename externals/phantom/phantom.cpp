@@ -33,7 +33,7 @@ Phantom::Phantom() {
     values_[i] = kParameters[i].initial;
   signals_->watch(touched_);
   signals_->listen(network_);
-  effects_.watch(touched_, felt_.force_of(0));
+  effects_.watch(touched_, local_models_.force_of(0));
   settle();
   settle_device();
 }
@@ -127,9 +127,9 @@ void Phantom::created(Host& host) {
 
 void Phantom::attach() noexcept {
   if (driver_)
-    servo_.attach(*device_, &felt_, &wished_);
+    servo_.attach(*device_, &local_models_, &patch_models_);
   else
-    servo_.attach(simulated_, &felt_, &wished_);
+    servo_.attach(simulated_, &local_models_, &patch_models_);
   if (!on(kMotors))
     servo_.exchange().actions.push(Action::kMotorsOff);
 }

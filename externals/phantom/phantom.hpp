@@ -161,8 +161,8 @@ private:
   haptic::DrivenEffects driven_effects_{effects_};
   haptic::NetworkModel network_{};
   std::shared_ptr<haptic::SignalLink> signals_ = std::make_shared<haptic::SignalLink>();
-  haptic::LocalModels<3> felt_{{&touched_, &effects_, &network_}}; // passive by themselves
-  haptic::LocalModels<2> wished_{{signals_.get(), &driven_effects_}};
+  haptic::LocalModels<3> local_models_{{&touched_, &effects_, &network_}}; // passive by themselves
+  haptic::LocalModels<2> patch_models_{{signals_.get(), &driven_effects_}};
   devices::ServoThread runner_{};
   phantom::Trace trace_{};
   phantom::SceneBook scene_{};

@@ -2,6 +2,7 @@
 
 import csv
 import pathlib
+import random
 
 import numpy
 import pytest
@@ -192,6 +193,43 @@ def test_a_network_that_another_servo_rate_cannot_step_rests_and_says_so(tmp_pat
     result = patch.run(tmp_path)
     assert len(result.errors) == 1, result.errors
     assert "network: it rests, since at 200 ticks a second mass m" in result.errors[0]
+
+
+WORDS = ("s", "s-1", "s-2", "m-1-1", "all", "off", "nearest", "x", "z", "force", "pull", "bars.txt", "a", "ball")
+NUMBERS = (0, 1, 2, 3, 7, -1, 0.5, 1e-3, 1e-6, 10, 50, 200, 1e3, 1e9, -1e9, 1e30)
+NETWORK = ("string", "membrane", "mass", "anchor", "link", "load", "del", "touch", "grab", "pluck", "listen",
+           "drag", "gravity", "rate", "reset", "nonsense")
+EFFECTS = ("constant", "spring", "viscous", "inertia", "friction", "texture", "relief", "off", "nonsense")
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_any_messages_leave_the_force_finite_and_within_its_limit(seed):
+    """Random networks and effects under a moving hand, heard and felt."""
+    rng = random.Random(seed)
+    messages = [(0, "path lissajous 0 0 0 30 30 30 3 2 5")]
+    good = ("network string s 12 -40 0 0 40 0 0", "network membrane m 6 6 -40 -40 0 40 40 0", "network grab nearest",
+            "network mass ball 0.01 0 10 0", "network link ball s-3 500 0.1", "network listen s-4 z")
+    for ms in range(1, 1500, 2):
+        if rng.random() < 0.1:
+            messages.append((ms, rng.choice(good)))
+            continue
+        kind, names = rng.choice((("network", NETWORK), ("network", NETWORK), ("effect", EFFECTS)))
+        arguments = [rng.choice(WORDS) if rng.random() < 0.4 else f"{rng.choice(NUMBERS):g}"
+                     for _ in range(rng.choice((0, 1, 2, 3, 4, 6, 8)))]
+        messages.append((ms, " ".join([kind, rng.choice(names), *arguments])))
+    patch = Patch()
+    box = patch.obj("phantom", "-name", "hand")
+    for ms, message in messages:
+        patch.at(ms, box, message)
+    patch.at(0, box, "report force 1")
+    patch.log("info", box[3])
+    signals = patch.obj("phantom~", "hand")
+    patch.record("left", signals[7])
+    result = patch.render(1.55, expect_errors=["network", "effect"])
+    forces = [atoms[1:] for _, atoms in result.logs["info"] if atoms[0] == "force"]
+    assert len(forces) > 1000 and numpy.isfinite(forces).all()
+    assert numpy.linalg.norm(forces, axis=1).max() <= 8 * (1 + 1e-6)
+    assert numpy.isfinite(result["left"]).all()
 
 
 def test_everything_can_be_deleted_while_it_sounds_and_built_again():

@@ -63,7 +63,7 @@ double NetworkModel::handle_energy_j() const noexcept {
     const double now = touch.radius_m - norm(position(i) - handle_);
     const double then = touch.radius_m - norm(before - handle_before);
     if (now > 0 && then > 0)
-      energy += yielding_energy_j(touch.stiffness_n_per_m, now * then, now);
+      energy += yielding_energy_j(touch_gain_[i] * touch.stiffness_n_per_m, now * then, now);
   }
   if (grabbed_ != kNobody) {
     const Vec3 now = handle_ - position(grabbed_mass_);

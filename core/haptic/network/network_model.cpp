@@ -8,6 +8,9 @@
 
 /// Networks and orders from the host; network_step.cpp has the stepping.
 namespace tactus::haptic {
+namespace {
+constexpr int kMaxActions = 16; // a tick; the rest wait for the next
+}
 
 NetworkModel::~NetworkModel() {
   collect();
@@ -29,9 +32,10 @@ void NetworkModel::collect() noexcept {
 }
 
 void NetworkModel::begin() noexcept {
-  started_ = false;
+  started_ = has_budget_ = false;
   grabbed_ = kNobody;
   sample_count_ = 0;
+  touch_gain_.fill(-1);
 }
 
 /// Keys grow along both lists, so that one walk finds the masses that stay.
@@ -42,7 +46,7 @@ void NetworkModel::take_network() noexcept {
   network_ = published_->network.get();
 
   const std::size_t count = std::min(network_->masses.size(), kPoints);
-  Row x{}, y{}, z{}, vx{}, vy{}, vz{};
+  Row x{}, y{}, z{}, vx{}, vy{}, vz{}, gain{};
   for (std::size_t i = 0, old = 0; i < count; ++i) {
     const NetworkMass& mass = network_->masses[i];
     while (old < count_ && keys_[old] < mass.key)
@@ -51,6 +55,7 @@ void NetworkModel::take_network() noexcept {
     x[i] = kept ? x_[old] : mass.position.x;
     y[i] = kept ? y_[old] : mass.position.y;
     z[i] = kept ? z_[old] : mass.position.z;
+    gain[i] = kept ? touch_gain_[old] : -1;
     if (kept && !mass.fixed) {
       vx[i] = vx_[old];
       vy[i] = vy_[old];
@@ -59,6 +64,7 @@ void NetworkModel::take_network() noexcept {
   }
   x_ = x, y_ = y, z_ = z;
   vx_ = vx, vy_ = vy, vz_ = vz;
+  touch_gain_ = gain;
   count_ = count;
   has_budget_ = false;
   for (std::size_t i = 0; i < count; ++i) {
@@ -87,7 +93,7 @@ std::size_t NetworkModel::find(std::uint64_t key) const noexcept {
 
 void NetworkModel::take_actions(const Vec3& handle) noexcept {
   Action action;
-  for (int taken = 0; taken < 64 && actions_.pop(action); ++taken)
+  for (int taken = 0; taken < kMaxActions && actions_.pop(action); ++taken)
     obey(action, handle);
 }
 

@@ -34,6 +34,10 @@ public:
   static constexpr double kMaxHandle_n = 40;  ///< the handle's spring to a mass yields beyond
   static constexpr double kMaxPluck_n = 1000; ///< longer forces are shortened
 
+  /// A mass that appears within the sphere about the handle, or is there when a device is opened,
+  /// is pushed by a force that grows for this long.
+  static constexpr double kEmerging_s = 0.1;
+
   struct Action {
     enum class Kind { kPluck, kGrab, kGrabNearest, kRelease, kReset };
     Kind kind = Kind::kReset;
@@ -124,6 +128,7 @@ private:
   std::array<std::uint64_t, kPoints> keys_{};
   Row x_{}, y_{}, z_{}, vx_{}, vy_{}, vz_{}, fx_{}, fy_{}, fz_{};
   Row mass_{}, inverse_mass_{}; // inverse 0: an anchor
+  Row touch_gain_{};            // 0..1 while a mass emerges; below 0: it has just appeared
   double step_s_ = 0;
 
   Vec3 handle_{}, handle_velocity_{}; // at the end of the last tick, and during it

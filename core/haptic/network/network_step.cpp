@@ -74,6 +74,13 @@ void NetworkModel::find_candidates(const Vec3& from, const Vec3& to, double peri
   for (std::size_t i = 0; i < count_; ++i) {
     const Vec3 away = position(i) - middle, v = this->velocity(i);
     const double travel = 2 * period_s * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
+    double& gain = touch_gain_[i];
+    if (gain < 1) {
+      gain = gain >= 0 ? std::min(1.0, gain + period_s / kEmerging_s)
+             : norm(position(i) - from) < touch.radius_m ? 0
+                                                         : 1;
+      has_budget_ = false; // a spring that grows puts energy in
+    }
     if (inverse_mass_[i] > 0 && dot(away, away) < (reach + travel) * (reach + travel))
       candidates_[candidate_count_++] = static_cast<std::uint16_t>(i);
   }
@@ -123,9 +130,10 @@ Vec3 NetworkModel::apply_handle(const Vec3& handle, const Vec3& handle_velocity)
     const double length = std::sqrt(length2);
     const Vec3 normal = away * (1.0 / length);
     const double leaving = dot(velocity(i) - handle_velocity, normal);
-    const double push = std::min(touch.stiffness_n_per_m * (touch.radius_m - length) -
-                                     touch.damping_n_s_per_m * leaving,
-                                 kMaxHandle_n);
+    const double push =
+        std::min(touch_gain_[i] * (touch.stiffness_n_per_m * (touch.radius_m - length) -
+                                   touch.damping_n_s_per_m * leaving),
+                 kMaxHandle_n);
     if (push <= 0)
       continue;
     const Vec3 force = normal * push;

@@ -47,14 +47,14 @@ StepBound max_stable_step(const Network& network) {
 NetworkSteps steps_per_tick(const Network& network, double max_step_s, double period_s) noexcept {
   const double load = std::max(1.0, static_cast<double>(network.links.size()) +
                                         0.25 * static_cast<double>(network.masses.size()));
-  const double most = std::min(std::floor(kMaxNetworkWork / load), 1.0 * kMaxStepsPerTick);
+  const double max_steps = std::min(std::floor(kMaxNetworkWork / load), 1.0 * kMaxStepsPerTick);
   const double needed = std::max(1.0, std::ceil(period_s / (kStepMargin * max_step_s) - 1e-9));
   const double wanted = std::max(1.0, std::floor(network.rate_hz * period_s + 0.5));
-  double steps = std::max(needed, std::min(wanted, most));
+  double steps = std::max(needed, std::min(wanted, max_steps));
   const double stride = std::max(1.0, std::floor(steps / (period_s * kSampleRate_hz) + 1e-9));
   steps = std::floor(steps / stride) * stride < needed ? std::ceil(steps / stride) * stride
                                                        : std::floor(steps / stride) * stride;
-  if (!(steps <= most))
+  if (!(steps <= max_steps))
     return {};
   return {static_cast<int>(steps), static_cast<int>(stride)};
 }

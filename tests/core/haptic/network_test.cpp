@@ -18,8 +18,6 @@ using test::NetworkRig;
 
 namespace {
 constexpr double kPi = std::numbers::pi;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 } // namespace
 
 TEST_CASE("a mass on a spring and a damper moves as the solution of its difference equation") {
@@ -119,7 +117,8 @@ TEST_CASE("a string with a rest length has the same small transverse motion, and
 TEST_CASE("every mode of a membrane swings at its frequency, in any axis plane") {
   NetworkMembrane membrane{5, 4, {-0.03, 0.01, 0.02}, {0.03, 0.01, -0.02}, 1e-3, 40, 0};
   const double dx = 0.06 / 6, dz = 0.04 / 5, m = 1e-3 / 20;
-  for (const auto& [j, k] : {std::pair{1, 1}, {2, 1}, {5, 4}, {3, 2}}) {
+  for (const auto& mode : {std::pair{1, 1}, {2, 1}, {5, 4}, {3, 2}}) {
+    const int j = mode.first, k = mode.second;
     NetworkRig rig;
     NetworkPart part = make_membrane(membrane);
     CHECK(part.masses.size() == 7 * 6 - 4);
