@@ -20,15 +20,6 @@ constexpr std::string_view kNames = "constant, spring, viscous, inertia, frictio
 constexpr Range force(std::string_view name) { return {name, "N", -40, 40}; }
 constexpr Range part(std::string_view name) { return {name, "", -1e6, 1e6}; }
 
-/// As many of the ranges as there are words, but no fewer than `fewest`; values left out keep
-/// theirs.
-std::string read_some(Words words, std::span<const Range> ranges, std::size_t fewest,
-                      double* values) {
-  if (words.size() > ranges.size())
-    return "takes " + std::to_string(ranges.size()) + " numbers at most";
-  return read_numbers(words, ranges.first(std::max(words.size(), fewest)), values);
-}
-
 std::string read_grating(Words words, const Range& height, double* v, Vec3& direction) {
   const Range ranges[] = {
       height, {"wavelength", "mm", 0.05, 1000}, part("dx"), part("dy"), part("dz")};

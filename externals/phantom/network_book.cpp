@@ -8,7 +8,8 @@
 #include <algorithm>
 #include <fstream>
 
-/// The network's contents; network_message.cpp reads the messages that build it.
+/// The network's contents; network_message.cpp and network_settings.cpp read the
+/// messages.
 namespace tactus::phantom {
 
 using haptic::Network;

@@ -57,6 +57,7 @@ private:
   [[nodiscard]] std::string add_membrane(Words words);
   [[nodiscard]] std::string load(Words words, const Host& host);
   [[nodiscard]] std::string remove(Words words);
+  [[nodiscard]] std::string set_motion(Words words);
   [[nodiscard]] std::string set_touch(Words words);
   [[nodiscard]] std::string set_grab(Words words);
   [[nodiscard]] std::string set_pickup(Words words);

@@ -146,6 +146,7 @@ void Phantom::begin(Host& host) {
   steps_ = outputs_ = 0;
   scheduling_told_ = false;
   if (open()) {
+    check_network(host);
     place_signals();
     if (wall_) {
       publish(devices::ServoThread::now_s());

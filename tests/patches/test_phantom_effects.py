@@ -116,7 +116,7 @@ def test_effects_leave_the_hand_calm(tmp_path, effect, hand):
     ("effect spring -1 0 0 0", "effect spring: k -1 N/m: expected 0..5000 N/m"),
     ("effect spring soft 0 0 0", "effect spring: k soft: expected 0..5000 N/m"),
     ("effect viscous 1e9", "effect viscous: b 1e+09 N s/m: expected 0..50 N s/m"),
-    ("effect viscous 1 2", "effect viscous: takes 1 numbers at most"),
+    ("effect viscous 1 2", "effect viscous: takes 1 number at most"),
     ("effect inertia 0", "effect inertia: mass 0 kg: expected 0.001..20 kg"),
     ("effect texture 1 2 0 0 0", "effect texture: direction 0 0 0: expected one that is not zero"),
     ("effect texture 1 2 1", "effect texture: expected amplitude and wavelength"),

@@ -1,7 +1,6 @@
 """The mass-spring network inside [phantom]'s servo: felt by the hand and heard by [phantom~]."""
 
 import csv
-import pathlib
 import random
 
 import numpy
@@ -11,7 +10,6 @@ from harness import Patch
 from test_phantom import DevicePatch, force_after
 
 RATE = 48000
-DATA = pathlib.Path(__file__).resolve().parents[2] / "data" / "networks"
 
 
 def heard(messages, seconds=1.0, block=64, rate=RATE, device="-hand rigid -walls 0", rows=None):
@@ -120,7 +118,7 @@ def test_the_hand_pushes_a_membrane_and_it_rings_when_the_hand_leaves(tmp_path):
 
 @pytest.mark.parametrize("name", ["drop.txt", "bars.txt"])
 def test_the_networks_that_come_with_the_package_load_and_sound(name):
-    result = heard([(0, f"network load {DATA / name}"), (0, "dump"),
+    result = heard([(0, f"network load networks/{name}"), (0, "dump"),
                     (50, "network pluck drop 0 0.5 0 20" if name == "drop.txt" else "network pluck low 0 0.5 0 1")], 1)
     assert numpy.abs(result["left"]).max() > 1e-3
     counts = [atoms for _, atoms in result.logs["info"] if atoms[0] == "network"]
@@ -230,6 +228,17 @@ def test_any_messages_leave_the_force_finite_and_within_its_limit(seed):
     assert len(forces) > 1000 and numpy.isfinite(forces).all()
     assert numpy.linalg.norm(forces, axis=1).max() <= 8 * (1 + 1e-6)
     assert numpy.isfinite(result["left"]).all()
+
+
+def test_deleting_one_string_leaves_the_others_their_links_pickups_and_motion():
+    """Two strings of other pitches; the first is taken away while the second sounds."""
+    build = [(0, "network touch 0"), (0, "network string a 9 -50 0 0 50 0 0 0.001 3"),
+             (0, "network string b 9 -50 20 0 50 20 0 0.001 12"), (0, "network listen b-2 z"),
+             (50, "network pluck b-3 0 0 1 2")]
+    whole = heard(build, 0.5)["left"]
+    cut = heard(build + [(200, "network del a")], 0.5)["left"]
+    assert numpy.abs(whole[-4800:]).max() > 0.1
+    assert cut == pytest.approx(whole, abs=1e-5)
 
 
 def test_everything_can_be_deleted_while_it_sounds_and_built_again():
