@@ -4,9 +4,13 @@
 #include "devices/thread_priority.hpp"
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <system_error>
 
 #ifdef __linux__
 #include <ctime>
@@ -48,62 +52,143 @@ double ServoThread::now_s() noexcept {
   return std::chrono::duration<double>(Steady::now().time_since_epoch()).count();
 }
 
+struct ServoThread::Run {
+  haptic::Servo& servo;
+  haptic::Backend* driver; ///< that calls follow; null: our own thread steps
+  std::shared_ptr<void> owner;
+  std::atomic<double> period_s;
+  std::atomic<bool> stopping{false}, released{true};
+  std::atomic<int> scheduling{-1};
+
+  std::mutex mutex{};
+  std::condition_variable changed{};
+  bool ended = false;
+
+  void end() {
+    const std::scoped_lock lock(mutex);
+    ended = true;
+    changed.notify_all();
+  }
+};
+
 std::string_view ServoThread::scheduling() const noexcept {
   constexpr std::array<std::string_view, 5> names{"", "fifo", "nice", "other", "driver"};
-  return names[static_cast<std::size_t>(scheduling_.load(std::memory_order_relaxed) + 1)];
+  const int known = run_ ? run_->scheduling.load(std::memory_order_relaxed) : -1;
+  return names[static_cast<std::size_t>(known + 1)];
 }
 
-void ServoThread::start(haptic::Servo& servo, double period_s) {
-  stop();
-  stopping_ = false;
-  scheduling_ = -1;
+void ServoThread::set_period(double period_s) noexcept {
+  if (run_)
+    run_->period_s.store(period_s, std::memory_order_relaxed);
+}
+
+std::string ServoThread::start(haptic::Servo& servo, double period_s, std::shared_ptr<void> owner) {
+  if (!stop())
+    return "the servo's last thread still waits for its device";
+  auto run = std::shared_ptr<Run>(new Run{servo, nullptr, std::move(owner), {period_s}});
   const SignalsHeldBack held;
-  thread_ = std::thread([this, &servo, period_s] { run(servo, period_s); });
-}
-
-bool ServoThread::start(haptic::Servo& servo, haptic::Backend& device, double period_s) {
-  if (!device.owns_thread()) {
-    start(servo, period_s);
-    return true;
+  try {
+    thread_ = std::thread([run] {
+      ServoThread::run(*run);
+      run->end();
+    });
+  } catch (const std::system_error& error) {
+    return std::string("the servo's thread does not start (") + error.what() +
+           "): end other programs or raise the limit on threads";
   }
-  stop();
-  servo_ = &servo;
-  period_s_ = period_s;
-  scheduling_ = kDriversOwn;
-  driver_ = &device;
+  run_ = std::move(run);
+  released_ = true;
+  return {};
+}
+
+std::string ServoThread::start(haptic::Servo& servo, haptic::Backend& device, double period_s,
+                               std::shared_ptr<void> owner) {
+  if (!device.owns_thread())
+    return start(servo, period_s, std::move(owner));
+  if (!stop())
+    return "the servo's last thread still waits for its device";
+  auto run = std::shared_ptr<Run>(new Run{servo, &device, std::move(owner), {period_s}});
+  run->scheduling = kDriversOwn;
   const SignalsHeldBack held; // the driver's scheduler, too, may start its thread here
-  if (!device.run(&ServoThread::follow, this))
-    driver_ = nullptr;
-  return driver_ != nullptr;
+  if (!device.run(&ServoThread::follow, run.get())) {
+    const std::string reason = device.trouble();
+    return "the device's own scheduler does not start" + (reason.empty() ? "" : ": " + reason);
+  }
+  run_ = std::move(run);
+  halting_ = false;
+  released_ = true;
+  return {};
 }
 
-void ServoThread::follow(void* self) noexcept {
+void ServoThread::follow(void* run) noexcept {
   MonotonicClock clock;
-  auto& thread = *static_cast<ServoThread*>(self);
-  thread.servo_->follow(clock, thread.period_s_);
+  auto& self = *static_cast<Run*>(run);
+  self.servo.follow(clock, self.period_s.load(std::memory_order_relaxed));
 }
 
-void ServoThread::stop() noexcept {
-  if (driver_)
-    driver_->halt();
-  driver_ = nullptr;
-  if (!thread_.joinable())
+/// In a thread of its own, since the driver may not return from it. The driver writes the zero.
+void ServoThread::halt_driver() noexcept {
+  if (halting_)
     return;
-  stopping_ = true;
-  thread_.join(); // within one period: the step is bounded and the sleep ends at the next deadline
+  halting_ = true;
+  if (run_->owner) {
+    const SignalsHeldBack held;
+    try {
+      std::thread([run = run_] {
+        run->driver->halt();
+        run->end();
+      }).detach();
+      return;
+    } catch (const std::system_error&) { // then here, however long it takes
+    }
+  }
+  run_->driver->halt();
+  run_->end();
 }
 
-void ServoThread::run(haptic::Servo& servo, double period_s) noexcept {
-  scheduling_ = static_cast<int>(raise_thread_priority(kServoPriority));
+bool ServoThread::stop(double patience_s) noexcept {
+  if (!run_)
+    return true;
+  if (run_->driver)
+    halt_driver();
+  run_->stopping = true;
+  {
+    std::unique_lock lock(run_->mutex);
+    const auto ended = [this] { return run_->ended; };
+    if (!run_->owner)
+      run_->changed.wait(lock, ended);
+    else if (!run_->changed.wait_for(lock, std::chrono::duration<double>(patience_s), ended))
+      return false;
+  }
+  if (thread_.joinable())
+    thread_.join(); // it has only to return
+  released_ = run_->released.load();
+  run_.reset();
+  return true;
+}
+
+ServoThread::~ServoThread() {
+  if (!stop() && thread_.joinable())
+    thread_.detach();
+}
+
+void ServoThread::run(Run& run) noexcept {
+  run.scheduling = static_cast<int>(raise_thread_priority(kServoPriority));
 #if defined(__SSE2__)
   _mm_setcsr(_mm_getcsr() | 0x8040); // denormals are zero
 #endif
   MonotonicClock clock;
-  servo.start(clock, period_s);
-  while (!stopping_.load(std::memory_order_acquire)) {
-    sleep_until(servo.deadline_s());
-    servo.wake(clock);
+  double period_s = 0;
+  while (!run.stopping.load(std::memory_order_acquire)) {
+    if (const double wanted_s = run.period_s.load(std::memory_order_relaxed);
+        wanted_s != period_s) {
+      period_s = wanted_s;
+      run.servo.start(clock, period_s);
+    }
+    sleep_until(run.servo.deadline_s());
+    run.servo.wake(clock);
   }
+  run.released = run.servo.release();
 }
 
 } // namespace tactus::devices

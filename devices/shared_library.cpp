@@ -10,9 +10,9 @@ namespace tactus::devices {
 
 #ifndef _WIN32
 bool SharedLibrary::load(std::span<const char* const> names) {
-  unload();
+  handle_ = nullptr;
   for (const char* name : names) {
-    handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL); // never closed
     if (handle_) {
       name_ = name;
       error_.clear();
@@ -24,18 +24,12 @@ bool SharedLibrary::load(std::span<const char* const> names) {
   return false;
 }
 
-void SharedLibrary::unload() noexcept {
-  if (handle_)
-    dlclose(handle_);
-  handle_ = nullptr;
-}
-
 void* SharedLibrary::address(const char* symbol_name) const noexcept {
   return handle_ ? dlsym(handle_, symbol_name) : nullptr;
 }
 #else
 bool SharedLibrary::load(std::span<const char* const> names) {
-  unload();
+  handle_ = nullptr;
   for (const char* name : names) {
     handle_ = LoadLibraryA(name);
     if (handle_) {
@@ -46,12 +40,6 @@ bool SharedLibrary::load(std::span<const char* const> names) {
     error_ = std::string(name) + " cannot be loaded (error " + std::to_string(GetLastError()) + ")";
   }
   return false;
-}
-
-void SharedLibrary::unload() noexcept {
-  if (handle_)
-    FreeLibrary(static_cast<HMODULE>(handle_));
-  handle_ = nullptr;
 }
 
 void* SharedLibrary::address(const char* symbol_name) const noexcept {

@@ -7,18 +7,18 @@
 namespace tactus::devices {
 
 /// A library that is loaded while the program runs, so that its absence is a sentence and not a
-/// program that does not start.
+/// program that does not start. Once loaded it stays for the life of the process, and loading it
+/// again finds the same one: drivers' libraries keep threads and state of their own, and some fail
+/// when they are loaded a second time (CHAI3D leaves libHD open for that reason, cPhantomDevice).
 class SharedLibrary {
 public:
   SharedLibrary() = default;
-  ~SharedLibrary() { unload(); }
   SharedLibrary(const SharedLibrary&) = delete;
   SharedLibrary& operator=(const SharedLibrary&) = delete;
 
   /// Tries the names in order, all symbols resolved at once and kept from other libraries. False
   /// when none loads: error() is then the loader's last word.
   bool load(std::span<const char* const> names);
-  void unload() noexcept;
   [[nodiscard]] bool loaded() const noexcept { return handle_ != nullptr; }
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
   /// The name that loaded.

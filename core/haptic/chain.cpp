@@ -9,8 +9,6 @@ constexpr double kLongestLocal_n = 1e6;
 constexpr double kFarthest_m = 1e3;
 constexpr double kFastest_m_per_s = 1e4;
 constexpr std::uint64_t kLongestAuto_ticks = 50;
-// Below this speed the controller's gain E/(T v^2) would only amplify noise.
-constexpr double kSlowestBraked_m_per_s = 1e-4;
 
 std::uint64_t ticks_of(double seconds, double period_s) noexcept {
   const double ticks = std::floor(seconds / period_s + 0.5);
@@ -66,29 +64,38 @@ double watchdog_gain(ChainState& state, const ChainSettings& settings, const Cha
   return state.alive_gain = std::min(state.alive_gain, 1.0);
 }
 
-/// Time-domain passivity observer and controller after Hannaford & Ryu (IEEE Transactions on
-/// Robotics and Automation 18, 2002), for a force held over the tick: the energy that the human
-/// put into the rendered world is E_n = E_(n-1) - F_(n-1) . (x_n - x_(n-1)), with no error from
-/// the hold. While E < 0 a damper takes the excess back within one tick: b = -E / (T |v|^2).
-/// A patch that guides the hand does work on purpose: what its targets put in is forgiven up to
+PassivitySettings passivity_of(const ChainSettings& settings) noexcept {
+  return {settings.period_s,
+          settings.slew_n_per_s,
+          settings.tank_j,
+          settings.device.damping_limit_n_s_per_m,
+          settings.device.friction_n_s_per_m,
+          settings.device.position_noise_m,
+          settings.device.latency_ticks};
+}
+
+/// A patch that guides the hand does work on purpose: what its own forces put in is forgiven up to
 /// allowance_w, so that guidance is not braked away while a contact's energy still is.
-Vec3 braked(ChainState& state, const ChainSettings& settings, const ChainInput& input,
-            double elapsed_s, const Vec3& force, double gain) noexcept {
-  const Vec3 way = input.position - state.position;
-  const double given_j = dot(state.written, way);
+void observe(ChainState& state, const ChainSettings& settings, const Vec3& position,
+             double elapsed_s) noexcept {
+  const Vec3 displacement = position - state.position;
   const double forgiven_j =
-      std::min({dot(state.asked, way), given_j, settings.allowance_w * elapsed_s});
-  state.energy_j -= given_j - std::max(forgiven_j, 0.0);
-  state.energy_j = std::clamp(state.energy_j, -1e6, settings.tank_j);
+      std::min({dot(state.asked, displacement), dot(state.written, displacement),
+                settings.allowance_w * elapsed_s});
+  state.passivity.observe(passivity_of(settings), position, state.written,
+                          std::max(forgiven_j, 0.0));
+  state.energy_j = state.passivity.energy_j();
   state.lowest_energy_j = std::min(state.lowest_energy_j, state.energy_j);
-  if (!settings.passivity || state.energy_j >= 0.0)
-    return force;
-  const double speed = norm(input.velocity);
-  if (speed <= kSlowestBraked_m_per_s)
-    return force;
-  ++state.counters.braked;
-  const double damping = -state.energy_j / (settings.period_s * speed * speed);
-  return force - input.velocity * (damping * gain);
+}
+
+/// The force limit of this tick, lowered while the motors are warm.
+double force_limit(ChainState& state, const ChainSettings& settings, bool warm) noexcept {
+  const ThermalSettings motors{settings.period_s, settings.force_limit_n,
+                               settings.device.continuous_force_n};
+  state.thermal.advance(motors, norm(state.written), warm);
+  const double ceiling_n = state.thermal.ceiling_n(motors);
+  state.sparing = ceiling_n < settings.force_limit_n;
+  return ceiling_n;
 }
 
 } // namespace
@@ -166,14 +173,20 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
   state.commanded = interpolated(state, settings);
 
   const Vec3 asked = state.commanded + limited(input.patch_force, kLongestLocal_n);
-  Vec3 force = asked + limited(input.local_force, kLongestLocal_n);
-  force -= limited(input.velocity * settings.damping_n_s_per_m, kLongestLocal_n);
+  Vec3 contact = limited(input.local_force, kLongestLocal_n);
   if (settings.wall_n_per_m > 0.0)
-    force += limited(soft_walls(settings, input.position), kLongestLocal_n);
+    contact += limited(soft_walls(settings, input.position), kLongestLocal_n);
+  Vec3 force = asked + contact;
+  force -= limited(input.velocity * settings.damping_n_s_per_m, kLongestLocal_n);
 
-  if (norm(force) > settings.force_limit_n)
+  const double limit_n = force_limit(state, settings, input.warm);
+  const double length = norm(force);
+  if (length > settings.force_limit_n)
     ++state.counters.clamped;
-  force = limited(force, settings.force_limit_n);
+  else if (length > limit_n)
+    ++state.counters.spared;
+  const double kept = length > limit_n ? limit_n / length : 1.0;
+  force = limited(force, limit_n);
 
   state.enable_gain =
       std::min(1.0, state.enable_gain + elapsed_s / std::max(settings.enable_s, 1e-9));
@@ -181,16 +194,22 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
   const double gain = state.motors ? alive * state.enable_gain : 0.0;
   force = force * gain;
 
+  observe(state, settings, input.position, elapsed_s);
+  if (settings.passivity) {
+    const Vec3 passive = state.passivity.limit(passivity_of(settings), force,
+                                               contact * (kept * gain), input.velocity);
+    state.counters.braked += state.passivity.acted() ? 1 : 0;
+    force = limited(force + (passive - force) * gain, limit_n);
+  }
+
   const Vec3 change = force - state.slewed;
   const double largest_change = settings.slew_n_per_s * settings.period_s;
   if (norm(change) > largest_change) {
     ++state.counters.slewed;
     force = state.slewed + limited(change, largest_change);
   }
-  state.slewed = force;
-
-  force = braked(state, settings, input, elapsed_s, force, gain);
   force = limited(force, settings.force_limit_n);
+  state.slewed = force;
   if (state.latched || !input.homed) {
     state.slewed = {};
     state.enable_gain = 0.0;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/haptic/passivity.hpp"
+#include "core/haptic/thermal.hpp"
 #include "core/haptic/workspace.hpp"
 
 #include <cstdint>
@@ -8,8 +10,7 @@
 /// every device and by the haptic server; docs/phantom.md has the equations and the reasons.
 ///
 ///   interpolate -> + patch's signal, local model, damping, walls -> clamp -> watchdog and enable
-///   gain -> slew
-///               -> passivity -> clamp
+///   gain -> passivity -> slew -> clamp
 ///
 /// A tick costs bounded time, allocates nothing and takes any input. The written force is finite
 /// and no longer than force_limit_n whatever comes in.
@@ -29,11 +30,20 @@ struct ChainSettings {
   bool strict = false;           ///< force messages too must keep coming
   double enable_s = 0.5;         ///< from none to full force after motors(true)
   bool passivity = true;
-  double tank_j = 5e-3;   ///< most energy the observer remembers to the patch's credit
+  double tank_j = 5e-3;   ///< largest energy that the observer remembers to the patch's credit
   double allowance_w = 0; ///< power that targets, not local models, may put into the hand
   double damping_n_s_per_m = 0;
   double wall_n_per_m = 0; ///< stiffness of soft walls at the workspace's faces
   Workspace workspace{};
+
+  /// What the device is; the servo takes it from its Caps.
+  struct Device {
+    double damping_limit_n_s_per_m = 5; ///< of what it renders quietly at 1 kHz
+    double friction_n_s_per_m = 0;      ///< its mechanics' own; 0: not known
+    double position_noise_m = 0;        ///< largest error of one reading
+    int latency_ticks = 0;              ///< between a position and the force that answers it
+    double continuous_force_n = 0;      ///< that its motors bear for ever; 0: not known
+  } device{};
 };
 
 /// What one tick brings.
@@ -45,11 +55,13 @@ struct ChainInput {
   Vec3 local_force{};     ///< N, of models that live inside the servo
   Vec3 patch_force{};     ///< N, what the patch adds at this very tick
   bool homed = true;      ///< else positions mean nothing yet, and there is no force
+  bool warm = false;      ///< the device says that its motors are warm
 };
 
 struct ChainCounters {
   std::uint64_t ticks = 0, clamped = 0, slewed = 0, watchdog_trips = 0, refused = 0;
   std::uint64_t braked = 0; ///< ticks in which the passivity controller acted
+  std::uint64_t spared = 0; ///< ticks in which the motors' heat lowered the limit
 };
 
 struct ChainState {
@@ -72,7 +84,10 @@ struct ChainState {
   Vec3 slewed{};  // output of the slew stage
   Vec3 written{}; // what the device holds now
   Vec3 position{};
-  double energy_j = 0, lowest_energy_j = 0;
+  PassivityController passivity{};
+  double energy_j = 0, lowest_energy_j = 0; // the controller's
+  ThermalLimit thermal{};
+  bool sparing = false; ///< the motors' heat lowers the force limit now
   ChainCounters counters{};
 };
 

@@ -26,10 +26,15 @@ struct Caps {
   Vec3 workspace_min{-0.05, -0.05, -0.05}, workspace_max{0.05, 0.05, 0.05}; ///< m
   double rate_hz = 1000;
   double position_noise_m = 0; ///< largest error of one reading, encoder step included
+  double friction_n_s_per_m = 0; ///< viscous friction of the mechanics
+  int latency_ticks = 0; ///< from a position to the first tick that feels the force answering it
   bool has_velocity = false;   ///< State::velocity is measured; else the servo estimates it
   bool has_buttons = false;
   bool needs_home = false;
-  bool has_rotation = false; ///< State::rotation is measured
+  bool has_rotation = false;  ///< State::rotation is measured
+  double peak_torque_n_m = 0; ///< of the wrist's motors; 0: it has none
+  double peak_grip_n = 0;     ///< of the gripper's motor; 0: it has none
+  bool has_gripper = false;   ///< State::gripper_m is measured
 };
 
 /// Who a device is, as far as it says.
@@ -38,13 +43,34 @@ struct Identity {
 };
 
 struct State {
-  enum Flags : std::uint32_t { kHomed = 1, kFault = 2, kMotorsHot = 4, kForceLimited = 8 };
-  Vec3 position{}; ///< m, project frame
-  Vec3 velocity{}; ///< m/s
-  Vec3 rotation{}; ///< rad about x, y, z; of a sprung knob its share of full deflection, -1..1
+  enum Flags : std::uint32_t {
+    kHomed = 1,
+    kFault = 2,
+    kMotorsHot = 4,
+    kForceLimited = 8,
+    /// The newest reading is no position that the device can have; position is the last good one.
+    /// There is no force at this tick, and it returns as after motors on.
+    kUnreachable = 16
+  };
+  Vec3 position{};      ///< m, project frame
+  Vec3 velocity{};      ///< m/s
+  Vec3 rotation{};      ///< rad about x, y, z; of a sprung knob its share of full deflection, -1..1
+  double gripper_m = 0; ///< how far the gripper is open
   std::uint32_t buttons = 0;
   std::uint32_t flags = kHomed;
 };
+
+/// For devices with more motors than three: torque on the handle and force of the gripper.
+struct WristCommand {
+  Vec3 torque_n_m{}; ///< about x, y, z of the same frame as the force
+  double grip_n = 0; ///< positive as the device's library counts it, taken for opening
+  friend bool operator==(const WristCommand&, const WristCommand&) = default;
+};
+
+/// Puts the state's position right: one that is not finite, or lies farther from the workspace's
+/// centre than four times its half diagonal, becomes the last good one and sets kUnreachable. For
+/// drivers whose library or service gives positions; last_good is theirs to keep.
+void check_reach(const Caps& caps, State& state, Vec3& last_good) noexcept;
 
 /// A device. open and close may take seconds and allocate: they run in a thread of the host's that
 /// may wait, never while the servo steps. read and write neither allocate, block for more than 2
@@ -54,12 +80,20 @@ public:
   virtual ~Backend() = default;
   /// Empty when the device is ready, else one sentence that says what to do.
   [[nodiscard]] virtual std::string open() = 0;
+  /// Ask an open() that is under way to end: it returns its sentence within 0.3 s, wherever the
+  /// device's library lets it. For any thread, and harmless when nothing is being opened; the next
+  /// open() starts afresh, so the caller repeats the request until open() has returned.
+  virtual void cancel() noexcept {}
   virtual void close() noexcept = 0;
   [[nodiscard]] virtual Caps caps() const noexcept = 0;
   /// State at this tick; false when the device did not answer.
   [[nodiscard]] virtual bool read(const Tick& tick, State& state) noexcept = 0;
   /// Force in N, held by the device until the next write; false when it could not be sent.
   [[nodiscard]] virtual bool write(const Vec3& force_n) noexcept = 0;
+  /// What goes out with the next write, and with that one alone: a write that no call precedes has
+  /// no torque and no gripper force. A device that is never asked is sent neither. For the servo's
+  /// thread, as write; nothing happens on a device that has neither.
+  virtual void set_wrist(const WristCommand& command) noexcept { static_cast<void>(command); }
   /// One setting of this device alone, such as "firmware FILE" or "speed 100", or "device WHICH"
   /// (an index, serial number or path) before it is opened. Empty when taken, else what was
   /// expected. Takes effect between two ticks or at the next opening.

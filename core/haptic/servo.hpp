@@ -3,11 +3,13 @@
 #include "core/haptic/chain.hpp"
 #include "core/haptic/device.hpp"
 #include "core/haptic/mailbox.hpp"
+#include "core/haptic/motor_control.hpp"
 #include "core/haptic/pacer.hpp"
 #include "core/haptic/ring.hpp"
 #include "core/haptic/statistics.hpp"
 #include "core/haptic/velocity.hpp"
 #include "core/haptic/workspace.hpp"
+#include "core/haptic/wrist_chain.hpp"
 
 #include <atomic>
 
@@ -44,7 +46,8 @@ struct ServoSettings {
   AxisMap map{};
 };
 
-enum class Action { kMotorsOn, kMotorsOff, kEmergencyStop, kResetStatistics };
+/// A device's failure: it says so itself, or it does not answer any more.
+enum class Fault { kNone, kReported, kSilent };
 
 /// What the servo saw and did in its newest tick; position, velocity and force in the project
 /// frame.
@@ -52,15 +55,16 @@ struct Report {
   Tick tick{};
   State state{};
   Vec3 force_n{};
+  WristCommand wrist{}; ///< zero while it is off
   ChainCounters counters{};
   double energy_j = 0, lowest_energy_j = 0;
   bool motors = true, latched = false;
+  Fault fault = Fault::kNone; ///< of the device, until the motors are enabled
+  std::uint32_t faults = 0;   ///< how many there were since the device was attached
 };
 
 struct Event {
-  enum class Kind { kButton, kWatchdog, kFault };
-  /// Of a fault, as its number: the device says so itself, or it does not answer any more.
-  enum Fault { kSaysSo = 0, kSilent = 1 };
+  enum class Kind { kButton, kWatchdog };
   Kind kind = Kind::kButton;
   int number = 0; ///< of a button
   bool on = false;
@@ -77,7 +81,9 @@ struct ServoStatistics {
 struct Exchange {
   Mailbox<Command> commands;
   Mailbox<ServoSettings> settings;
-  Ring<Action, 64> actions;
+  Mailbox<WristRequest> wrist;
+  MotorControl motors;
+  std::atomic<std::uint32_t> statistics_resets{0}; ///< counted up: begin the statistics anew
   Mailbox<Report> reports;
   Mailbox<ServoStatistics> statistics; ///< every kStatisticsTicks ticks
   Ring<Event, 1024> events;
@@ -91,7 +97,8 @@ class Servo {
 public:
   static constexpr std::uint64_t kStatisticsTicks = 128;
 
-  /// While no step runs. Starts with no force, fresh chain and statistics. The second model's force
+  /// While no step runs. Starts with no force, fresh chain and statistics; an emergency stop and a
+  /// failure of the last device go on until the motors are enabled. The second model's force
   /// is the patch's own, that comes tick by tick: it is not interpolated, and what it does to the
   /// hand is within the passivity controller's allowance, as for commands.
   void attach(Backend& device, LocalModel* model = nullptr, LocalModel* patch = nullptr) noexcept;
@@ -103,6 +110,8 @@ public:
   Exchange& exchange() noexcept { return exchange_; }
 
   void step(const Tick& tick) noexcept;
+  /// After the last step, in the same thread: zero force. False when the device did not take it.
+  bool release() noexcept;
 
   void start(Clock& clock, double period_s) noexcept { pacer_.start(clock.now_s(), period_s); }
   [[nodiscard]] double deadline_s() const noexcept { return pacer_.deadline_s(); }
@@ -117,10 +126,12 @@ public:
 
 private:
   void take_orders(const Tick& tick) noexcept;
-  void obey(Action action) noexcept;
+  void control_motors() noexcept;
+  void reset_statistics() noexcept;
   State sense(const Tick& tick) noexcept;
+  WristCommand drive_wrist(const Tick& tick, bool homed) noexcept;
   void notice(const Tick& tick, const State& state) noexcept;
-  void fail(const Tick& tick, Event::Fault fault) noexcept;
+  void fail(Fault fault) noexcept;
 
   Exchange exchange_;
   Backend* device_ = nullptr;
@@ -128,6 +139,7 @@ private:
   Caps caps_{};
   ServoSettings settings_{};
   ChainState chain_{};
+  WristChain wrist_{};
   VelocityEstimator estimator_{};
   Pacer pacer_{};
   ServoStatistics statistics_{};
@@ -135,8 +147,11 @@ private:
   Command command_{};
   std::uint64_t followed_ = 0;
   double followed_s_ = 0;
+  MotorControl::Request request_{};
+  std::uint32_t statistics_resets_ = 0, faults_ = 0;
   int unread_ = 0, unwritten_ = 0;
-  bool failed_ = false, tripped_ = false, has_heartbeat_ = false;
+  Fault fault_ = Fault::kNone;
+  bool tripped_ = false, has_heartbeat_ = false;
 };
 
 } // namespace tactus::haptic

@@ -30,6 +30,8 @@ struct AxisMap {
 
   [[nodiscard]] Vec3 to_project(const Vec3& device) const noexcept;
   [[nodiscard]] Vec3 to_device(const Vec3& project) const noexcept;
+  /// A torque is an axial vector: it changes its sign besides when the map is a mirror.
+  [[nodiscard]] Vec3 torque_to_device(const Vec3& project) const noexcept;
   /// From "zxy" and three signs (+1 or -1); nothing when the word is no permutation of xyz.
   [[nodiscard]] static std::optional<AxisMap> parse(std::string_view axes,
                                                     const std::array<double, 3>& signs) noexcept;

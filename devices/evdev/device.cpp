@@ -1,7 +1,6 @@
 #include "devices/evdev/device.hpp"
 
 #include "devices/evdev/joysticks.hpp"
-#include "devices/servo_thread.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -9,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <limits>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/ioctl.h>
@@ -20,7 +20,6 @@ namespace {
 using haptic::State;
 using haptic::Vec3;
 
-constexpr double kForceLives_s = 0.05;
 constexpr auto kBetweenUploads = std::chrono::milliseconds(4);
 constexpr std::size_t kMostButtons = 32;
 constexpr int kMostEventsPerTick = 256;
@@ -132,9 +131,13 @@ std::string Device::open_node(const std::string& node) {
   caps_.position_noise_m = taken_.reach_m / (2 * axes_[0].half);
   caps_.rate_hz = 250;
   caps_.has_buttons = !buttons_.empty();
-  orders_.write({});
+  forces_.reset();
   stop_ = false;
-  sender_ = std::thread([this] { hold_forces(); });
+  try {
+    sender_ = std::thread([this] { hold_forces(); });
+  } catch (const std::system_error&) {
+    return "evdev: no thread can be started for the device: close other programs";
+  }
   return {};
 }
 
@@ -239,7 +242,7 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
 }
 
 bool Device::write(const Vec3& force_n) noexcept {
-  orders_.write({force_n, ServoThread::now_s()});
+  forces_.write(force_n);
   return file_ >= 0 && force_error_ == 0;
 }
 
@@ -258,11 +261,9 @@ void Device::hold_forces() noexcept {
   ConstantForce sent{};
   auto next = std::chrono::steady_clock::now();
   while (!stop_) {
-    orders_.read();
-    const Order& order = orders_.latest();
-    const bool alive = ServoThread::now_s() - order.time_s < kForceLives_s;
+    const Vec3 force_n = forces_.read();
     const ConstantForce wanted =
-        constant_force(alive ? order.force_n : Vec3{}, taken_.peak_n, axes_[1].half > 0);
+        constant_force(force_n * forces_.gain(), taken_.peak_n, axes_[1].half > 0);
     if ((!(wanted == sent) || force_error_ != 0) && upload(wanted))
       sent = wanted;
     next = std::max(next + kBetweenUploads, std::chrono::steady_clock::now());

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/haptic/device.hpp"
-#include "core/haptic/mailbox.hpp"
 #include "devices/evdev/effect.hpp"
+#include "devices/force_timeout.hpp"
 
 #include <array>
 #include <atomic>
@@ -18,8 +18,7 @@ namespace tactus::devices::evdev {
 /// is x, towards the user is z, a third axis is y; full deflection is `reach`. Force has no
 /// calibration: `peak` says what full force is in newtons.
 /// Setting an effect may wait for the cable, so a thread of its own does it, 250 times a second at
-/// most; it ends the force when the servo says nothing for 50 ms, and so does the kernel when the
-/// program ends.
+/// most; it keeps the rule of force_timeout.hpp, and the kernel ends the force with the program.
 class Device final : public haptic::Backend {
 public:
   ~Device() override { close(); }
@@ -45,10 +44,6 @@ private:
     double sign;
     double middle = 0, half = 0; ///< of the readings; no half, no axis
   };
-  struct Order {
-    haptic::Vec3 force_n{};
-    double time_s = -1e9;
-  };
 
   [[nodiscard]] std::string open_node(const std::string& node);
   [[nodiscard]] bool learn_axes() noexcept;
@@ -70,7 +65,7 @@ private:
   std::mutex wish_guard_;
   Wish wish_, taken_;
 
-  haptic::Mailbox<Order> orders_;
+  TimedMailbox<haptic::Vec3> forces_;
   std::thread sender_;
   std::atomic<bool> stop_{false};
   ff_effect effect_{};

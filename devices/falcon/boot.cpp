@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <thread>
 
 namespace tactus::devices::falcon {
 namespace {
@@ -13,17 +12,18 @@ namespace {
 constexpr std::array<std::uint8_t, 3> kGreeting{0x0a, 0x43, 0x0d};
 constexpr std::array<std::uint8_t, 4> kWelcome{0x0a, 0x44, 0x2c, 0x0d};
 constexpr std::array<std::uint8_t, 1> kBegin{0x41};
-constexpr int kRestarts = 4, kGreetings = 25, kMostUploads = 10, kMostProbes = 10;
+constexpr int kRestarts = 4, kGreetings = 25, kMaxUploads = 10, kMaxProbes = 10;
 constexpr double kWelcome_s = 0.05, kStraggler_s = 0.005;
 constexpr double kEcho_s = 0.5, kProbe_s = 0.05, kClearToSend_s = 0.1;
 constexpr std::size_t kPiece = kTransferBytes - kStatusBytes; // its echo fits one IN transfer
-constexpr auto kShortestPause = std::chrono::milliseconds(20);
-constexpr auto kLongestPause = std::chrono::milliseconds(500);
+constexpr double kMinPause_s = 0.02, kMaxPause_s = 0.5;
+constexpr double kMaxBoot_s = 20; // all tries together
 
 enum class Step { kDone, kFailed, kGone };
 
-Step gone(std::string& obstacle) {
-  obstacle = "the Falcon left the bus while it was set up: plug it in again";
+Step gone(const Link& link, std::string& obstacle) {
+  obstacle = link.cancelled() ? "the opening of the Falcon was cancelled: open it again"
+                              : "the Falcon left the bus while it was set up: plug it in again";
   return Step::kGone;
 }
 
@@ -36,13 +36,13 @@ bool welcomes(const std::vector<std::uint8_t>& bytes) {
 Step greet(Link& link, std::string& obstacle) {
   for (int restart = 0; restart < kRestarts; ++restart) {
     if (!link.enter_greeting())
-      return gone(obstacle);
+      return gone(link, obstacle);
     std::vector<std::uint8_t> bytes;
     for (int greeting = 0; greeting < kGreetings; ++greeting) {
       if (!link.send(kGreeting) ||
           !link.receive(bytes, bytes.size() + kWelcome.size(), kWelcome_s) ||
           (!welcomes(bytes) && !link.receive(bytes, bytes.size() + 1, kStraggler_s)))
-        return gone(obstacle);
+        return gone(link, obstacle);
       if (welcomes(bytes))
         return Step::kDone;
     }
@@ -56,19 +56,19 @@ Step greet(Link& link, std::string& obstacle) {
 Step begin_upload(Link& link, std::string& obstacle) {
   std::vector<std::uint8_t> answer;
   if (!link.enter_upload())
-    return gone(obstacle);
+    return gone(link, obstacle);
   // The device raises "clear to send" when it is ready at the new speed; it is not always seen.
   const auto begin = std::chrono::steady_clock::now();
   const auto longest = std::chrono::duration<double>(kClearToSend_s);
   while (std::chrono::steady_clock::now() - begin < longest) {
     std::vector<std::uint8_t> nothing;
     if (!link.receive(nothing, 1, 0.02))
-      return gone(obstacle);
+      return gone(link, obstacle);
     if (link.clear_to_send())
       break;
   }
   if (!link.send(kBegin) || !link.receive(answer, kBegin.size(), kEcho_s))
-    return gone(obstacle);
+    return gone(link, obstacle);
   if (answer.size() == 1 && answer[0] == kBegin[0])
     return Step::kDone;
   obstacle = "the Falcon's boot loader did not take the firmware's speed";
@@ -80,7 +80,7 @@ Step send_firmware(Link& link, std::span<const std::uint8_t> firmware, std::stri
     const auto piece = firmware.subspan(at, std::min(kPiece, firmware.size() - at));
     std::vector<std::uint8_t> echo;
     if (!link.send(piece) || !link.receive(echo, piece.size(), kEcho_s))
-      return gone(obstacle);
+      return gone(link, obstacle);
     if (!std::equal(echo.begin(), echo.end(), piece.begin(), piece.end())) {
       obstacle = "the Falcon echoed the firmware wrongly near byte " + std::to_string(at);
       return Step::kFailed;
@@ -95,7 +95,7 @@ bool firmware_runs(Link& link) {
   if (!link.enter_run())
     return false;
   AnswerStream stream;
-  for (int attempt = 0; attempt < kMostProbes; ++attempt) {
+  for (int attempt = 0; attempt < kMaxProbes; ++attempt) {
     std::vector<std::uint8_t> bytes;
     if (!link.send(encode(Order{})) || !link.receive(bytes, kPacketBytes, kProbe_s))
       return false;
@@ -108,11 +108,16 @@ bool firmware_runs(Link& link) {
 
 std::string upload(Link& link, std::span<const std::uint8_t> firmware) {
   std::string obstacle;
-  std::chrono::milliseconds pause = kShortestPause;
-  for (int attempt = 0; attempt < kMostUploads; ++attempt) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kMaxBoot_s);
+  double pause_s = kMinPause_s;
+  int attempt = 0;
+  for (; attempt < kMaxUploads && std::chrono::steady_clock::now() < end; ++attempt) {
     if (attempt > 0) {
-      std::this_thread::sleep_for(pause);
-      pause = std::min(2 * pause, kLongestPause);
+      if (!link.pause(pause_s)) {
+        gone(link, obstacle);
+        return obstacle;
+      }
+      pause_s = std::min(2 * pause_s, kMaxPause_s);
     }
     if (greet(link, obstacle) != Step::kDone)
       return obstacle; // has tried often enough already
@@ -125,12 +130,15 @@ std::string upload(Link& link, std::span<const std::uint8_t> firmware) {
       continue;
     if (firmware_runs(link))
       return {};
+    if (link.cancelled()) {
+      gone(link, obstacle);
+      return obstacle;
+    }
     obstacle = "the Falcon took the firmware but does not run it: is it the right file?";
   }
-  return obstacle + " (" + std::to_string(kMostUploads) +
+  return obstacle + " (" + std::to_string(attempt) +
          " tries): unplug its power and USB for ten seconds, and try another port or a hub with "
-         "its "
-         "own power";
+         "its own power";
 }
 
 } // namespace tactus::devices::falcon

@@ -8,7 +8,7 @@ namespace tactus::devices::falcon {
 [[nodiscard]] bool firmware_runs(Link& link);
 
 /// Greets the boot loader, sends the firmware and checks each byte of the echo; tries again, with
-/// growing pauses, as often as makes sense. Empty when the firmware runs, else a sentence.
+/// growing pauses, for 20 s at most. Empty when the firmware runs, else a sentence.
 [[nodiscard]] std::string upload(Link& link, std::span<const std::uint8_t> firmware);
 
 } // namespace tactus::devices::falcon

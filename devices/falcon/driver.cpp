@@ -1,5 +1,7 @@
 #include "devices/falcon/falcon.hpp"
 
+#include <algorithm>
+
 namespace tactus::devices {
 namespace {
 
@@ -13,8 +15,19 @@ std::vector<Found> list() {
   falcon::UsbLibrary usb;
   if (!usb.load().empty())
     return found;
-  for (const falcon::Port& port : falcon::Link::ports(usb)) {
+  const std::vector<Opened> opened = open_devices("falcon");
+  const auto known = [&](const std::string& path) {
+    return std::find_if(opened.begin(), opened.end(),
+                        [&](const Opened& device) { return device.address == path; });
+  };
+  const auto is_open = [&](const std::string& path) { return known(path) != opened.end(); };
+  for (const falcon::Port& port : falcon::Link::ports(usb, is_open)) {
     const int index = static_cast<int>(found.size());
+    if (const auto device = known(port.path); device != opened.end()) {
+      found.push_back(device->found);
+      found.back().index = index;
+      continue;
+    }
     found.push_back({"falcon",
                      index,
                      {"Novint", "Falcon", port.serial.empty() ? port.path : port.serial},

@@ -16,24 +16,41 @@ namespace {
 // Half the way across the reach that CHAI3D gives this device; its limits too.
 constexpr double kRadius_m = 0.040, kPeak_n = 8, kStiffness = 3000, kDamping = 20;
 
-constexpr std::size_t kMostFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
+constexpr std::size_t kMaxFirmware = 1 << 16; // files of 7914 and 8492 bytes are known
+const char* const kCancelled = "the opening of the Falcon was cancelled: open it again";
 constexpr double kFirstAnswer_s = 1.0;
 constexpr double kSilent_s = 0.005;    // without an answer before a read fails, and three ticks
 constexpr double kForceReturn_s = 0.5; // from none to full force after homing
-constexpr double kHomingLeast_s = 0.1; // of the homing order after "home"
+constexpr double kMinHoming_s = 0.1;   // of the homing order after "home"
 constexpr double kStuck_s = 5.0;       // without a single count since the opening
 constexpr int kLeap = 400;             // counts between two answers: some 15 m/s
 
-// Encoders that stand still to the count for so long, under a force that a hand cannot hold that
-// still, away from the stops, are frozen.
-constexpr double kFrozen_s = 2.0;
-constexpr int kFrozenTorque = 1000; // counts: about 2 N
-constexpr double kStops_m = 0.025;  // from the centre: the arms are free there
+// Within so much of the centre no arm can lean against a stop, where it stands still to the count
+// under any force.
+constexpr double kStops_m = 0.025;
 
 std::shared_ptr<UsbLibrary> library(std::string& obstacle) {
   auto usb = std::make_shared<UsbLibrary>();
   obstacle = usb->load();
   return usb;
+}
+
+// The closure equations have solutions that the arms have not: far outside, or with an arm folded
+// the other way.
+bool reachable(const Vec3& position, const Angles& angles) noexcept {
+  constexpr double kReach_m = 0.1; // from the centre: a corner of +-2 inches is at 88 mm
+  constexpr double kSame_rad = 1e-6;
+  if (!(norm(position - kCentre) <= kReach_m))
+    return false;
+  const std::optional<Angles> back = inverse(position);
+  return back && std::equal(angles.begin(), angles.end(), back->begin(),
+                            [](double a, double b) { return std::abs(a - b) < kSame_rad; });
+}
+
+bool is_open(const std::string& path) {
+  const std::vector<Opened> opened = open_devices("falcon");
+  return std::any_of(opened.begin(), opened.end(),
+                     [&](const Opened& device) { return device.address == path; });
 }
 
 bool leaps(const Counts& from, const Counts& to) noexcept {
@@ -48,9 +65,9 @@ std::string read_firmware(const std::string& file, std::vector<std::uint8_t>& by
   if (!in)
     return "the firmware file " + file + " cannot be read: check its path";
   bytes.assign(std::istreambuf_iterator<char>(in), {});
-  if (bytes.empty() || bytes.size() > kMostFirmware)
+  if (bytes.empty() || bytes.size() > kMaxFirmware)
     return "the firmware file " + file + " has " + std::to_string(bytes.size()) +
-           " bytes; expected 1 to " + std::to_string(kMostFirmware);
+           " bytes; expected 1 to " + std::to_string(kMaxFirmware);
   return {};
 }
 
@@ -58,6 +75,7 @@ std::string read_firmware(const std::string& file, std::vector<std::uint8_t>& by
 
 std::string Falcon::open() {
   close();
+  cancelled_ = false;
   Settings settings;
   {
     const std::scoped_lock lock(mutex_);
@@ -67,8 +85,8 @@ std::string Falcon::open() {
   auto usb = library(obstacle);
   if (!obstacle.empty())
     return obstacle;
-  link_ = std::make_unique<Link>(std::move(usb));
-  obstacle = link_->open(settings.device);
+  link_ = std::make_unique<Link>(std::move(usb), &cancelled_);
+  obstacle = link_->open(settings.device, is_open);
   if (obstacle.empty())
     obstacle = boot(settings);
   if (obstacle.empty())
@@ -78,9 +96,12 @@ std::string Falcon::open() {
     link_.reset();
     return obstacle;
   }
-  const std::scoped_lock lock(mutex_);
-  port_ = link_->port();
-  settings_.reload = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    port_ = link_->port();
+    settings_.reload = false;
+  }
+  open_.set("falcon", 0, identity(), port_.path);
   condition_ = Condition::kHoming;
   return {};
 }
@@ -88,6 +109,8 @@ std::string Falcon::open() {
 std::string Falcon::boot(const Settings& settings) {
   if (!settings.reload && firmware_runs(*link_))
     return {};
+  if (cancelled_)
+    return kCancelled;
   if (settings.firmware.empty())
     return "the Falcon has no firmware: send firmware FILE, with the file of the manufacturer's "
            "software (tactus may not ship it; docs/devices/falcon.md)";
@@ -100,18 +123,26 @@ std::string Falcon::start_stream() {
   estimator_.reset();
   estimator_.set_bound(reading_bound_m());
   frame_ = {};
+  flags_ = 0;
+  encoders_ = {};
+  answered_ = false;
   rejected_.reset();
   position_ = kCentre;
   velocity_ = {};
-  homed_ = homing_ = frozen_ = false;
+  watch_.reset();
+  asked_n_ = {};
+  homed_ = homing_ = unreachable_ = changed_ = false;
   stuck_ = home_asked_ = moved_ = false;
-  time_s_ = fresh_s_ = open_s_ = homed_s_ = homing_s_ = still_s_ = 0;
-  torque_counts_ = 0;
+  time_s_ = fresh_s_ = open_s_ = homed_s_ = homing_s_ = 0;
 
   stream_ = std::make_unique<Stream>(*link_);
-  bool answers = stream_->start();
+  if (std::string obstacle = stream_->start(); !obstacle.empty())
+    return obstacle;
+  bool answers = !stream_->lost();
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kFirstAnswer_s);
   while (answers && !stream_->receive()) {
+    if (cancelled_)
+      return kCancelled;
     answers = !stream_->lost() && std::chrono::steady_clock::now() < end;
     stream_->send(Order{});
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -119,18 +150,21 @@ std::string Falcon::start_stream() {
   if (!answers)
     return "the Falcon stopped answering: plug it in again and open it again";
   frame_ = stream_->latest();
+  flags_ = frame_.answer.flags;
   return {};
 }
 
 void Falcon::close() noexcept {
   const Condition last = condition_.exchange(Condition::kClosed);
   // Encoders that stand still: begin with the boot loader next time.
-  if (last == Condition::kFrozen || (last == Condition::kHoming && stuck_)) {
+  if (last == Condition::kFrozen || last == Condition::kAtStop || last == Condition::kUnreachable ||
+      (last == Condition::kHoming && stuck_)) {
     const std::scoped_lock lock(mutex_);
     settings_.reload = !settings_.firmware.empty();
   }
   stream_.reset(); // sends no force first
   link_.reset();
+  open_.clear();
 }
 
 haptic::Caps Falcon::caps() const noexcept {
@@ -150,22 +184,23 @@ haptic::Caps Falcon::caps() const noexcept {
 // False when the answer makes no sense.
 bool Falcon::take(const Frame& frame) noexcept {
   const Counts& counts = frame.answer.encoders;
+  flags_ = frame.answer.flags; // these are good whatever the arms' angles are
+  if (answered_ && encoders_ != counts)
+    changed_ = moved_ = true;
+  answered_ = true;
+  encoders_ = counts;
   const bool leapt = frame_.number > 0 && leaps(frame_.answer.encoders, counts);
+  const Forward found = forward(angles_of(counts), leapt ? kCentre : position_);
+  unreachable_ = !found.found || !reachable(found.position, angles_of(counts));
+  if (unreachable_)
+    return false;
   if (leapt && (!rejected_ || leaps(*rejected_, counts))) {
     rejected_ = counts; // a second answer near it makes it true
     return false;
   }
   rejected_.reset();
-  const Forward found = forward(angles_of(counts), leapt ? kCentre : position_);
-  if (!found.found)
-    return false;
   if (leapt)
     estimator_.reset(); // an arm has passed its mark: that was no motion
-  if (frame_.number > 0 && frame_.answer.encoders != counts) {
-    moved_ = true;
-    still_s_ = 0;
-    frozen_ = false;
-  }
   position_ = found.position;
   velocity_ = estimator_.update(position_, frame.time_s);
   frame_ = frame;
@@ -177,65 +212,72 @@ bool Falcon::read(const haptic::Tick& tick, haptic::State& state) noexcept {
     return false;
   period_s_ = std::clamp(tick.time_s - time_s_, 0.0, 0.1);
   time_s_ = tick.time_s;
-  const bool fresh = stream_->receive() && take(stream_->latest());
-  watch(tick, fresh);
+  changed_ = false;
+  const bool answered = stream_->receive();
+  const bool sensible = answered && take(stream_->latest());
+  home();
+  judge(tick, sensible || (answered && unreachable_));
   state.position = position_ - kCentre;
   state.velocity = velocity_;
-  state.buttons = frame_.answer.flags & Answer::kButtons;
+  state.buttons = flags_ & Answer::kButtons;
   state.flags = homed_ ? haptic::State::kHomed : 0u;
+  if (unreachable_)
+    state.flags |= haptic::State::kUnreachable;
   const Condition condition = condition_.load(std::memory_order_relaxed);
   if (condition == Condition::kFrozen)
     state.flags |= haptic::State::kFault;
   return condition != Condition::kLost && condition != Condition::kSilent;
 }
 
-void Falcon::watch(const haptic::Tick& tick, bool fresh) noexcept {
-  if (fresh || fresh_s_ == 0)
-    fresh_s_ = tick.time_s;
+// The device reports a flag for each arm that has passed its mark.
+void Falcon::home() noexcept {
   open_s_ += period_s_;
   stuck_.store(!moved_ && open_s_ > kStuck_s, std::memory_order_relaxed);
-  // Homing: the device reports a flag for each arm that has passed its mark.
   if (home_asked_.exchange(false)) {
     homing_ = true;
     homing_s_ = 0;
   }
+  const bool marked = (flags_ & Answer::kHomed) == Answer::kHomed;
   homing_s_ += homing_ ? period_s_ : 0;
-  if (homing_ && homing_s_ > kHomingLeast_s && frame_.answer.homed())
+  if (homing_ && homing_s_ > kMinHoming_s && marked)
     homing_ = false;
-  const bool homed = frame_.answer.homed() && !homing_;
+  const bool homed = marked && !homing_;
   homed_s_ = homed && homed_ ? homed_s_ + period_s_ : 0;
   homed_ = homed;
+}
 
-  const bool centred = norm(position_ - kCentre) < kStops_m;
-  still_s_ = homed_ && centred && torque_counts_ >= kFrozenTorque ? still_s_ + period_s_ : 0;
-  frozen_ = frozen_ || still_s_ >= kFrozen_s; // until a count changes
+void Falcon::judge(const haptic::Tick& tick, bool fresh) noexcept {
+  if (fresh || fresh_s_ == 0)
+    fresh_s_ = tick.time_s;
+  const bool silent = tick.time_s - fresh_s_ > std::max(kSilent_s, 3 * tick.period_s);
+  watch_.update(changed_, asked_n_, period_s_, homed_ && !silent && !unreachable_);
   Condition condition = Condition::kWell;
   if (stream_->lost())
     condition = Condition::kLost;
-  else if (tick.time_s - fresh_s_ > std::max(kSilent_s, 3 * tick.period_s))
+  else if (silent)
     condition = Condition::kSilent;
-  else if (frozen_)
-    condition = Condition::kFrozen;
-  else if (!homed_)
+  else if (!homed_) // until then the angles mean nothing
     condition = Condition::kHoming;
+  else if (unreachable_)
+    condition = Condition::kUnreachable;
+  else if (watch_.frozen())
+    condition = norm(position_ - kCentre) < kStops_m ? Condition::kFrozen : Condition::kAtStop;
   condition_.store(condition, std::memory_order_relaxed);
 }
 
 bool Falcon::write(const Vec3& force_n) noexcept {
   if (!stream_ || stream_->lost())
     return false;
+  asked_n_ = {};
   Order order;
   order.flags = lights(homed_);
-  if (homed_) {
-    const double share = std::min(homed_s_ / kForceReturn_s, 1.0);
-    order.motors = motor_counts(torques(position_, force_n * share),
+  if (homed_ && !unreachable_) {
+    asked_n_ = force_n * std::min(homed_s_ / kForceReturn_s, 1.0);
+    order.motors = motor_counts(torques(position_, asked_n_ * watch_.gain()),
                                 counts_per_n_m_.load(std::memory_order_relaxed));
-  } else {
+  } else if (!homed_) {
     order.flags |= Order::kHoming;
   }
-  torque_counts_ = 0;
-  for (const std::int16_t motor : order.motors)
-    torque_counts_ = std::max(torque_counts_, std::abs(motor));
   stream_->send(order);
   return true;
 }
@@ -258,6 +300,12 @@ std::string Falcon::trouble() const {
     return "the Falcon has left the bus: plug it in and open it again";
   case Condition::kSilent:
     return "the Falcon does not answer: check its power, then close and open it";
+  case Condition::kUnreachable:
+    return "the Falcon reports angles that its arms cannot have: home it; if they stay, close and "
+           "open it, which loads the firmware again";
+  case Condition::kAtStop:
+    return "the Falcon has no force: its encoders stand still near a stop; pull the grip to the "
+           "centre, and if that changes nothing, close and open it, which loads the firmware again";
   case Condition::kFrozen:
     return "the Falcon's encoders stand still under force: close and open it, which loads the "
            "firmware again";

@@ -3,8 +3,10 @@
 #include "core/haptic/device.hpp"
 #include "core/haptic/velocity.hpp"
 #include "devices/driver.hpp"
+#include "devices/falcon/encoder_watch.hpp"
 #include "devices/falcon/kinematics.hpp"
 #include "devices/falcon/stream.hpp"
+#include "devices/open_devices.hpp"
 
 #include <mutex>
 #include <optional>
@@ -18,6 +20,7 @@ public:
   ~Falcon() override { close(); }
 
   [[nodiscard]] std::string open() override;
+  void cancel() noexcept override { cancelled_ = true; }
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override;
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
@@ -27,20 +30,22 @@ public:
   [[nodiscard]] std::string trouble() const override;
 
 private:
-  enum class Condition { kClosed, kWell, kHoming, kSilent, kFrozen, kLost };
+  enum class Condition { kClosed, kWell, kHoming, kSilent, kUnreachable, kAtStop, kFrozen, kLost };
   struct Settings {
     std::string device, firmware;
     bool reload = false; ///< upload at the next opening even if firmware runs
   };
   [[nodiscard]] std::string boot(const Settings& settings);
   [[nodiscard]] bool take(const Frame& frame) noexcept;
-  void watch(const haptic::Tick& tick, bool fresh) noexcept;
+  void home() noexcept;
+  void judge(const haptic::Tick& tick, bool fresh) noexcept;
   [[nodiscard]] std::string start_stream();
   [[nodiscard]] std::uint8_t lights(bool homed) const noexcept;
 
   mutable std::mutex mutex_; // of the next two, held briefly and never in the servo
   Settings settings_;
   Port port_;
+  OpenDevice open_;
   std::unique_ptr<Link> link_;
   std::unique_ptr<Stream> stream_;
 
@@ -48,17 +53,23 @@ private:
   std::atomic<Condition> condition_{Condition::kClosed};
   std::atomic<double> counts_per_n_m_{10000};
   std::atomic<int> lights_{-1}; // Order::Flags, or -1: by state
-  std::atomic<bool> home_asked_{false}, stuck_{false};
+  std::atomic<bool> home_asked_{false}, stuck_{false}, cancelled_{false};
 
   // the servo's
   haptic::VelocityEstimator estimator_;
-  Frame frame_{};
+  Frame frame_{};          // the newest whose arms' angles make sense
+  Counts encoders_{};      // of the newest, whatever they are
+  std::uint8_t flags_ = 0; // likewise
+  bool answered_ = false;
   std::optional<Counts> rejected_{};
   Vec3 position_ = kCentre, velocity_{};
-  bool homed_ = false, homing_ = false, frozen_ = false, moved_ = false;
+  EncoderWatch watch_;
+  Vec3 asked_n_{};       // of the last write, before the watch
+  bool changed_ = false; // a count, in this tick
+  bool homed_ = false, homing_ = false, unreachable_ = false;
+  std::atomic<bool> moved_{false}; // a count, since the opening
   double time_s_ = 0, period_s_ = 1e-3;
-  double fresh_s_ = 0, open_s_ = 0, homed_s_ = 0, homing_s_ = 0, still_s_ = 0;
-  int torque_counts_ = 0; // the largest of the last order
+  double fresh_s_ = 0, open_s_ = 0, homed_s_ = 0, homing_s_ = 0;
 };
 
 } // namespace tactus::devices::falcon

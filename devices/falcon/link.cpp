@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <thread>
 
 namespace tactus::devices::falcon {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xcb48;
-constexpr unsigned kControl_ms = 500, kBulk_ms = 500;
+// A transfer that waits cannot be broken off, so none waits for long; libusb then says how far it
+// came, and the rest follows.
+constexpr unsigned kControl_ms = 200, kBulk_ms = 100;
+constexpr double kSend_s = 0.5, kSlice_s = 0.05;
 constexpr std::uint8_t kToChip = 0x40; // vendor request, host to device
 constexpr std::uint16_t kEightBits = 8, kNoFlow = 0;
 constexpr std::uint16_t kReadyLow = 0x0100, kReadyHigh = 0x0101, kSendLow = 0x0200;
@@ -64,12 +70,16 @@ Port port_of(UsbLibrary& usb, libusb_device* device, const libusb_device_descrip
 
 } // namespace
 
-std::vector<Port> Link::ports(UsbLibrary& usb) {
+std::vector<Port> Link::ports(UsbLibrary& usb, const IsOpen& is_open) {
   std::vector<Port> found;
   libusb_context* context = nullptr;
   if (usb.init(&context) != 0)
     return found;
   each_falcon(usb, context, [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
+    if (std::string path = path_of(usb, device); is_open(path)) {
+      found.push_back({std::move(path), {}, {}});
+      return false;
+    }
     libusb_device_handle* handle = nullptr;
     const int error = usb.open(device, &handle);
     if (error == 0) {
@@ -84,41 +94,44 @@ std::vector<Port> Link::ports(UsbLibrary& usb) {
   return found;
 }
 
-std::string Link::open(const std::string& which) {
+std::string Link::open(const std::string& which, const IsOpen& is_open) {
   close();
   if (usb_->init(&context_) != 0) {
     context_ = nullptr;
     return "libusb does not start: is /dev/bus/usb there?";
   }
-  int index = 0;
+  int index = -1;
   std::string obstacle;
-  each_falcon(*usb_, context_,
-              [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
-                libusb_device_handle* handle = nullptr;
-                const int error = usb_->open(device, &handle);
-                Port port = error == 0 ? port_of(*usb_, device, descriptor, handle)
-                                       : Port{path_of(*usb_, device), {}, {}};
-                const bool wanted = which.empty() || which == std::to_string(index) ||
-                                    which == port.path || which == port.serial;
-                ++index;
-                if (wanted && error == 0) {
-                  handle_ = handle;
-                  port_ = std::move(port);
-                  return true;
-                }
-                if (wanted)
-                  obstacle = "the Falcon at " + port.path +
-                             " cannot be opened: " + why_not_opened(*usb_, error);
-                if (error == 0)
-                  usb_->close(handle);
-                return wanted;
-              });
+  const auto visit = [&](libusb_device* device, const libusb_device_descriptor& descriptor) {
+    ++index;
+    const std::string path = path_of(*usb_, device);
+    const bool named = which == std::to_string(index) || which == path;
+    if (is_open(path)) {
+      obstacle = "the Falcon at " + path + " is open in this program already: close it there";
+      return named;
+    }
+    libusb_device_handle* handle = nullptr;
+    const int error = usb_->open(device, &handle);
+    Port port = error == 0 ? port_of(*usb_, device, descriptor, handle) : Port{path, {}, {}};
+    const bool wanted = named || which.empty() || which == port.serial;
+    if (wanted && error == 0) {
+      handle_ = handle;
+      port_ = std::move(port);
+      return true;
+    }
+    if (wanted)
+      obstacle = "the Falcon at " + path + " cannot be opened: " + why_not_opened(*usb_, error);
+    if (error == 0)
+      usb_->close(handle);
+    return wanted;
+  };
+  each_falcon(*usb_, context_, visit);
   if (!handle_) {
     close();
     if (!obstacle.empty())
       return obstacle;
-    return index == 0 ? "no Falcon (USB 0403:cb48) is plugged in: check cable and power"
-                      : "no Falcon is called " + which + ": send devices for a list";
+    return index < 0 ? "no Falcon (USB 0403:cb48) is plugged in: check cable and power"
+                     : "no Falcon is called " + which + ": send devices for a list";
   }
   usb_->set_auto_detach_kernel_driver(handle_, 1);
   const int error = usb_->claim_interface(handle_, 0);
@@ -144,7 +157,8 @@ void Link::close() noexcept {
 }
 
 bool Link::set(Request request, std::uint16_t value) noexcept {
-  return usb_->control_transfer(handle_, kToChip, static_cast<std::uint8_t>(request), value, 0,
+  return !cancelled() &&
+         usb_->control_transfer(handle_, kToChip, static_cast<std::uint8_t>(request), value, 0,
                                 nullptr, 0, kControl_ms) >= 0;
 }
 
@@ -165,32 +179,36 @@ bool Link::enter_run() noexcept {
 }
 
 bool Link::send(std::span<const std::uint8_t> bytes) noexcept {
+  const auto end = Clock::now() + std::chrono::duration<double>(kSend_s);
   std::array<unsigned char, kTransferBytes> buffer{};
   while (!bytes.empty()) {
+    if (cancelled() || Clock::now() > end)
+      return false;
     const std::size_t length = std::min(bytes.size(), buffer.size());
     std::copy_n(bytes.begin(), length, buffer.begin());
     int sent = 0;
-    if (usb_->bulk_transfer(handle_, kOutEndpoint, buffer.data(), static_cast<int>(length), &sent,
-                            kBulk_ms) != 0 ||
-        sent <= 0)
+    const int error = usb_->bulk_transfer(handle_, kOutEndpoint, buffer.data(),
+                                          static_cast<int>(length), &sent, kBulk_ms);
+    if (error != 0 && error != LIBUSB_ERROR_TIMEOUT)
       return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(sent));
+    bytes = bytes.subspan(static_cast<std::size_t>(std::max(sent, 0)));
   }
   return true;
 }
 
-bool Link::receive(std::vector<std::uint8_t>& bytes, std::size_t wanted, double most_s) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(most_s);
+bool Link::receive(std::vector<std::uint8_t>& bytes, std::size_t wanted, double limit_s) {
+  const auto end = Clock::now() + std::chrono::duration<double>(limit_s);
   while (bytes.size() < wanted) {
     const double left_s = std::chrono::duration<double>(end - Clock::now()).count();
+    if (cancelled())
+      return false;
     if (left_s <= 0)
       return true;
     std::array<unsigned char, kTransferBytes> buffer{};
     int got = 0;
     const int error =
         usb_->bulk_transfer(handle_, kInEndpoint, buffer.data(), static_cast<int>(buffer.size()),
-                            &got, static_cast<unsigned>(left_s * 1e3) + 1);
+                            &got, static_cast<unsigned>(std::min(left_s, kSlice_s) * 1e3) + 1);
     if (error != 0 && error != LIBUSB_ERROR_TIMEOUT)
       return false;
     if (got > 0)
@@ -199,6 +217,13 @@ bool Link::receive(std::vector<std::uint8_t>& bytes, std::size_t wanted, double 
       bytes.insert(bytes.end(), buffer.begin() + kStatusBytes, buffer.begin() + got);
   }
   return true;
+}
+
+bool Link::pause(double seconds) const {
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  while (!cancelled() && Clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return !cancelled();
 }
 
 } // namespace tactus::devices::falcon

@@ -2,7 +2,9 @@
 
 #include "devices/falcon/usb_library.hpp"
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -22,20 +24,24 @@ struct Port {
 };
 
 /// The serial line to a Falcon: an FTDI FT232R chip at 0403:cb48. Blocking, for setting up; in run
-/// mode a Stream takes over.
+/// mode a Stream takes over. What waits ends within 0.2 s after *cancelled has become true.
 class Link {
 public:
-  explicit Link(std::shared_ptr<UsbLibrary> usb) : usb_(std::move(usb)) {}
+  explicit Link(std::shared_ptr<UsbLibrary> usb, const std::atomic<bool>* cancelled = nullptr)
+      : usb_(std::move(usb)), cancelled_(cancelled) {}
   ~Link() { close(); }
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// All Falcons on the buses now.
-  [[nodiscard]] static std::vector<Port> ports(UsbLibrary& usb);
+  /// True for the path of a Falcon that this process has open already: it is left alone.
+  using IsOpen = std::function<bool(const std::string& path)>;
 
-  /// which: an index into ports(), a serial number or a path; empty is the first. Empty answer when
-  /// the device is ours, else a sentence.
-  [[nodiscard]] std::string open(const std::string& which);
+  /// All Falcons on the buses now; of one that is open already the path alone.
+  [[nodiscard]] static std::vector<Port> ports(UsbLibrary& usb, const IsOpen& is_open);
+
+  /// which: an index into ports(), a serial number or a path; empty is the first that is not open.
+  /// Empty answer when the device is ours, else a sentence.
+  [[nodiscard]] std::string open(const std::string& which, const IsOpen& is_open);
   void close() noexcept;
 
   /// 9600 baud and a restart of the boot loader.
@@ -45,10 +51,15 @@ public:
   /// 1.5 Mbaud and the shortest latency.
   [[nodiscard]] bool enter_run() noexcept;
 
+  /// Half a second at most. False when the device is gone, takes nothing, or the opening was
+  /// cancelled.
   [[nodiscard]] bool send(std::span<const std::uint8_t> bytes) noexcept;
   /// Appends what arrives to bytes until there are so many or the time is over. False when the
-  /// device is gone.
-  [[nodiscard]] bool receive(std::vector<std::uint8_t>& bytes, std::size_t wanted, double most_s);
+  /// device is gone or the opening was cancelled.
+  [[nodiscard]] bool receive(std::vector<std::uint8_t>& bytes, std::size_t wanted, double limit_s);
+  /// Waits; false when the opening was cancelled meanwhile.
+  [[nodiscard]] bool pause(double seconds) const;
+  [[nodiscard]] bool cancelled() const noexcept { return cancelled_ && cancelled_->load(); }
   /// The chip's "clear to send" input, as of the last transfer.
   [[nodiscard]] bool clear_to_send() const noexcept { return clear_to_send_; }
 
@@ -70,6 +81,7 @@ private:
   bool purge() noexcept { return set(Request::kReset, 1) && set(Request::kReset, 2); }
 
   std::shared_ptr<UsbLibrary> usb_;
+  const std::atomic<bool>* cancelled_ = nullptr;
   libusb_context* context_ = nullptr;
   libusb_device_handle* handle_ = nullptr;
   bool claimed_ = false, clear_to_send_ = false;

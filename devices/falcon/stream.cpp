@@ -4,32 +4,39 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <system_error>
 
 namespace tactus::devices::falcon {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+const char* const kNoMemory = "there is no memory for the Falcon's transfers: close other programs";
 constexpr unsigned kOut_ms = 200;
-constexpr int kMostFailures = 50; // in a row before the line counts as lost
-constexpr int kMostUnanswered = 2;
+constexpr int kMaxFailures = 50; // in a row before the line counts as lost
+constexpr int kMaxUnanswered = 2;
 constexpr double kGivenUp_s = 0.010;
-constexpr auto kFarewell = std::chrono::milliseconds(500);
-constexpr auto kCancel = std::chrono::seconds(2);
+constexpr double kRepeat_s = 0.020; // of the order without force, while the servo stalls
+constexpr auto kFarewell = std::chrono::milliseconds(200);
+constexpr auto kCancel = std::chrono::milliseconds(250);
 
-double now_s() noexcept {
-  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+double now_s() noexcept { return ForceTimeout::now_s(); }
+
+Order scaled(Order order, double gain) noexcept {
+  for (std::int16_t& motor : order.motors)
+    motor = static_cast<std::int16_t>(std::lround(gain * motor));
+  return order;
 }
 
 } // namespace
 
-bool Stream::start() {
+std::string Stream::start() {
   UsbLibrary& usb = link_.usb();
   for (Transfer& transfer : in_) {
     transfer.stream = this;
     transfer.usb = usb.alloc_transfer(0);
     if (!transfer.usb)
-      return false;
+      return kNoMemory;
     libusb_fill_bulk_transfer(transfer.usb, link_.handle(), kInEndpoint, transfer.bytes.data(),
                               static_cast<int>(transfer.bytes.size()), on_in, &transfer, 0);
   }
@@ -37,7 +44,7 @@ bool Stream::start() {
     transfer.stream = this;
     transfer.usb = usb.alloc_transfer(0);
     if (!transfer.usb)
-      return false;
+      return kNoMemory;
     libusb_fill_bulk_transfer(transfer.usb, link_.handle(), kOutEndpoint, transfer.bytes.data(),
                               static_cast<int>(kPacketBytes), on_out, &transfer, kOut_ms);
   }
@@ -48,9 +55,9 @@ bool Stream::start() {
     handler_ = std::thread([this] { handle_events(); });
     sender_ = std::thread([this] { send_orders(); });
   } catch (const std::system_error&) {
-    return false;
+    return "no thread can be started for the Falcon: close other programs";
   }
-  return !lost();
+  return {};
 }
 
 void Stream::stop() noexcept {
@@ -78,7 +85,9 @@ void Stream::stop() noexcept {
 }
 
 void Stream::send(const Order& order) noexcept {
-  orders_.write({order, ++ordered_});
+  const double written_s = now_s();
+  written_s_.store(written_s, std::memory_order_relaxed);
+  orders_.write({order, ++ordered_, written_s});
   wake();
 }
 
@@ -109,7 +118,7 @@ bool Stream::submit(Transfer& transfer) noexcept {
 
 void Stream::failed() noexcept {
   failed_.fetch_add(1, std::memory_order_relaxed);
-  if (++failures_ >= kMostFailures)
+  if (++failures_ >= kMaxFailures)
     lost_ = true;
 }
 
@@ -162,7 +171,7 @@ void Stream::take(const Transfer& transfer) noexcept {
 
 // Null while two orders are under way or unanswered.
 Stream::Transfer* Stream::free_out(double since_s) noexcept {
-  if (unanswered_ >= kMostUnanswered) {
+  if (unanswered_ >= kMaxUnanswered) {
     if (now_s() - since_s < kGivenUp_s)
       return nullptr;
     unanswered_ = 0;
@@ -175,6 +184,7 @@ Stream::Transfer* Stream::free_out(double since_s) noexcept {
 
 void Stream::send_orders() noexcept {
   raise_thread_priority(kDeviceThreadPriority);
+  ForceTimeout timeout;
   Numbered newest;
   bool unsent = false;
   double sent_s = 0;
@@ -188,6 +198,9 @@ void Stream::send_orders() noexcept {
       newest = orders_.latest();
       unsent = true;
     }
+    const double gain = timeout.gain(newest.written_s, now_s());
+    if (timeout.expired() && newest.number > 0 && now_s() - sent_s >= kRepeat_s)
+      unsent = true;
     if (!unsent)
       continue;
     Transfer* free = free_out(sent_s);
@@ -197,7 +210,7 @@ void Stream::send_orders() noexcept {
     }
     if (!free)
       continue;
-    const Packet packet = encode(newest.order);
+    const Packet packet = encode(scaled(newest.order, gain));
     std::copy(packet.begin(), packet.end(), free->bytes.begin());
     free->number = newest.number;
     unsent = false;
@@ -223,6 +236,8 @@ void Stream::handle_events() noexcept {
       if (idle() || Clock::now() > end)
         return;
     }
+    if (now_s() - written_s_.load(std::memory_order_relaxed) >= ForceTimeout::kTimeout_s)
+      wake(); // the sender ends the force of a servo that stalls
     timeval most{0, 20000};
     link_.usb().handle_events_timeout_completed(link_.context(), &most, nullptr);
   }

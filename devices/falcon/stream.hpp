@@ -3,6 +3,7 @@
 #include "core/haptic/mailbox.hpp"
 #include "devices/falcon/link.hpp"
 #include "devices/falcon/packet.hpp"
+#include "devices/force_timeout.hpp"
 
 #include <array>
 #include <atomic>
@@ -21,7 +22,8 @@ struct Frame {
 /// so that the servo touches memory alone: its send() and receive() allocate nothing, take no lock
 /// and never wait. The newest order wins. At most two are on their way or without an answer, so
 /// that no queue can form in front of a device that is slower than the servo; an answer that does
-/// not come is given up after 10 ms.
+/// not come is given up after 10 ms. The device holds an order until the next one comes, so while
+/// the servo stalls the stream sends orders without force (force_timeout.hpp).
 class Stream {
 public:
   explicit Stream(Link& link) : link_(link) {}
@@ -29,9 +31,10 @@ public:
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  /// False when memory or the device is missing.
-  [[nodiscard]] bool start();
-  /// Sends an order without force and waits until the device has it, at most half a second.
+  /// Empty, else a sentence: no memory or no thread. A device that has left the bus is lost().
+  [[nodiscard]] std::string start();
+  /// Sends an order without force and waits until the device has it; half a second at most, with
+  /// the threads' end.
   void stop() noexcept;
 
   /// For the servo's thread.
@@ -52,6 +55,7 @@ private:
   struct Numbered {
     Order order{};
     std::uint64_t number = 0;
+    double written_s = -1e9;
   };
   struct Transfer {
     Stream* stream = nullptr;
@@ -75,6 +79,7 @@ private:
   Link& link_;
   std::array<Transfer, 2> in_, out_;
   haptic::Mailbox<Numbered> orders_;
+  std::atomic<double> written_s_{-1e9}; // of the newest order
   haptic::Mailbox<Frame> frames_;
   AnswerStream answers_;
   std::uint64_t ordered_ = 0; // by the servo

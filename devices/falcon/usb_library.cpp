@@ -5,8 +5,6 @@
 namespace tactus::devices::falcon {
 
 std::string UsbLibrary::load() {
-  if (library_.loaded())
-    return {};
   constexpr std::array<const char*, 4> kNames{"libusb-1.0.so.0", "libusb-1.0.so",
                                               "libusb-1.0.dylib", "libusb-1.0.dll"};
   if (!library_.load(kNames))
@@ -40,9 +38,7 @@ std::string UsbLibrary::load() {
   find("libusb_error_name", error_name);
   if (!missing)
     return {};
-  const std::string name = library_.name();
-  library_.unload();
-  return name + " has no " + missing + ": install libusb 1.0.16 or newer";
+  return library_.name() + " has no " + missing + ": install libusb 1.0.16 or newer";
 }
 
 } // namespace tactus::devices::falcon

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <thread>
+#include <utility>
 
 namespace tactus::devices::force_dimension {
 namespace {
@@ -18,6 +20,7 @@ constexpr unsigned char kWatchdogSteps = 240; // of 125 us: 30 ms
 constexpr int kStatusEvery_ticks = 64;
 constexpr int kQuiet_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
+constexpr int kLook_ms = 20; // between two looks at whether the opening was cancelled
 
 Vec3 to_project(double x, double y, double z) noexcept { return {y, z, x}; }
 
@@ -70,8 +73,48 @@ int Device::open_wanted(int wanted) {
   return library_.open_serial ? library_.open_serial(wanted) : -1;
 }
 
+std::string Device::open_with_retries(int wanted) {
+  const int count = library_.device_count();
+  for (const int pause_ms : kPausesBetweenTries_ms) {
+    for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kLook_ms)
+      std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
+    if (cancelled_)
+      return "dhd: the opening was cancelled: open the device again";
+    if (id_ = open_wanted(wanted); id_ >= 0)
+      return {};
+  }
+  const char* reason = library_.last_error();
+  return "dhd: device " + std::to_string(wanted) + " does not open (" +
+         (reason ? reason : "no reason") + "; " + std::to_string(count) +
+         " there): check cable and power, that no other program uses "
+         "it, and that your account may use USB devices (70-tactus.rules)";
+}
+
+/// False when the controller has none, as older ones, or the library cannot set it.
+bool Device::set_watchdog() noexcept {
+  if (!library_.expert_mode || !library_.set_watchdog || library_.expert_mode() < 0)
+    return false;
+  const bool set = library_.set_watchdog(kWatchdogSteps, static_cast<char>(id_)) >= 0;
+  if (library_.ordinary_mode)
+    library_.ordinary_mode();
+  return set;
+}
+
+/// What the wrist and the gripper can do: the device's own word over the table's.
+void Device::ask_for_wrist() noexcept {
+  const auto id = static_cast<char>(id_);
+  wrist_ = caps_.has_rotation =
+      library_.has_wrist && library_.orientation && library_.has_wrist(id);
+  caps_.has_gripper = library_.has_gripper && library_.gripper_gap && library_.has_gripper(id);
+  if (!library_.set_all || !library_.has_active_wrist || !library_.has_active_wrist(id))
+    caps_.peak_torque_n_m = 0;
+  if (!library_.set_all || !library_.has_active_gripper || !library_.has_active_gripper(id))
+    caps_.peak_grip_n = 0;
+}
+
 std::string Device::open() {
   close();
+  cancelled_ = false;
   if (std::string sentence = library_.load(); !sentence.empty())
     return "dhd: " + sentence;
   int wanted = 0;
@@ -79,21 +122,8 @@ std::string Device::open() {
     const std::lock_guard lock(wish_guard_);
     wanted = wanted_;
   }
-  const int count = library_.device_count();
-  for (const int pause_ms : kPausesBetweenTries_ms) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
-    if (id_ = open_wanted(wanted); id_ >= 0)
-      break;
-  }
-  if (id_ < 0) {
-    const char* reason = library_.last_error();
-    std::string sentence = "dhd: device " + std::to_string(wanted) + " does not open (" +
-                           (reason ? reason : "no reason") + "; " + std::to_string(count) +
-                           " there): check cable and power, that no other program uses "
-                           "it, and that your account may use USB devices (70-tactus.rules)";
-    library_.unload();
+  if (std::string sentence = open_with_retries(wanted); !sentence.empty())
     return sentence;
-  }
   const auto id = static_cast<char>(id_);
   const Model& model = model_of(library_.system_type(id));
   caps_ = caps_of(model);
@@ -102,37 +132,48 @@ std::string Device::open() {
   const bool has_serial = library_.serial_number && library_.serial_number(&serial, id) >= 0;
   identity_ = {"Force Dimension", name ? name : std::string(model.name),
                has_serial ? std::to_string(serial) : ""};
+  open_.set("dhd", wanted < kSerialsFrom ? wanted : id_, identity_);
   caps_.has_buttons = library_.button_mask != nullptr;
-  wrist_ = caps_.has_rotation =
-      library_.has_wrist && library_.orientation && library_.has_wrist(id);
+  ask_for_wrist();
   if (library_.set_max_force)
     library_.set_max_force(caps_.peak_force_n, id);
-  if (library_.expert_mode && library_.set_watchdog && library_.expert_mode() >= 0) {
-    library_.set_watchdog(kWatchdogSteps, id); // older controllers have none
-    if (library_.ordinary_mode)
-      library_.ordinary_mode();
-  }
+  const bool watched = set_watchdog();
   library_.enable_force(1, id);
   library_.set_force(0, 0, 0, id);
   until_status_ = quiet_ticks_ = 0;
   homed_ = true;
   limited_ = false;
+  last_position_ = {};
+  wrist_command_ = {};
+  wrist_driven_ = false;
+  timeout_ = {};
+  written_s_ = -1e9;
   force_off_cause_ = kNoCause;
   needs_reset_ = broken_ = reset_wanted_ = false;
   error_ = nullptr;
-  return {};
+  if (watched)
+    return {};
+  const auto end_force = [](void* self) noexcept {
+    auto& device = *static_cast<Device*>(self);
+    static_cast<void>(device.send({}, {}));
+  };
+  std::string obstacle = guard_.start(end_force, this);
+  if (!obstacle.empty())
+    close();
+  return obstacle.empty() ? obstacle : "dhd: " + obstacle;
 }
 
 void Device::close() noexcept {
+  guard_.stop();
   if (id_ >= 0) {
     const auto id = static_cast<char>(id_);
-    library_.set_force(0, 0, 0, id);
+    static_cast<void>(send({}, {}));
     library_.enable_force(0, id);
     library_.close(id);
     id_ = -1;
   }
   error_ = nullptr;
-  library_.unload();
+  open_.clear();
 }
 
 bool Device::answered(int result) noexcept {
@@ -165,9 +206,17 @@ void Device::look_at_status() noexcept {
 }
 
 bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
+  if (id_ < 0 || !guard_.enter())
+    return false;
+  const bool well = read_device(state);
+  guard_.leave();
+  return well;
+}
+
+bool Device::read_device(State& state) noexcept {
   const auto id = static_cast<char>(id_);
   double x = 0, y = 0, z = 0;
-  if (id_ < 0 || !answered(library_.position(&x, &y, &z, id)))
+  if (!answered(library_.position(&x, &y, &z, id)))
     return false;
   state.position = to_project(x, y, z);
   if (!answered(library_.linear_velocity(&x, &y, &z, id)))
@@ -175,6 +224,8 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   state.velocity = to_project(x, y, z);
   if (wrist_ && library_.orientation(&x, &y, &z, id) >= 0)
     state.rotation = to_project(x, y, z);
+  if (caps_.has_gripper && library_.gripper_gap(&x, id) >= 0 && std::isfinite(x))
+    state.gripper_m = x;
   state.buttons = library_.button_mask ? library_.button_mask(id) : 0u;
   if (reset_wanted_.exchange(false) && library_.reset) {
     static_cast<void>(library_.reset(id));
@@ -187,17 +238,48 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
     state.flags |= State::kFault;
   if (limited_)
     state.flags |= State::kForceLimited;
+  haptic::check_reach(caps_, state, last_position_);
   return true;
 }
 
 bool Device::write(const Vec3& force_n) noexcept {
-  if (id_ < 0)
+  if (id_ < 0 || !guard_.enter())
     return false;
+  const bool well = write_device(force_n);
+  guard_.leave();
+  return well;
+}
+
+void Device::set_wrist(const haptic::WristCommand& command) noexcept {
+  if (caps_.peak_torque_n_m <= 0 && caps_.peak_grip_n <= 0)
+    return;
+  wrist_command_ = command;
+  wrist_driven_ = true;
+}
+
+int Device::send(const Vec3& force_n, const haptic::WristCommand& wrist) noexcept {
+  const auto id = static_cast<char>(id_);
+  if (!wrist_driven_)
+    return library_.set_force(force_n.z, force_n.x, force_n.y, id);
+  const Vec3& t = wrist.torque_n_m;
+  return library_.set_all(force_n.z, force_n.x, force_n.y, t.z, t.x, t.y, wrist.grip_n, id);
+}
+
+bool Device::write_device(const Vec3& force_n) noexcept {
+  const double now_s = ForceTimeout::now_s();
+  const double share = timeout_.gain(std::exchange(written_s_, now_s), now_s);
   const bool none = force_n == Vec3{};
   quiet_ticks_ = none ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;
   const bool allowed = homed_ && force_off_cause_ == kNoCause && is_finite(force_n);
-  const Vec3 f = allowed ? limited(force_n, caps_.peak_force_n) : Vec3{};
-  const int result = library_.set_force(f.z, f.x, f.y, static_cast<char>(id_));
+  const Vec3 f = allowed ? limited(force_n, caps_.peak_force_n) * share : Vec3{};
+  const haptic::WristCommand asked = std::exchange(wrist_command_, {});
+  haptic::WristCommand wrist;
+  if (allowed) {
+    wrist.torque_n_m = limited(asked.torque_n_m, caps_.peak_torque_n_m) * share;
+    if (std::isfinite(asked.grip_n))
+      wrist.grip_n = std::clamp(asked.grip_n, -caps_.peak_grip_n, caps_.peak_grip_n) * share;
+  }
+  const int result = send(f, wrist);
   limited_ = result == kMotorSaturated;
   return answered(result) && (allowed || none);
 }

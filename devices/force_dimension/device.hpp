@@ -2,6 +2,9 @@
 
 #include "core/haptic/device.hpp"
 #include "devices/force_dimension/dhd_library.hpp"
+#include "devices/force_dimension/stall_guard.hpp"
+#include "devices/force_timeout.hpp"
+#include "devices/open_devices.hpp"
 
 #include <array>
 #include <atomic>
@@ -10,19 +13,22 @@
 namespace tactus::devices::force_dimension {
 
 /// An omega, delta, sigma or lambda through the vendor's library. The device's own watchdog is set
-/// to 30 ms, so that a servo that dies leaves no force. When the device has switched its force off
-/// by itself, force comes back when nothing but zero has been asked for during a fifth of a second;
-/// after its force button was pressed, when that is pressed again.
-/// The library's frame (x towards the user, y right, z up) becomes the project's.
+/// to 30 ms, so that a servo that dies leaves no force; where there is none a StallGuard does it.
+/// When the device has switched its force off by itself, force comes back when nothing but zero has
+/// been asked for during a fifth of a second; after its force button was pressed, when that is
+/// pressed again. The library's frame (x towards the user, y right, z up) becomes the project's.
 class Device final : public haptic::Backend {
 public:
   ~Device() override { close(); }
 
   [[nodiscard]] std::string open() override;
+  /// Between two calls of the vendor's library; a call that hangs is not ended.
+  void cancel() noexcept override { cancelled_ = true; }
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  void set_wrist(const haptic::WristCommand& command) noexcept override;
   /// "device WHICH": an index below 64, else a serial number. "home" or "calibrate": the device
   /// waits for its calibration again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
@@ -31,10 +37,19 @@ public:
 
 private:
   [[nodiscard]] int open_wanted(int wanted);
+  [[nodiscard]] std::string open_with_retries(int wanted);
+  [[nodiscard]] bool set_watchdog() noexcept;
+  void ask_for_wrist() noexcept;
+  [[nodiscard]] int send(const haptic::Vec3& force_n, const haptic::WristCommand& wrist) noexcept;
+  [[nodiscard]] bool read_device(haptic::State& state) noexcept;
+  [[nodiscard]] bool write_device(const haptic::Vec3& force_n) noexcept;
   void look_at_status() noexcept;
   [[nodiscard]] bool answered(int result) noexcept;
 
   DhdLibrary library_;
+  OpenDevice open_;
+  StallGuard guard_;
+  std::atomic<bool> cancelled_{false};
   int id_ = -1;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
@@ -45,6 +60,11 @@ private:
 
   // The servo's thread
   std::array<int, kLongestStatus> status_{};
+  ForceTimeout timeout_{};
+  double written_s_ = -1e9;
+  haptic::Vec3 last_position_{};
+  haptic::WristCommand wrist_command_{};  // of the next write
+  std::atomic<bool> wrist_driven_{false}; // since the opening; then zero is sent, too
   int until_status_ = 0, quiet_ticks_ = 0;
   bool homed_ = true, limited_ = false;
 

@@ -45,11 +45,9 @@ std::string DhdLibrary::load() {
   need("dhdEnableForce", enable_force);
   need("dhdErrorGetLastStr", last_error);
   if (missing) {
-    std::string sentence = library_.name() + " has no function " + missing +
-                           "; it is not version 3 of Force Dimension's SDK: install that, or "
-                           "set TACTUS_LIBDHD to the path of its libdhd";
-    library_.unload();
-    return sentence;
+    return library_.name() + " has no function " + missing +
+           "; it is not version 3 of Force Dimension's SDK: install that, or "
+           "set TACTUS_LIBDHD to the path of its libdhd";
   }
   library_.symbol("dhdOpenSerial", open_serial);
   library_.symbol("dhdGetSystemName", system_name);
@@ -58,6 +56,11 @@ std::string DhdLibrary::load() {
   library_.symbol("dhdGetStatus", status);
   library_.symbol("dhdGetOrientationRad", orientation);
   library_.symbol("dhdHasWrist", has_wrist);
+  library_.symbol("dhdHasActiveWrist", has_active_wrist);
+  library_.symbol("dhdHasGripper", has_gripper);
+  library_.symbol("dhdHasActiveGripper", has_active_gripper);
+  library_.symbol("dhdGetGripperGap", gripper_gap);
+  library_.symbol("dhdSetForceAndTorqueAndGripperForce", set_all);
   library_.symbol("dhdReset", reset);
   library_.symbol("dhdEnableExpertMode", expert_mode);
   library_.symbol("dhdDisableExpertMode", ordinary_mode);

@@ -51,6 +51,12 @@ struct DhdLibrary {
   int (*status)(int* all, char id) = nullptr;
   int (*orientation)(double* a, double* b, double* c, char id) = nullptr; // rad
   bool (*has_wrist)(char id) = nullptr;
+  bool (*has_active_wrist)(char id) = nullptr;
+  bool (*has_gripper)(char id) = nullptr;
+  bool (*has_active_gripper)(char id) = nullptr;
+  int (*gripper_gap)(double* opening, char id) = nullptr; // m
+  int (*set_all)(double fx, double fy, double fz, double tx, double ty, double tz, double grip,
+                 char id) = nullptr; // N, N m, N
   int (*reset)(char id) = nullptr;
   int (*expert_mode)() = nullptr;
   int (*ordinary_mode)() = nullptr;
@@ -61,7 +67,6 @@ struct DhdLibrary {
   /// environment's TACTUS_LIBDHD names the file; else the usual names are tried.
   [[nodiscard]] std::string load();
   [[nodiscard]] bool loaded() const noexcept { return library_.loaded(); }
-  void unload() noexcept { library_.unload(); }
 
 private:
   SharedLibrary library_;

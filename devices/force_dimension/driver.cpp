@@ -9,10 +9,15 @@ std::string obstacle() {
   return library.load();
 }
 
-/// Counts without opening: an open device may be in use by this very program.
+/// Counts without opening. While a device is open the library is left alone: what is open is known,
+/// others are seen when it is closed.
 std::vector<Found> list() {
-  force_dimension::DhdLibrary library;
   std::vector<Found> all;
+  for (Opened& device : open_devices("dhd"))
+    all.push_back(std::move(device.found));
+  if (!all.empty())
+    return all;
+  force_dimension::DhdLibrary library;
   if (!library.load().empty())
     return all;
   const int count = library.device_count();

@@ -5,17 +5,18 @@
 namespace tactus::devices::force_dimension {
 namespace {
 
-// Forces, stiffness, damping and radius: CHAI3D 3.2, CDeltaDevices; types of the newer 3-axis
-// models: the SDK's public bindings. Those, which CHAI3D does not list, have the figures of their
-// family's 7-axis model.
+// Forces, torques, stiffness, damping and radius: CHAI3D 3.2, CDeltaDevices; types of the newer
+// 3-axis models: the SDK's public bindings. Those, which CHAI3D does not list, have the figures of
+// their family's 7-axis model.
 constexpr Model kModels[] = {
-    {33, "omega.3", 12, 5000, 30, 0.075},   {34, "omega.6", 12, 5000, 30, 0.075},
-    {36, "omega.6", 12, 5000, 30, 0.075},   {35, "omega.7", 12, 5000, 30, 0.075},
-    {37, "omega.7", 12, 5000, 30, 0.075},   {63, "delta.3", 20, 5000, 30, 0.15},
-    {64, "delta.6", 20, 5000, 30, 0.15},    {206, "sigma.3", 12, 4000, 30, 0.075},
-    {104, "sigma.7", 12, 4000, 30, 0.075},  {105, "sigma.7", 12, 4000, 30, 0.075},
-    {203, "lambda.3", 12, 4000, 30, 0.075}, {108, "lambda.7", 12, 4000, 30, 0.075},
-    {109, "lambda.7", 12, 4000, 30, 0.075}, {60, "Falcon", 8, 3000, 20, 0.04},
+    {33, "omega.3", 12, 5000, 30, 0.075},           {34, "omega.6", 12, 5000, 30, 0.075},
+    {36, "omega.6", 12, 5000, 30, 0.075},           {35, "omega.7", 12, 5000, 30, 0.075, 0, 8},
+    {37, "omega.7", 12, 5000, 30, 0.075, 0, 8},     {63, "delta.3", 20, 5000, 30, 0.15},
+    {64, "delta.6", 20, 5000, 30, 0.15, 0.2},       {206, "sigma.3", 12, 4000, 30, 0.075},
+    {106, "sigma.6+", 12, 4000, 30, 0.09, 0.2},     {107, "sigma.6+", 12, 4000, 30, 0.09, 0.2},
+    {104, "sigma.7", 12, 4000, 30, 0.075, 0.2, 8},  {105, "sigma.7", 12, 4000, 30, 0.075, 0.2, 8},
+    {203, "lambda.3", 12, 4000, 30, 0.075},         {108, "lambda.7", 12, 4000, 30, 0.075, 0.2, 8},
+    {109, "lambda.7", 12, 4000, 30, 0.075, 0.2, 8}, {60, "Falcon", 8, 3000, 20, 0.04},
 };
 constexpr Model kUnknown{0, "unknown", 8, 3000, 20, 0.04};
 
@@ -34,6 +35,8 @@ haptic::Caps caps_of(const Model& model) noexcept {
   caps.damping_limit_n_s_per_m = model.damping_n_s_per_m;
   caps.workspace_min = haptic::Vec3{1, 1, 1} * -model.radius_m;
   caps.workspace_max = haptic::Vec3{1, 1, 1} * model.radius_m;
+  caps.peak_torque_n_m = model.peak_torque_n_m;
+  caps.peak_grip_n = model.peak_grip_n;
   caps.position_noise_m = 1e-5;
   caps.has_velocity = true;
   caps.needs_home = true;

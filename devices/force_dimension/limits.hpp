@@ -10,6 +10,7 @@ struct Model {
   int type; ///< what dhdGetSystemType answers
   std::string_view name;
   double peak_force_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;
+  double peak_torque_n_m = 0, peak_grip_n = 0; ///< 0: it has no such motors
 };
 
 /// CHAI3D's figures for the type; the least of them for a type that it does not know.

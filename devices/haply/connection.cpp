@@ -8,6 +8,8 @@
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <limits>
+#include <system_error>
 
 namespace tactus::devices::haply {
 namespace {
@@ -17,10 +19,9 @@ using haptic::Vec3;
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kConnect_s = 2, kAnswer_s = 0.5;
-constexpr double kForceLives_s = 0.05;
+constexpr double kConnect_s = 2, kAnswer_s = 0.5, kSetUp_s = 0.5;
 constexpr double kFirstPause_s = 0.05, kLongestPause_s = 2;
-constexpr double kPatience_s = 4;
+constexpr double kPatience_s = 4, kLook_s = 0.02; // in open()
 constexpr int kTriesBeforeRefusal = 4;
 constexpr int kGarbageBeforeHangingUp = 50;
 
@@ -40,20 +41,28 @@ std::string Connection::open(const Wish& wish) {
   wish_ = wish;
   sample_ = {};
   samples_.write({});
-  orders_.write({});
+  forces_.reset();
   phase_ = Phase::kLooking;
   trouble_.clear();
-  stop_ = leaving_ = false;
-  thread_ = std::thread([this] { serve(); });
+  stop_ = leaving_ = cancelled_ = false;
+  try {
+    thread_ = std::thread([this] { serve(); });
+  } catch (const std::system_error&) {
+    return "no thread can be started for the connection: close other programs";
+  }
   std::string sentence;
   {
     std::unique_lock lock(guard_);
-    changed_.wait_for(lock, Seconds(kPatience_s), [this] { return phase_ != Phase::kLooking; });
+    const auto until =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kPatience_s));
+    while (phase_ == Phase::kLooking && !cancelled_ && Clock::now() < until)
+      changed_.wait_for(lock, Seconds(kLook_s));
     if (phase_ == Phase::kRunning)
       return {};
-    sentence = trouble_.empty() ? "Haply's service on " + wish_.address.host + ":" +
-                                      wish_.address.port + " does not answer"
-                                : trouble_;
+    sentence = cancelled_         ? "the opening was cancelled: open the device again"
+               : trouble_.empty() ? "Haply's service on " + wish_.address.host + ":" +
+                                        wish_.address.port + " does not answer"
+                                  : trouble_;
   }
   close();
   return sentence;
@@ -155,10 +164,21 @@ bool Connection::take(const Message& message) {
                                   [this](const Sight& one) { return one.id == device_id_; });
   if (found == message.devices.end())
     return false;
+  if (found->workspace)
+    workspace_ = *found->workspace;
+  if (found->mount)
+    mount_ = *found->mount;
+  // The workspace transform is undone, and the mount's scale; its turn and origin are wanted.
+  Placement mount_scale;
+  mount_scale.scale = mount_.scale;
+  const bool valid = workspace_.valid() && mount_.valid();
+  const Vec3 nowhere = Vec3{1, 1, 1} * std::numeric_limits<double>::quiet_NaN();
   if (found->position)
-    sample_.state.position = *found->position;
+    sample_.state.position =
+        valid ? mount_scale.point(workspace_.point(*found->position)) : nowhere;
   if (found->velocity)
-    sample_.state.velocity = *found->velocity;
+    sample_.state.velocity =
+        valid ? mount_scale.motion(workspace_.motion(*found->velocity)) : Vec3{};
   if (found->calibrated)
     sample_.calibrated = *found->calibrated;
   if (message.buttons)
@@ -170,11 +190,37 @@ bool Connection::take(const Message& message) {
 }
 
 Vec3 Connection::wanted_force() noexcept {
-  orders_.read();
-  const Order& order = orders_.latest();
-  const bool alive = ServoThread::now_s() - order.time_s < kForceLives_s;
-  return alive && sample_.calibrated && !leaving_ && is_finite(order.force_n) ? order.force_n
-                                                                              : Vec3{};
+  const Vec3 force_n = forces_.read();
+  if (!sample_.calibrated || leaving_ || !is_finite(force_n) || !workspace_.valid())
+    return {};
+  return workspace_.rotated(force_n * forces_.gain());
+}
+
+/// Asks for the preset and the axes and waits until the service's configuration shows both. A
+/// service that does not know presets leaves the origin in the device's base.
+std::string Connection::set_up(Socket& socket) {
+  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kSetUp_s));
+  centred_ = false;
+  std::string text;
+  for (int round = 0; !stop_ && !leaving_ && Clock::now() < until; ++round) {
+    const std::string message =
+        round == 0 ? first_message(device_id_) : question(device_id_, round == 1);
+    std::string failure = socket.send(message, kAnswer_s);
+    if (failure.empty())
+      failure = socket.receive(text, kAnswer_s);
+    if (!failure.empty())
+      return failure;
+    const auto answer = parse(text);
+    if (!answer || !take(*answer))
+      continue;
+    const auto found = std::find_if(answer->devices.begin(), answer->devices.end(),
+                                    [this](const Sight& one) { return one.id == device_id_; });
+    centred_ = found->preset == kPreset;
+    if (round > 1 && centred_ && (found->basis.empty() || found->basis == kBasis))
+      return {};
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return {};
 }
 
 std::string Connection::talk(Socket& socket) {
@@ -187,14 +233,16 @@ std::string Connection::talk(Socket& socket) {
            " is not Haply's service: it does not speak JSON; say service HOST PORT";
   if (std::string sentence = choose(*inventory); !sentence.empty())
     return sentence;
+  workspace_ = mount_ = {};
   static_cast<void>(take(*inventory)); // later states leave out what stays
+  if (std::string failure = set_up(socket); !failure.empty())
+    return "Haply's service went away (" + failure + "): it is looked for again";
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(1 / wish_.rate_hz));
   auto next = Clock::now();
-  bool first = true;
   bool told = false;
-  for (int garbage = 0; !stop_; first = false) {
+  for (int garbage = 0; !stop_;) {
     const bool last = leaving_;
-    std::string failure = socket.send(force_message(device_id_, wanted_force(), first), kAnswer_s);
+    std::string failure = socket.send(force_message(device_id_, wanted_force()), kAnswer_s);
     if (failure.empty())
       failure = socket.receive(text, kAnswer_s);
     if (last)

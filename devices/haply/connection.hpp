@@ -2,6 +2,7 @@
 
 #include "core/haptic/device.hpp"
 #include "core/haptic/mailbox.hpp"
+#include "devices/force_timeout.hpp"
 #include "devices/haply/protocol.hpp"
 
 #include <atomic>
@@ -29,8 +30,8 @@ struct Wish {
 
 /// The newest that is known of the device.
 struct Sample {
-  haptic::State state{};
-  double time_s = -1e9; ///< of its arrival, ServoThread's clock
+  haptic::State state{}; ///< position in metres of the handle, from the origin that origin() says
+  double time_s = -1e9;  ///< of its arrival, ServoThread's clock
   bool calibrated = false;
 };
 
@@ -43,6 +44,8 @@ public:
 
   /// Waits for the first state of the wanted device; empty, else what to do.
   [[nodiscard]] std::string open(const Wish& wish);
+  /// Any thread: ends an open() that waits, soon.
+  void cancel() noexcept { cancelled_ = true; }
   /// Sends zero force and ends the thread.
   void close() noexcept;
 
@@ -51,23 +54,22 @@ public:
     samples_.read();
     return samples_.latest();
   }
-  /// Servo's thread. N, project frame; a force that is not renewed falls to zero after 50 ms.
-  void ask(const haptic::Vec3& force_n, double now_s) noexcept { orders_.write({force_n, now_s}); }
+  /// Servo's thread. N, project frame; a force that is not renewed ends (force_timeout.hpp).
+  void ask(const haptic::Vec3& force_n) noexcept { forces_.write(force_n); }
 
   /// Any thread that may wait.
   [[nodiscard]] std::string trouble() const;
   [[nodiscard]] Sight sight() const;
+  /// The service has put the origin into the middle of the workspace; else it is the device's base.
+  [[nodiscard]] bool centred() const noexcept { return centred_; }
 
 private:
-  struct Order {
-    haptic::Vec3 force_n{};
-    double time_s = -1e9;
-  };
   enum class Phase { kLooking, kRunning, kRefused };
 
   void serve() noexcept;
   void look_and_talk();
   [[nodiscard]] std::string talk(Socket& socket);
+  [[nodiscard]] std::string set_up(Socket& socket);
   [[nodiscard]] std::string choose(const Message& inventory);
   [[nodiscard]] bool take(const Message& message);
   [[nodiscard]] haptic::Vec3 wanted_force() noexcept;
@@ -75,13 +77,16 @@ private:
 
   Wish wish_;
   std::thread thread_;
-  std::atomic<bool> stop_{false}, leaving_{false};
+  std::atomic<bool> stop_{false}, leaving_{false}, cancelled_{false};
   haptic::Mailbox<Sample> samples_;
-  haptic::Mailbox<Order> orders_;
+  TimedMailbox<haptic::Vec3> forces_;
+
+  std::atomic<bool> centred_{false};
 
   // The connection's thread
   std::string device_id_;
   Sample sample_{};
+  Placement workspace_{}, mount_{};
 
   mutable std::mutex guard_;
   std::condition_variable changed_;

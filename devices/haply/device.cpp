@@ -11,8 +11,17 @@ namespace {
 using haptic::State;
 using haptic::Vec3;
 
-// The vendor's pages give no figure in newtons: this is careful, and `peak` changes it.
-constexpr double kPeak_n = 4;
+struct Limits {
+  double peak_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;
+};
+// cHaplyDevices of the maker's CHAI3D fork, github.com/HaplyHaptics/chai3d.
+constexpr Limits kInverse3{10, 1000, 6, 0.15};
+// No figure in newtons was found for the Minverse: careful, with the working sphere of the maker's
+// pages.
+constexpr Limits kMinverse{4, 400, 2, 0.04};
+// Where the handle is in the maker's examples, of a service without presets: in front of and above
+// the mounting plate. The service's axes, m.
+constexpr Vec3 kCentreFromBase{0, -0.12, 0.15};
 constexpr double kOld_s = 0.02;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -26,7 +35,7 @@ double number(const std::string& word) {
 
 } // namespace
 
-Device::Device() : peak_n_(kPeak_n) { wish_.address = usual_address(); }
+Device::Device() { wish_.address = usual_address(); }
 
 std::string Device::configure(std::span<const std::string> words) {
   const std::string name = words.empty() ? "nothing" : words[0];
@@ -53,7 +62,7 @@ std::string Device::configure(std::span<const std::string> words) {
 
 std::string Device::open() {
   Wish wish;
-  double peak_n = kPeak_n;
+  double peak_n = 0;
   {
     const std::lock_guard lock(wish_guard_);
     wish = wish_;
@@ -63,13 +72,15 @@ std::string Device::open() {
     return "haply: " + sentence;
   const Sight seen = connection_.sight();
   const bool small = seen.type.find("minverse") != std::string::npos;
-  const double radius_m = small ? 0.04 : 0.10;
-  // Where the vendor's own examples hold the handle: in front of and above the mounting plate.
-  const Vec3 centre = to_project({0, -0.12, 0.15});
+  const Limits& limits = small ? kMinverse : kInverse3;
+  const Vec3 centre = connection_.centred() ? Vec3{} : to_project(kCentreFromBase);
   caps_ = {};
-  caps_.peak_force_n = peak_n;
-  caps_.workspace_min = centre - Vec3{1, 1, 1} * radius_m;
-  caps_.workspace_max = centre + Vec3{1, 1, 1} * radius_m;
+  caps_.peak_force_n = peak_n > 0 ? peak_n : limits.peak_n;
+  caps_.stiffness_limit_n_per_m = limits.stiffness_n_per_m;
+  caps_.damping_limit_n_s_per_m = limits.damping_n_s_per_m;
+  caps_.workspace_min = centre - Vec3{1, 1, 1} * limits.radius_m;
+  caps_.workspace_max = centre + Vec3{1, 1, 1} * limits.radius_m;
+  last_position_ = centre;
   caps_.rate_hz = wish.rate_hz;
   caps_.has_velocity = caps_.has_buttons = caps_.has_rotation = caps_.needs_home = true;
   identity_ = {"Haply", seen.type.empty() ? "inverse3" : seen.type, seen.id};
@@ -80,12 +91,13 @@ std::string Device::open() {
 bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   const Sample& sample = connection_.newest();
   state = sample.state;
+  haptic::check_reach(caps_, state, last_position_);
   calibrated_ = sample.calibrated;
   return ServoThread::now_s() - sample.time_s < kOld_s;
 }
 
 bool Device::write(const Vec3& force_n) noexcept {
-  connection_.ask(limited(force_n, caps_.peak_force_n), ServoThread::now_s());
+  connection_.ask(limited(force_n, caps_.peak_force_n));
   return true;
 }
 

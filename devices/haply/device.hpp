@@ -12,6 +12,7 @@ public:
   ~Device() override { close(); }
 
   [[nodiscard]] std::string open() override;
+  void cancel() noexcept override { connection_.cancel(); }
   void close() noexcept override { connection_.close(); }
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
@@ -26,11 +27,12 @@ private:
   Connection connection_;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
+  haptic::Vec3 last_position_{}; // the servo's
   std::atomic<bool> calibrated_{true};
 
   std::mutex wish_guard_;
   Wish wish_;
-  double peak_n_;
+  double peak_n_ = 0; ///< 0: the model's
 };
 
 } // namespace tactus::devices::haply

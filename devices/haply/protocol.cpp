@@ -49,16 +49,37 @@ std::optional<Vec3> placed(const Json& state, const char* name) {
   return v ? std::optional(to_project(*v)) : std::nullopt;
 }
 
+/// Parts that are missing are those of the identity, as the service leaves them out.
+std::optional<Placement> placement(const Json* object) {
+  if (!object || !object->is_object())
+    return {};
+  Placement placed;
+  if (const auto position = vector(member(*object, "position")))
+    placed.pose.position = to_project(*position);
+  if (const auto scale = vector(member(*object, "scale")))
+    placed.scale = {scale->x, scale->z, scale->y};
+  if (const Json* rotation = member(*object, "rotation")) {
+    const Vec3 axis = to_project(vector(rotation).value_or(Vec3{}));
+    placed.pose.rotation = {number(*rotation, "w").value_or(1), axis.x, axis.y, axis.z};
+  }
+  return placed;
+}
+
 Sight sight(const Json& device) {
   Sight seen;
   seen.id = text(device, "device_id");
   if (const Json* config = member(device, "config")) {
     seen.type = text(*config, "type");
     seen.firmware = text(*config, "extended_firmware_version");
+    seen.preset = text(*config, "preset");
+    seen.mount = placement(member(*config, "mount"));
+    if (const Json* basis = member(*config, "basis"))
+      seen.basis = text(*basis, "permutation");
   }
   if (const Json* state = member(device, "state")) {
     seen.position = placed(*state, "cursor_position");
     seen.velocity = placed(*state, "cursor_velocity");
+    seen.workspace = placement(member(*state, "transform"));
   }
   if (const Json* status = member(device, "status"))
     seen.calibrated = truth(*status, "calibrated");
@@ -114,16 +135,41 @@ std::optional<Message> parse(std::string_view source) {
   return message;
 }
 
-std::string force_message(std::string_view device_id, const Vec3& force_n, bool first) {
+namespace {
+
+Json device_message(std::string_view device_id, const Vec3& force_n) {
   const Vec3 f = to_service(force_n);
-  Json message = {
-      {"inverse3",
-       {{{"device_id", device_id},
-         {"commands",
-          {{"set_cursor_force", {{"vector", {{"x", f.x}, {"y", f.y}, {"z", f.z}}}}}}}}}}};
-  if (first)
-    message["session"] = {
-        {"configure", {{"profile", {{"name", "tactus"}}}, {"basis", {{"permutation", "XYZ"}}}}}};
+  return {{"device_id", device_id},
+          {"commands", {{"set_cursor_force", {{"vector", {{"x", f.x}, {"y", f.y}, {"z", f.z}}}}}}}};
+}
+
+Json message_of(Json device) {
+  Json message;
+  message["inverse3"].push_back(std::move(device));
+  return message;
+}
+
+} // namespace
+
+std::string force_message(std::string_view device_id, const Vec3& force_n) {
+  return message_of(device_message(device_id, force_n)).dump();
+}
+
+std::string first_message(std::string_view device_id) {
+  Json device = device_message(device_id, {});
+  device["configure"]["preset"]["preset"] = kPreset;
+  Json message = message_of(std::move(device));
+  Json& configure = message["session"]["configure"];
+  configure["profile"]["name"] = "tactus";
+  configure["basis"]["permutation"] = kBasis;
+  return message.dump();
+}
+
+std::string question(std::string_view device_id, bool basis) {
+  Json message = message_of(device_message(device_id, {}));
+  message["session"]["force_render_full_state"] = Json::object();
+  if (basis)
+    message["session"]["configure"]["basis"]["permutation"] = kBasis;
   return message.dump();
 }
 

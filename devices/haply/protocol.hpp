@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/haptic/device.hpp"
+#include "devices/haply/placement.hpp"
 
 #include <optional>
 #include <string>
@@ -15,8 +16,11 @@ namespace tactus::devices::haply {
 /// One device as a message of the service shows it. Project frame.
 struct Sight {
   std::string id, type, firmware;
-  std::optional<haptic::Vec3> position, velocity; ///< m, m/s
+  std::optional<haptic::Vec3> position, velocity; ///< m, m/s, in the application's space
   std::optional<bool> calibrated;
+  std::optional<Placement> workspace; ///< the workspace transform
+  std::optional<Placement> mount;     ///< with the configuration alone, as the next two
+  std::string preset, basis;
 };
 
 /// A message of the service.
@@ -29,10 +33,17 @@ struct Message {
 /// Nothing when the text is no JSON object. Numbers that are not finite are left out.
 [[nodiscard]] std::optional<Message> parse(std::string_view text);
 
-/// A force on one device, N, project frame. The first message of a session also gives our name and
-/// asks for the service's own axes.
-[[nodiscard]] std::string force_message(std::string_view device_id, const haptic::Vec3& force_n,
-                                        bool first);
+/// The preset that puts the origin into the middle of the workspace, and the service's own axes.
+constexpr const char* kPreset = "arm_front_centered";
+constexpr const char* kBasis = "XYZ";
+
+/// A force on one device, N, project frame.
+[[nodiscard]] std::string force_message(std::string_view device_id, const haptic::Vec3& force_n);
+/// The first message of a session: our name, the axes and the preset, and no force.
+[[nodiscard]] std::string first_message(std::string_view device_id);
+/// No force, and please an answer with the configuration in it. With basis: the axes once more,
+/// since a preset may set its own.
+[[nodiscard]] std::string question(std::string_view device_id, bool basis);
 
 /// The service's axes are x right, y forward, z up.
 [[nodiscard]] inline haptic::Vec3 to_project(const haptic::Vec3& v) noexcept {

@@ -8,6 +8,8 @@
 
 #include <chrono>
 #include <optional>
+#include <system_error>
+#include <thread>
 
 namespace tactus::devices::haply {
 
@@ -16,6 +18,44 @@ namespace beast = boost::beast;
 using Error = beast::error_code;
 using Clock = std::chrono::steady_clock;
 using asio::ip::tcp;
+
+namespace {
+
+/// A look-up of a host's name, which the system cannot be asked to break off: it runs in a thread
+/// of its own, which keeps this alive and may outlive who asked.
+struct Lookup {
+  std::atomic<bool> done{false};
+  Error error;
+  tcp::resolver::results_type addresses;
+};
+
+std::string look_up(const std::string& host, const std::string& port, double timeout_s,
+                    const std::atomic<bool>& stop, tcp::resolver::results_type& addresses) {
+  const auto lookup = std::make_shared<Lookup>();
+  try {
+    std::thread([lookup, host, port] {
+      asio::io_context context{1};
+      tcp::resolver resolver{context};
+      lookup->addresses = resolver.resolve(host, port, lookup->error);
+      lookup->done = true;
+    }).detach();
+  } catch (const std::system_error&) {
+    return "no thread can be started to look up " + host;
+  }
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::chrono::duration<double>(timeout_s));
+  while (!lookup->done) {
+    if (stop)
+      return "stopped";
+    if (Clock::now() > deadline)
+      return "the name " + host + " is not found in time";
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  addresses = lookup->addresses;
+  return lookup->error ? lookup->error.message() : std::string();
+}
+
+} // namespace
 
 struct Socket::Parts {
   explicit Parts(const std::atomic<bool>& stop_flag) : stop(stop_flag) {}
@@ -33,7 +73,6 @@ struct Socket::Parts {
     if (outcome)
       return *outcome ? outcome->message() : std::string();
     Error ignored;
-    resolver.cancel();
     if (stream)
       beast::get_lowest_layer(*stream).close(ignored);
     context.restart();
@@ -44,7 +83,6 @@ struct Socket::Parts {
 
   const std::atomic<bool>& stop;
   asio::io_context context{1};
-  tcp::resolver resolver{context};
   std::optional<beast::websocket::stream<tcp::socket>> stream;
   beast::flat_buffer buffer;
   tcp::resolver::results_type addresses;
@@ -57,12 +95,7 @@ std::string Socket::connect(const std::string& host, const std::string& port, do
   Parts& p = *parts_;
   p.stream.emplace(p.context);
   p.buffer.clear();
-  std::string failure = p.finish(timeout_s, [&](auto done) {
-    p.resolver.async_resolve(host, port, [&p, done](Error error, auto results) mutable {
-      p.addresses = results;
-      done(error);
-    });
-  });
+  std::string failure = look_up(host, port, timeout_s, p.stop, p.addresses);
   if (failure.empty())
     failure = p.finish(timeout_s, [&](auto done) {
       asio::async_connect(beast::get_lowest_layer(*p.stream), p.addresses, done);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdio>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace tactus::devices::openhaptics {
@@ -20,6 +21,7 @@ constexpr int kCalibrationCheck_ticks = 256;
 constexpr int kErrorStays_ticks = 500;
 constexpr int kQuiet_ticks = 200;
 constexpr std::array<int, 3> kPausesBetweenTries_ms{0, 100, 400};
+constexpr int kLook_ms = 20; // between two looks at whether the opening was cancelled
 
 // The vendor has one scheduler for all of its devices.
 std::mutex scheduler_guard;
@@ -93,8 +95,11 @@ std::string Device::try_names(const std::string& wanted) {
   names.insert(names.end(), {"Default Device", "Default PHANToM", nullptr});
   Code error = kSuccess;
   for (const int pause_ms : kPausesBetweenTries_ms) {
-    std::this_thread::sleep_for(Milliseconds(pause_ms));
+    for (int waited_ms = 0; waited_ms < pause_ms && !cancelled_; waited_ms += kLook_ms)
+      std::this_thread::sleep_for(Milliseconds(kLook_ms));
     for (const char* name : names) {
+      if (cancelled_)
+        return "openhaptics: the opening was cancelled: open the device again";
       static_cast<void>(library_.take_errors());
       handle_ = library_.init_device(name);
       error = library_.take_errors();
@@ -118,6 +123,7 @@ std::string Device::try_names(const std::string& wanted) {
 
 std::string Device::open() {
   close();
+  cancelled_ = false;
   if (std::string sentence = library_.load(); !sentence.empty())
     return "openhaptics: " + sentence;
   std::string wanted;
@@ -125,16 +131,15 @@ std::string Device::open() {
     const std::lock_guard lock(wish_guard_);
     wanted = wanted_name_;
   }
-  if (std::string sentence = try_names(wanted); !sentence.empty()) {
-    library_.unload();
+  if (std::string sentence = try_names(wanted); !sentence.empty())
     return sentence;
-  }
   library_.make_current_device(handle_);
   const auto text = [&](Code value) {
     const char* answer = library_.get_string(value);
     return std::string(answer ? answer : "");
   };
   identity_ = {text(kVendor), text(kModelType), text(kSerialNumber)};
+  open_.set("openhaptics", static_cast<int>(open_devices("openhaptics").size()), identity_);
   caps_ = device_caps(library_, identity_.model);
   library_.enable(kForceOutput);
   library_.enable(kMaxForceClamping);
@@ -143,8 +148,10 @@ std::string Device::open() {
     library_.set_scheduler_rate(1000);
   static_cast<void>(library_.take_errors()); // ramping and the rate are wishes
   calibration_ = kCalibrationNeedsUpdate;
-  until_calibration_check_ = error_ticks_left_ = quiet_ticks_ = 0;
+  until_calibration_check_ = error_ticks_left_ = warm_ticks_left_ = quiet_ticks_ = 0;
   force_off_ = false;
+  last_position_ = torque_n_m_ = {};
+  torque_driven_ = false;
   error_ = kSuccess;
   return {};
 }
@@ -157,7 +164,7 @@ void Device::close() noexcept {
     library_.disable_device(handle_);
     handle_ = kNoDevice;
   }
-  library_.unload();
+  open_.clear();
 }
 
 bool Device::run(void (*step)(void*), void* context) {
@@ -202,9 +209,11 @@ unsigned int Device::on_tick(void* self) noexcept {
   device.library_.begin_frame(device.handle_);
   const bool more = device.tick();
   if (!more)
-    device.send({});
+    device.send({}, {});
   device.library_.end_frame(device.handle_);
-  device.judge(device.library_.take_errors());
+  bool warm = false;
+  const Code error = device.library_.take_errors(&warm);
+  device.judge(error, warm);
   if (!more)
     device.finished_ = true;
   return more ? kCallbackContinue : kCallbackDone;
@@ -236,7 +245,8 @@ void Device::look_after_calibration() noexcept {
   seen_calibration_ = calibration_;
 }
 
-void Device::judge(Code error) noexcept {
+void Device::judge(Code error, bool warm) noexcept {
+  warm_ticks_left_ = warm ? kErrorStays_ticks : std::max(warm_ticks_left_ - 1, 0);
   if (error != kSuccess) {
     error_ = error;
     error_ticks_left_ = kErrorStays_ticks;
@@ -265,10 +275,11 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   state.rotation = -Vec3{gimbal[1], gimbal[0], gimbal[2]};
   state.buttons = static_cast<std::uint32_t>(buttons);
   state.flags = calibration_ == kCalibrated ? State::kHomed : 0u;
+  haptic::check_reach(caps_, state, last_position_);
   const Code error = error_;
   if (force_off_)
     state.flags |= State::kFault;
-  if (error == kWarmMotors)
+  if (warm_ticks_left_ > 0) // also while a worse error is told
     state.flags |= State::kMotorsHot;
   if (error == kTooMuchForce)
     state.flags |= State::kForceLimited;
@@ -278,13 +289,26 @@ bool Device::read(const haptic::Tick& /*tick*/, State& state) noexcept {
 bool Device::write(const Vec3& force_n) noexcept {
   quiet_ticks_ = force_n == Vec3{} ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;
   const bool allowed = calibration_ == kCalibrated && !force_off_ && is_finite(force_n);
-  send(allowed ? limited(force_n, caps_.peak_force_n) : Vec3{});
+  const Vec3 torque_n_m = std::exchange(torque_n_m_, {});
+  send(allowed ? limited(force_n, caps_.peak_force_n) : Vec3{},
+       allowed ? limited(torque_n_m, caps_.peak_torque_n_m) : Vec3{});
   return !force_off_ || force_n == Vec3{};
 }
 
-void Device::send(const Vec3& force_n) noexcept {
+void Device::set_wrist(const haptic::WristCommand& command) noexcept {
+  if (caps_.peak_torque_n_m <= 0)
+    return;
+  torque_n_m_ = command.torque_n_m;
+  torque_driven_ = true;
+}
+
+void Device::send(const Vec3& force_n, const Vec3& torque_n_m) noexcept {
   const double force[3] = {force_n.x, force_n.y, force_n.z};
   library_.set_doubles(kForce, force);
+  if (!torque_driven_)
+    return;
+  const double torque[3] = {1e3 * torque_n_m.x, 1e3 * torque_n_m.y, 1e3 * torque_n_m.z};
+  library_.set_doubles(kTorque, torque);
 }
 
 std::string Device::trouble() const {

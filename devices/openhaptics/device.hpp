@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/haptic/device.hpp"
+#include "devices/open_devices.hpp"
 #include "devices/openhaptics/hd_library.hpp"
 
 #include <atomic>
@@ -17,10 +18,13 @@ public:
   ~Device() override { close(); }
 
   [[nodiscard]] std::string open() override;
+  /// Between two calls of the vendor's library; a call that hangs is not ended.
+  void cancel() noexcept override { cancelled_ = true; }
   void close() noexcept override;
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  void set_wrist(const haptic::WristCommand& command) noexcept override;
   /// "device NAME": the name under which the vendor's set-up tool knows it. "home" or "calibrate":
   /// the vendor's library looks at the calibration again.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
@@ -35,11 +39,13 @@ private:
   static unsigned int on_tick(void* self) noexcept;
   [[nodiscard]] bool tick() noexcept;
   void look_after_calibration() noexcept;
-  void judge(Code error) noexcept;
-  void send(const haptic::Vec3& force_n) noexcept;
+  void judge(Code error, bool warm) noexcept;
+  void send(const haptic::Vec3& force_n, const haptic::Vec3& torque_n_m) noexcept;
   [[nodiscard]] std::string try_names(const std::string& wanted);
 
   HdLibrary library_;
+  OpenDevice open_;
+  std::atomic<bool> cancelled_{false};
   Handle handle_ = kNoDevice;
   haptic::Caps caps_{};
   haptic::Identity identity_{};
@@ -53,8 +59,11 @@ private:
   SchedulerHandle scheduled_ = 0;
   Code calibration_ = kCalibrationNeedsUpdate;
   int until_calibration_check_ = 0;
-  int error_ticks_left_ = 0, quiet_ticks_ = 0;
+  int error_ticks_left_ = 0, warm_ticks_left_ = 0, quiet_ticks_ = 0;
   bool force_off_ = false;
+  haptic::Vec3 last_position_{};
+  haptic::Vec3 torque_n_m_{};  // of the next write
+  bool torque_driven_ = false; // since the opening; then zero is sent, too
 
   // Both sides
   std::atomic<bool> running_{false}, stopping_{false}, stepping_{false}, finished_{false};

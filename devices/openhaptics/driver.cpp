@@ -1,4 +1,5 @@
 #include "devices/driver.hpp"
+#include "devices/open_devices.hpp"
 #include "devices/openhaptics/device.hpp"
 
 #include <filesystem>
@@ -26,6 +27,11 @@ bool seen_on_usb() {
 
 /// The vendor's library cannot be asked what is there without waking the device.
 std::vector<Found> list() {
+  std::vector<Found> known;
+  for (Opened& device : open_devices("openhaptics"))
+    known.push_back(std::move(device.found));
+  if (!known.empty())
+    return known;
   if (!obstacle().empty())
     return {};
   return {{"openhaptics",

@@ -70,22 +70,22 @@ std::string HdLibrary::load() {
   library_.symbol("hdUpdateCalibration", update_calibration);
   library_.symbol("hdSetSchedulerRate", set_scheduler_rate);
   if (missing) {
-    std::string sentence = library_.name() + " has no function " + missing +
-                           "; it is not OpenHaptics 3.4 or newer: install that, or set "
-                           "PHANTOM_LIBHD to the path of its libHD";
-    library_.unload();
-    return sentence;
+    return library_.name() + " has no function " + missing +
+           "; it is not OpenHaptics 3.4 or newer: install that, or set "
+           "PHANTOM_LIBHD to the path of its libHD";
   }
   return {};
 }
 
-Code HdLibrary::take_errors() const noexcept {
+Code HdLibrary::take_errors(bool* warm) const noexcept {
   constexpr int kLongestPile = 32;
   Code worst = kSuccess;
   for (int i = 0; i < kLongestPile; ++i) {
     const Code code = get_error().code;
     if (code == kSuccess)
       break;
+    if (warm && code == kWarmMotors)
+      *warm = true;
     if (severity(code) > severity(worst))
       worst = code;
   }

@@ -42,12 +42,15 @@ enum Value : Code {
   kSerialNumber = 0x2504,
   kMaxWorkspace = 0x2550,    ///< 6 values: smallest x y z, largest x y z, mm
   kUsableWorkspace = 0x2551, ///< the same, of the box inside which force is dependable
+  kOutputAxes = 0x2554,      ///< motors: 3, or 6 with torque
   kCalibrationStyle = 0x2555,
   kNominalMaxStiffness = 0x2602,       ///< N/mm
   kNominalMaxForce = 0x2603,           ///< N
   kNominalMaxContinuousForce = 0x2604, ///< N
   kNominalMaxDamping = 0x2609,         ///< N s/mm
+  kNominalMaxTorque = 0x2622,          ///< mN m
   kForce = 0x2700,                     ///< N
+  kTorque = 0x2701,                    ///< mN m, Cartesian
 };
 
 enum Error : Code {
@@ -97,10 +100,10 @@ struct HdLibrary {
   /// The environment's PHANTOM_LIBHD names the file; else the usual names are tried.
   [[nodiscard]] std::string load();
   [[nodiscard]] bool loaded() const noexcept { return library_.loaded(); }
-  void unload() noexcept { library_.unload(); }
 
-  /// The errors that have piled up, oldest first out; the most serious one is the answer.
-  [[nodiscard]] Code take_errors() const noexcept;
+  /// The errors that have piled up, oldest first out; the most serious one is the answer. warm, if
+  /// given, becomes true when warm motors were among them.
+  [[nodiscard]] Code take_errors(bool* warm = nullptr) const noexcept;
 
 private:
   SharedLibrary library_;

@@ -11,16 +11,20 @@ using haptic::Vec3;
 
 struct Model {
   std::string_view word; ///< in lower case, found in the model's name
-  double peak_force_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;
+  double peak_force_n, continuous_force_n, stiffness_n_per_m, damping_n_s_per_m, radius_m;
 };
 
-// CHAI3D 3.2, CPhantomDevices. The first word that is found counts.
+// CHAI3D 3.2, CPhantomDevices; the continuous force ("exertable for 24 hours") from the maker's
+// specification sheets of the models. The first word that is found counts.
 constexpr Model kModels[] = {
-    {"premium 3", 22.0, 1000.0, 5.0, 0.25}, {"premium", 8.5, 800.0, 5.0, 0.12},
-    {"desktop", 7.9, 1000.0, 5.0, 0.10},    {"omni", 3.3, 700.0, 5.0, 0.10},
-    {"touch", 3.3, 400.0, 4.0, 0.075},
+    {"premium 3", 22.0, 3.0, 1000.0, 5.0, 0.25}, {"premium", 8.5, 1.4, 800.0, 5.0, 0.12},
+    {"desktop", 7.9, 1.75, 1000.0, 5.0, 0.10},   {"omni", 3.3, 0.88, 700.0, 5.0, 0.10},
+    {"touch", 3.3, 0.88, 400.0, 4.0, 0.075},
 };
-constexpr Model kUnknown{"", 3.3, 400.0, 4.0, 0.075};
+constexpr Model kUnknown{"", 3.3, 0.88, 400.0, 4.0, 0.075};
+
+// Of the Premiums with six motors: CHAI3D's figure.
+constexpr double kTorque_n_m = 0.188;
 
 // A position step of 450 a inch, the coarsest of the family.
 constexpr double kStep_m = 0.0254 / 450;
@@ -65,6 +69,7 @@ haptic::Caps table_caps(std::string_view model) noexcept {
   const Model& known = found != std::end(kModels) ? *found : kUnknown;
   haptic::Caps caps;
   caps.peak_force_n = known.peak_force_n;
+  caps.continuous_force_n = known.continuous_force_n;
   caps.stiffness_limit_n_per_m = known.stiffness_n_per_m;
   caps.damping_limit_n_s_per_m = known.damping_n_s_per_m;
   caps.workspace_min = Vec3{1, 1, 1} * -known.radius_m;
@@ -79,11 +84,16 @@ haptic::Caps device_caps(const HdLibrary& library, std::string_view model) noexc
   static_cast<void>(library.take_errors());
   caps.peak_force_n = asked(library, kNominalMaxForce, 1, 0.1, 40, caps.peak_force_n);
   caps.continuous_force_n =
-      std::min(caps.peak_force_n, asked(library, kNominalMaxContinuousForce, 1, 0.05, 40, 0));
+      std::min(caps.peak_force_n,
+               asked(library, kNominalMaxContinuousForce, 1, 0.05, 40, caps.continuous_force_n));
   caps.stiffness_limit_n_per_m =
       asked(library, kNominalMaxStiffness, 1e3, 50, 1e4, caps.stiffness_limit_n_per_m);
   caps.damping_limit_n_s_per_m =
       asked(library, kNominalMaxDamping, 1e3, 0.1, 100, caps.damping_limit_n_s_per_m);
+  int axes = 0;
+  library.get_integers(kOutputAxes, &axes);
+  if (library.take_errors() == kSuccess && axes == 6)
+    caps.peak_torque_n_m = asked(library, kNominalMaxTorque, 1e-3, 0.01, 1, kTorque_n_m);
   if (!ask_box(library, kUsableWorkspace, caps))
     ask_box(library, kMaxWorkspace, caps);
   return caps;

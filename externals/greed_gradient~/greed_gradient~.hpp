@@ -222,6 +222,8 @@ inline void GreedGradient::report(Host& host) {
   unreported_ = 0;
   if (gradient_.mode() != reed::ReedGradient::Mode::kReed) {
     guide_.keep(gradient_.plane(), seconds, background_);
+    if (const std::string refusal = guide_.take_refusal(); !refusal.empty())
+      host.error(refusal);
     if (guide_.has_news())
       host.info({"map", guide_.progress()});
   }

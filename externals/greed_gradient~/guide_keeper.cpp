@@ -35,13 +35,16 @@ void GuideKeeper::begin(const PlaneSettings& wanted, bool in_background) {
   owed_ = 0;
   silent_s_ = kNewsEvery_s;
   map_.begin(wanted.playing, wanted.range);
-  if (in_background)
-    worker_.start(kNodes * kNodes, portion());
-  else
+  if (in_background) {
+    refusal_ = worker_.start(kNodes * kNodes, portion());
+    without_thread_ = !refusal_.empty();
+  } else {
     worker_.start_by_steps(kNodes * kNodes, portion());
+  }
 }
 
 void GuideKeeper::keep(const PlaneSettings& wanted, double elapsed_s, bool in_background) {
+  in_background = in_background && !without_thread_;
   silent_s_ += elapsed_s;
   const bool served = has_asked_ && wanted.served_by(asked_);
   const bool still = std::abs(wanted.playing.length - length_m_) <= 1e-5 * length_m_;

@@ -5,6 +5,8 @@
 #include "externals/playability_map/map_worker.hpp"
 
 #include <cstddef>
+#include <string>
+#include <utility>
 
 namespace tactus::reed {
 
@@ -19,6 +21,8 @@ public:
   void keep(const PlaneSettings& wanted, double elapsed_s, bool in_background);
   /// True twenty times a second of sound while a map is made, and once when it is finished.
   [[nodiscard]] bool has_news() noexcept;
+  /// Once, why the map is computed in the host's time though it was wanted in the background.
+  [[nodiscard]] std::string take_refusal() { return std::exchange(refusal_, {}); }
   /// 0..1, of the map at work or the last one.
   [[nodiscard]] double progress() const noexcept;
 
@@ -33,6 +37,8 @@ private:
   PlaneGuide made_; // the worker's
   haptic::Mailbox<PlaneGuide> mailbox_;
   PlaneSettings asked_{};
+  std::string refusal_{};
+  bool without_thread_ = false; // the system gave none
   bool has_asked_ = false, has_guide_ = false, told_ = true;
   double length_m_ = 0, waited_s_ = 0, owed_ = 0, silent_s_ = 0;
   MapWorker worker_; // last: ends before what it works on

@@ -123,7 +123,12 @@ void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
   TableWorker::Request request{path, name, table_, settings()};
   if (at_once)
     return accept(TableWorker::carry_out(request), &host);
-  worker_.request(std::move(request), [waiting = &host] { waiting->wake_from_thread(); });
+  if (const std::string refusal =
+          worker_.request(request, [waiting = &host] { waiting->wake_from_thread(); });
+      !refusal.empty()) {
+    host.error("load " + name + ": " + refusal);
+    accept(TableWorker::carry_out(request), &host);
+  }
 }
 
 void ModalImpact::warn_of_distance(const SurfacePoint& place, Host& host) {

@@ -83,7 +83,12 @@ void ModalImpact::renew() {
           : table_->table.modes() * table_->radiating.sources() * request.settings.listeners;
   if (value_[kSync] >= 0.5 || work <= kSoonDone || !host_)
     return accept(TableWorker::carry_out(request), nullptr);
-  worker_.request(std::move(request), [host = host_] { host->wake_from_thread(); });
+  if (const std::string refusal =
+          worker_.request(request, [host = host_] { host->wake_from_thread(); });
+      !refusal.empty()) {
+    host_->error(refusal);
+    accept(TableWorker::carry_out(request), host_);
+  }
 }
 
 void ModalImpact::accept(TableWorker::Result result, Host* host) {

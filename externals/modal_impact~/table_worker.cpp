@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <fstream>
 #include <new>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -35,20 +36,27 @@ TableWorker::~TableWorker() {
   thread_.join();
 }
 
-void TableWorker::request(Request request, std::function<void()> ready) {
+std::string TableWorker::request(const Request& request, std::function<void()> ready) {
+  if (!thread_.joinable()) {
+    try {
+      thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+    } catch (const std::system_error& error) {
+      return std::string("no thread starts to read tables (") + error.what() +
+             "); it is done at once, which the audio may miss";
+    }
+  }
   {
     const std::lock_guard lock(mutex_);
     // A load that still waits is not forgotten for a change of settings.
     if (waiting_ && request.path.empty() && !waiting_->path.empty()) {
       waiting_->settings = request.settings;
     } else {
-      waiting_ = std::move(request);
+      waiting_ = request;
     }
     ready_ = std::move(ready);
   }
-  if (!thread_.joinable())
-    thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
   wake_.notify_all();
+  return {};
 }
 
 std::optional<TableWorker::Result> TableWorker::take() {

@@ -34,8 +34,9 @@ public:
   TableWorker(const TableWorker&) = delete;
   TableWorker& operator=(const TableWorker&) = delete;
 
-  /// `ready` is called in the worker's thread when a result waits.
-  void request(Request request, std::function<void()> ready);
+  /// `ready` is called in the worker's thread when a result waits. Empty when it is on its way,
+  /// else why there is no thread for it: the caller may carry it out itself.
+  [[nodiscard]] std::string request(const Request& request, std::function<void()> ready);
   [[nodiscard]] std::optional<Result> take();
   /// The work itself.
   [[nodiscard]] static Result carry_out(const Request& request);

@@ -1,17 +1,23 @@
 #include "core/words.hpp"
+#include "externals/phantom/estop_latches.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/signal_link_name.hpp"
 #include "externals/phantom/tags.hpp"
 
-/// Which device [phantom] has, and how it comes and goes. Real devices are opened and closed by a
-/// worker, since that may take seconds; the host's thread takes its answers in posted().
+/// Which device [phantom] has, and how it comes and goes. Real devices are opened, run and closed
+/// by a worker, since a driver's call may take seconds or never return; the host's thread waits for
+/// none of them and takes the answers in posted().
 namespace tactus {
 
 using namespace phantom;
 using Answer = DeviceWorker::Answer;
 
 namespace {
+
+constexpr double kWatchEvery_ms = 50;
+constexpr double kOverdue_s = 1;     // for closing a device, or for an opening that was cancelled
+constexpr double kListOverdue_s = 3; // for a list
 
 std::string text_of(const Atom& atom) {
   return atom.is_word ? std::string(atom.word) : number_text(atom.number);
@@ -118,17 +124,28 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
 void Phantom::on_devices(Host& host) {
   host.info({"device", "sim", 0.0, "tactus", "simulated", std::string_view(name_),
              !driver_ && open() ? "open" : "closed"});
-  if (!devices::drivers().empty())
-    worker(host).list();
+  if (devices::drivers().empty())
+    return;
+  if (!lister_)
+    lister_ = std::make_unique<DeviceWorker>([&host] { host.wake_from_thread(); });
+  if (const std::string late = lister_->overdue(kListOverdue_s); !late.empty())
+    return host.error("devices: " + late + " has not returned yet; the rest waits for it");
+  if (const std::string refusal = lister_->list(); !refusal.empty())
+    host.error("devices: " + refusal);
 }
 
 void Phantom::on_name(Words words, Host& host) {
   if (offered_)
     host.offer(signal_link_name(name_), nullptr);
   name_ = text_of(words[0]);
-  offered_ = created_ && host.offer(signal_link_name(name_), signals_);
-  if (created_ && !offered_)
+  offered_ = created_ && host.offer(signal_link_name(name_), rig_->signals);
+  if (!created_)
+    return; // creation does the rest
+  if (!offered_)
     host.error("name " + name_ + ": another phantom has it; phantom~ finds that one");
+  if (exchange().motors.request().stopped)
+    latch_stop();
+  inherit_stop(name_key(name_), host);
 }
 
 void Phantom::connect_simulation(Host& host) {
@@ -161,69 +178,176 @@ void Phantom::connect(Words which, Host& host) {
       return host.error(refusal);
   link_ = Link::kOpening;
   send_status("opening", host);
-  worker(host).open(*driver_, device_, ++ticket_);
+  if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_); !refusal.empty())
+    return closed("open: " + refusal, host);
+  host.wake_in(kWatchWorker, kWatchEvery_ms);
 }
 
 void Phantom::disconnect(Host& host) {
   if (link_ == Link::kClosed)
     return;
-  const bool was_open = open();
-  fade_out();
-  servo_.detach();
-  signals_->place(haptic::SignalLink::Time::kNone, 0, {});
-  if (!driver_) {
+  if (driver_) {
+    end_session(host);
+  } else {
+    fade_out();
+    rig_->servo.detach();
+    rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
     static_cast<void>(simulated_.write({}));
     simulated_.close();
-  } else {
-    if (was_open && !device_->write({}))
-      host.error("close: the device did not take the last force, zero; it may be unplugged");
-    worker_->forget();
-    if (was_open)
-      worker_->close(device_);
-    while (const auto answer = worker_->take())
-      if (answer->kind == Answer::Kind::kOpened)
-        worker_->close(answer->device);
-      else if (answer->kind == Answer::Kind::kListed)
-        listed(*answer, host);
   }
+  closed({}, host);
+}
+
+/// Hands the real device and the servo that runs on it to the worker, which lets the force fall and
+/// closes the device; the object goes on with another servo.
+void Phantom::end_session(Host& host) {
+  worker_->forget();
+  while (const auto answer = worker_->take())
+    if (answer->kind == Answer::Kind::kOpened)
+      static_cast<void>(worker_->close(driver_, {}, answer->device)); // its thread is there
+  if (open()) {
+    collect(host);
+    if (!open())
+      return; // the device was lost at this very moment
+    rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
+    exchange().motors.pause(true);
+    if (const std::string refusal = worker_->close(driver_, {rig_, runner_}, device_);
+        !refusal.empty())
+      host.error("close: " + refusal);
+    renew_rig(host);
+  }
+  host.wake_in(kWatchWorker, kWatchEvery_ms);
+}
+
+/// Nothing is connected any more.
+void Phantom::closed(std::string_view why, Host& host) {
   link_ = Link::kClosed;
   has_report_ = has_report_ && !driver_;
+  if (!why.empty())
+    host.error(why);
   send_status("closed", host);
 }
 
+/// Another servo with the same wishes, scene and name. The last one belongs to the thread that ends
+/// it: only what it reported is kept.
+void Phantom::renew_rig(Host& host) {
+  auto next = std::make_shared<ServoRig>();
+  haptic::Exchange& last = exchange();
+  haptic::Exchange& fresh = next->servo.exchange();
+  fresh.motors.take_over(last.motors);
+  fresh.tracing = last.tracing.load();
+  last.tracing = false;
+  last.reports.read();
+  last.statistics.read();
+  fresh.reports.write(last.reports.latest());
+  fresh.reports.read();
+  fresh.statistics.write(last.statistics.latest());
+  fresh.statistics.read();
+  fresh.wrist.write(wrist_);
+  next->scene.publish(scene_.snapshot());
+  next->network.publish(network_book_.snapshot());
+  next->effects.set(effect_settings_);
+  if (offered_) {
+    host.offer(signal_link_name(name_), nullptr);
+    offered_ = host.offer(signal_link_name(name_), next->signals);
+  }
+  rig_ = std::move(next);
+  runner_ = std::make_shared<devices::ServoThread>();
+  running_ = false;
+  faults_ = 0;
+  lost_told_ = 0;
+  audio_blocks_ = 0;
+  settle();
+}
+
 void Phantom::posted(Host& host) {
-  if (!worker_)
-    return;
-  while (const auto answer = worker_->take())
+  while (const auto answer = lister_ ? lister_->take() : std::nullopt)
+    listed(*answer, host);
+  while (const auto answer = worker_ ? worker_->take() : std::nullopt) {
+    const bool current = answer->ticket == ticket_;
     switch (answer->kind) {
     case Answer::Kind::kListed:
-      listed(*answer, host);
       break;
     case Answer::Kind::kOpened:
       opened(*answer, host);
       break;
     case Answer::Kind::kRefused:
-      if (answer->ticket != ticket_ || link_ != Link::kOpening)
+      if (!current || link_ != Link::kOpening)
         break;
-      link_ = Link::kClosed;
-      host.error(answer->refusal);
-      send_status("closed", host);
+      send_trouble(answer->sentence, host);
+      closed(answer->sentence, host);
+      break;
+    case Answer::Kind::kRunning:
+      running_ = current && open();
+      if (running_)
+        runner_->set_period(period_s());
+      break;
+    case Answer::Kind::kNotRunning:
+      if (!current || !open())
+        break;
+      send_trouble(answer->sentence, host);
+      host.error(std::string(driver_name()) + ": " + answer->sentence);
+      disconnect(host);
+      break;
+    case Answer::Kind::kTrouble:
+      if (current && link_ == Link::kLost)
+        send_trouble(trouble_ = answer->sentence, host);
+      break;
+    case Answer::Kind::kClosed:
+      if (!answer->released)
+        host.error("close: the device did not take the last force, zero; it may be unplugged");
       break;
     }
+  }
+}
+
+/// While the worker is at work: an opening that nobody wants is cancelled, and a call that does not
+/// return is left to its thread.
+void Phantom::watch_worker(Host& host) {
+  if (!worker_)
+    return;
+  worker_->cancel_unwanted();
+  const std::string late = worker_->overdue(kOverdue_s);
+  if (late.empty()) {
+    if (worker_->busy())
+      host.wake_in(kWatchWorker, kWatchEvery_ms);
+    return;
+  }
+  const bool again = link_ == Link::kOpening;
+  worker_.reset(); // the thread keeps what it works on, and ends when the call returns
+  host.error(late + " has not returned for 1 s; its thread is left behind. Switch the device off "
+                    "and on; if it does not open then, restart the host");
+  if (again) { // it waited behind that call
+    if (const std::string refusal = worker(host).open(*driver_, device_, ++ticket_);
+        !refusal.empty())
+      return closed("open: " + refusal, host);
+    return host.wake_in(kWatchWorker, kWatchEvery_ms);
+  }
+  if (driver_ && link_ != Link::kClosed) {
+    if (open())
+      renew_rig(host);
+    closed({}, host);
+  }
 }
 
 void Phantom::opened(const Answer& answer, Host& host) {
-  if (answer.ticket != ticket_ || (link_ != Link::kOpening && link_ != Link::kLost))
-    return worker_->close(answer.device);
+  if (answer.ticket != ticket_ || (link_ != Link::kOpening && link_ != Link::kLost)) {
+    static_cast<void>(worker_->close(driver_, {}, answer.device)); // its thread is there
+    return;
+  }
   link_ = Link::kOpen;
   wall_ = true;
-  guard_termination();
   const haptic::Caps caps = device_->caps();
   if (!own_workspace_)
     settings_.chain.workspace = {caps.workspace_min, caps.workspace_max};
-  servo_.exchange().reports.read(); // the last device's
   has_report_ = false;
   flags_ = haptic::State::kHomed;
+  if (!trouble_.empty())
+    send_trouble(trouble_ = {}, host);
+  heard_trouble_.clear();
+  inherit_stop(device_key(driver_->name, device_->identity().serial), host);
+  if (exchange().motors.request().stopped)
+    latch_stop();
   attach();
   settle();
   send_status("open", host);
@@ -255,58 +379,19 @@ void Phantom::listed(const Answer& answer, Host& host) {
     host.info({"obstacle", std::string_view(driver), std::string_view(obstacle)});
 }
 
-/// The device does not answer any more: it is closed and looked for until it returns.
-void Phantom::lose(Host& host) {
-  if (!driver_ || !open())
-    return;
-  runner_.stop();
-  servo_.detach();
-  signals_->place(haptic::SignalLink::Time::kNone, 0, {});
-  link_ = Link::kLost;
-  values_[kMotors] = 0;
-  host.error(std::string(driver_name()) +
-             ": the device does not answer any more; check its cable and power. It is opened again "
-             "when it returns, with its motors off until motors 1");
-  send_status("lost", host);
-  worker(host).reopen(*driver_, device_, ++ticket_);
-}
-
-/// What the device says of itself, when it changes.
-void Phantom::watch_flags(Host& host) {
-  if (!driver_ || !has_report_ || !open())
-    return;
-  using haptic::State;
-  const std::uint32_t now = servo_.exchange().reports.latest().state.flags;
-  const std::uint32_t changed = now ^ flags_;
-  flags_ = now;
-  constexpr std::pair<std::uint32_t, std::string_view> kWatched[] = {
-      {State::kHomed, "homed"}, {State::kMotorsHot, "hot"}, {State::kForceLimited, "limited"}};
-  for (const auto& [flag, word] : kWatched)
-    if ((changed & flag) && reported_[kStatus])
-      host.info({"status", word, (now & flag) ? 1.0 : 0.0});
-}
-
 /// Also when the host's program ends without deleting the object.
 void Phantom::let_go() noexcept {
-  fade_out();
-  servo_.detach();
-  if (driver_ && open()) {
-    static_cast<void>(device_->write({}));
-    device_->close();
+  rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
+  if (!driver_) {
+    fade_out();
+    rig_->servo.detach();
+  } else if (worker_) {
+    worker_->forget();
+    exchange().motors.pause(true);
+    if (open())
+      static_cast<void>(worker_->close(driver_, {rig_, runner_}, device_));
   }
   link_ = Link::kClosed;
-  if (worker_)
-    worker_->finish();
-}
-
-void Phantom::stop_now() noexcept {
-  servo_.exchange().actions.push(haptic::Action::kEmergencyStop);
-}
-
-bool Phantom::stopped() noexcept {
-  servo_.exchange().reports.read();
-  const haptic::Report& report = servo_.exchange().reports.latest();
-  return !runner_.running() || (report.latched && norm(report.force_n) == 0.0);
 }
 
 } // namespace tactus

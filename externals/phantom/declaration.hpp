@@ -65,7 +65,7 @@ inline constexpr std::array kMessages{
     Message{"open", "index|serial|path", 0, 1, "connect the device"},
     Message{"close", "", 0, 0, "let the force fall and disconnect"},
     Message{"name", "word", 1, 1, "tells this device from others; devices and dump show it"},
-    Message{"devices", "", 0, 0, "list the devices of all drivers"},
+    Message{"devices", "", 0, 0, "list the devices of all drivers; one in use is not asked"},
     Message{"driver", "word ...", 1, 16, "a setting of the device's own driver"},
     Message{"firmware", "file", 1, 1, "what the device's own software sends it at power-up"},
     Message{"home", "", 0, 0, "find the device's zero again"},
@@ -76,10 +76,11 @@ inline constexpr std::array kMessages{
     Message{"map", "axes signs", 1, 4, "project axes from the device's, e.g. zxy 1 -1 1"},
     Message{"interp", "auto|off|ms", 1, 1, "way from one force to the next"},
     Message{"watchdog", "hold_ms ramp_ms", 2, 2, "silence before the force falls, and how fast"},
-    Message{"scene",
-            "add name shape ... | mat name k b mu | move name x y z [ms] | del name|all | k N/m | "
-            "load file",
-            2, 16, "bodies that the handle feels; mm, N/m, N s/m"},
+    Message{
+        "scene",
+        "add name shape ... | mat name k b mu | move name x y z [ms] | del name|all | tool mm | "
+        "k N/m | load file",
+        2, 16, "bodies that the handle feels; mm, N/m, N s/m"},
     Message{
         "effect",
         "constant fx fy fz | spring k x y z [N] | viscous b | inertia kg [k b] | friction N [k] "
@@ -92,9 +93,15 @@ inline constexpr std::array kMessages{
         "name|nearest|off | pluck name fx fy fz ms | listen name axis ... | drag 1/s | gravity "
         "gx gy gz | rate Hz | reset",
         1, 16, "masses and springs that the hand feels and phantom~ plays: docs/network.md"},
-    Message{"estop", "", 0, 0, "no force at once, until motors 1"},
-    Message{"report", "tag 0|1", 2, 2,
-            "mm, vel, force, button, status, jitter, error, hit, contact, release, rot"},
+    Message{"torques", "0|1", 1, 1, "1: torque and grip are sent to a device that has them"},
+    Message{"torque", "tx ty tz", 3, 3, "on the handle, about x, y, z; N m"},
+    Message{"grip", "N", 1, 1, "force of the gripper"},
+    Message{
+        "estop", "", 0, 0,
+        "no force at once, until motors 1; holds for the next phantom of this name or device, too"},
+    Message{
+        "report", "tag 0|1", 2, 2,
+        "mm, vel, force, button, status, jitter, error, hit, contact, release, rot, torque, grip"},
     Message{"stats", "[reset]", 0, 1, "counters and timing of the servo"},
     Message{"trace", "file|stop", 1, 1, "write every tick to a CSV file"},
     Message{"hand", "free | rigid | spring [K B] | person [K B tremor wander yield]", 1, 6,
@@ -125,6 +132,9 @@ enum MessageIndex : std::size_t {
   kScene,
   kEffect,
   kNetwork,
+  kTorques,
+  kTorque,
+  kGrip,
   kEstop,
   kReport,
   kStats,

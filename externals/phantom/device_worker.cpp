@@ -1,178 +1,158 @@
 #include "externals/phantom/device_worker.hpp"
 
 #include "devices/signals_held_back.hpp"
+#include "externals/phantom/device_worker_state.hpp"
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
+#include <system_error>
+#include <thread>
 
+/// The host's side of the worker: none of these waits for a driver.
 namespace tactus::phantom {
-
 namespace {
-constexpr double kFirstPause_s = 0.25, kLongestPause_s = 4;
+
+constexpr auto kLook = std::chrono::milliseconds(5);
+
+/// Those with a thread, for the end of the program; never destroyed.
+struct Table {
+  std::mutex mutex;
+  std::vector<std::weak_ptr<void>> all;
+};
+Table& table() {
+  static auto* const made = new Table;
+  return *made;
+}
+
 } // namespace
 
-void DeviceWorker::give(Task task) {
-  const std::scoped_lock lock(mutex_);
-  if (ending_)
-    return;
-  if (task.ticket > 0)
-    ticket_ = task.ticket;
-  tasks_.push_back(std::move(task));
-  if (!thread_.joinable()) {
-    const devices::SignalsHeldBack held; // so do the drivers' threads, which the worker starts
-    thread_ = std::thread([this] { work(); });
-  }
-  wake_.notify_all();
+DeviceWorker::DeviceWorker(std::function<void()> ready) : state_(std::make_shared<State>()) {
+  state_->ready = std::move(ready);
 }
 
-void DeviceWorker::open(const devices::Driver& driver, Device device, std::uint64_t ticket) {
-  give({Task::Kind::kOpen, &driver, std::move(device), ticket});
+DeviceWorker::~DeviceWorker() {
+  {
+    const std::scoped_lock lock(state_->ready_mutex);
+    state_->ready = nullptr;
+  }
+  const std::scoped_lock lock(state_->mutex);
+  state_->ending = true;
+  state_->drop_ticket();
 }
-void DeviceWorker::reopen(const devices::Driver& driver, Device device, std::uint64_t ticket) {
-  give({Task::Kind::kReopen, &driver, std::move(device), ticket});
+
+std::string DeviceWorker::give(Task task) {
+  const std::scoped_lock lock(state_->mutex);
+  if (state_->ending)
+    return "the program ends";
+  if (!state_->has_thread) {
+    const devices::SignalsHeldBack held; // so do the drivers' threads, which the worker starts
+    try {
+      std::thread([state = state_] { state->work(); }).detach();
+    } catch (const std::system_error& error) {
+      return std::string("the devices' thread does not start (") + error.what() +
+             "): end other programs or raise the limit on threads";
+    }
+    state_->has_thread = true;
+    const std::scoped_lock table_lock(table().mutex);
+    std::erase_if(table().all, [](const auto& one) { return one.expired(); });
+    table().all.push_back(state_);
+  }
+  if (task.ticket > 0)
+    state_->ticket = task.ticket;
+  state_->tasks.push_back(std::move(task));
+  state_->changed.notify_all();
+  return {};
 }
-void DeviceWorker::close(Device device) {
-  give({Task::Kind::kClose, nullptr, std::move(device), 0});
+
+std::string DeviceWorker::open(const devices::Driver& driver, Device device, std::uint64_t ticket) {
+  return give({Task::Kind::kOpen, &driver, std::move(device), {}, ticket});
 }
-void DeviceWorker::list() { give({Task::Kind::kList, nullptr, nullptr, 0}); }
+std::string DeviceWorker::run(Session session, double period_s, std::uint64_t ticket) {
+  return give({Task::Kind::kRun, nullptr, {}, std::move(session), ticket, period_s});
+}
+std::string DeviceWorker::close(const devices::Driver* driver, Session session, Device device) {
+  return give({Task::Kind::kClose, driver, std::move(device), std::move(session)});
+}
+std::string DeviceWorker::reopen(const devices::Driver& driver, Session session, Device device,
+                                 std::uint64_t ticket) {
+  return give({Task::Kind::kReopen, &driver, std::move(device), std::move(session), ticket});
+}
+std::string DeviceWorker::list() { return give({Task::Kind::kList}); }
 
 void DeviceWorker::forget() {
-  const std::scoped_lock lock(mutex_);
-  ticket_ = ~std::uint64_t{0};
-  wake_.notify_all();
+  const std::scoped_lock lock(state_->mutex);
+  state_->drop_ticket();
 }
 
 std::optional<DeviceWorker::Answer> DeviceWorker::take() {
-  const std::scoped_lock lock(mutex_);
-  if (answers_.empty())
+  const std::scoped_lock lock(state_->mutex);
+  if (state_->answers.empty())
     return std::nullopt;
-  Answer answer = std::move(answers_.front());
-  answers_.pop_front();
+  Answer answer = std::move(state_->answers.front());
+  state_->answers.pop_front();
   return answer;
 }
 
-void DeviceWorker::finish() noexcept {
+bool DeviceWorker::busy() const {
+  const std::scoped_lock lock(state_->mutex);
+  return state_->working || !state_->tasks.empty();
+}
+
+void DeviceWorker::cancel_unwanted() { state_->cancel_unwanted(); }
+
+std::string DeviceWorker::overdue(double limit_s) const {
+  const std::scoped_lock lock(state_->mutex);
+  const bool late =
+      state_->since_s > 0 && devices::ServoThread::now_s() - state_->since_s > limit_s;
+  return late ? state_->call : std::string();
+}
+
+bool DeviceWorker::finish(double seconds) noexcept {
   {
-    const std::scoped_lock lock(mutex_);
-    ending_ = true;
-    wake_.notify_all();
+    const std::scoped_lock lock(state_->mutex);
+    state_->ending = true;
+    state_->drop_ticket();
   }
-  if (thread_.joinable())
-    thread_.join();
-  for (const Answer& answer : answers_)
-    if (answer.kind == Answer::Kind::kOpened)
-      answer.device->close();
-  answers_.clear();
+  const double end_s = devices::ServoThread::now_s() + seconds;
+  for (;;) {
+    state_->cancel_unwanted();
+    std::unique_lock lock(state_->mutex);
+    if (!state_->has_thread)
+      return true;
+    if (devices::ServoThread::now_s() > end_s)
+      return false;
+    state_->changed.wait_for(lock, kLook);
+  }
 }
 
-void DeviceWorker::answer(Answer answer) {
+void DeviceWorker::finish_all(double seconds) noexcept {
+  std::vector<std::shared_ptr<State>> all;
   {
-    const std::scoped_lock lock(mutex_);
-    answers_.push_back(std::move(answer));
+    const std::scoped_lock lock(table().mutex);
+    for (const auto& one : table().all)
+      if (auto state = std::static_pointer_cast<State>(one.lock()))
+        all.push_back(std::move(state));
   }
-  ready_();
-}
-
-void DeviceWorker::work() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    wake_.wait(lock, [this] { return ending_ || !tasks_.empty(); });
-    if (tasks_.empty())
-      return;
-    const Task task = std::move(tasks_.front());
-    tasks_.pop_front();
-    if (ending_ && task.kind != Task::Kind::kClose)
-      continue;
-    lock.unlock();
-    carry_out(task);
-    lock.lock();
+  const auto ask_to_end = [](State& state) {
+    const std::scoped_lock lock(state.mutex);
+    state.ending = true;
+    state.drop_ticket();
+    return !state.has_thread;
+  };
+  const double end_s = devices::ServoThread::now_s() + seconds;
+  for (;;) {
+    std::erase_if(all, [&](const auto& state) { return ask_to_end(*state); });
+    if (all.empty() || devices::ServoThread::now_s() > end_s)
+      break;
+    for (const auto& state : all)
+      state->cancel_unwanted();
+    std::this_thread::sleep_for(kLook);
   }
-}
-
-void DeviceWorker::carry_out(const Task& task) {
-  switch (task.kind) {
-  case Task::Kind::kOpen:
-    return open_once(task);
-  case Task::Kind::kReopen:
-    return open_in_time(task);
-  case Task::Kind::kClose:
-    return task.device->close();
-  case Task::Kind::kList: {
-    Answer all;
-    all.kind = Answer::Kind::kListed;
-    for (const devices::Driver* driver : devices::drivers()) {
-      std::string obstacle = driver->obstacle();
-      if (!obstacle.empty()) {
-        all.obstacles.emplace_back(driver->name, std::move(obstacle));
-        continue;
-      }
-      std::vector<devices::Found> found = driver->list();
-      std::move(found.begin(), found.end(), std::back_inserter(all.found));
-    }
-    return answer(std::move(all));
-  }
-  }
-}
-
-std::string DeviceWorker::opened(const Task& task) {
-  std::string obstacle = task.driver->obstacle();
-  return obstacle.empty() ? task.device->open() : obstacle;
-}
-
-bool DeviceWorker::wanted(std::uint64_t ticket) {
-  const std::scoped_lock lock(mutex_);
-  return !ending_ && ticket_ == ticket;
-}
-
-/// An open device, unless nobody wants it any more.
-void DeviceWorker::announce(const Task& task) {
-  bool asked_for = false;
-  {
-    const std::scoped_lock lock(mutex_);
-    asked_for = !ending_ && ticket_ == task.ticket;
-    if (asked_for)
-      answers_.push_back({Answer::Kind::kOpened, task.ticket, task.device, {}, {}, {}});
-  }
-  if (asked_for)
-    ready_();
-  else
-    task.device->close();
-}
-
-void DeviceWorker::open_once(const Task& task) {
-  if (!wanted(task.ticket))
-    return;
-  std::string refusal = opened(task);
-  if (refusal.empty())
-    return announce(task);
-  answer({Answer::Kind::kRefused, task.ticket, task.device, std::move(refusal), {}, {}});
-}
-
-void DeviceWorker::open_in_time(const Task& task) {
-  task.device->close();
-  for (double pause_s = kFirstPause_s;; pause_s = std::min(2 * pause_s, kLongestPause_s)) {
-    {
-      std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, std::chrono::duration<double>(pause_s), [&] {
-        return ending_ || ticket_ != task.ticket ||
-               std::any_of(tasks_.begin(), tasks_.end(),
-                           [](const Task& t) { return t.kind == Task::Kind::kList; });
-      });
-      if (ending_ || ticket_ != task.ticket)
-        return;
-    }
-    if (opened(task).empty())
-      return announce(task);
-    // Who asks for a list meanwhile does not wait until the device returns.
-    std::unique_lock lock(mutex_);
-    const auto list = std::find_if(tasks_.begin(), tasks_.end(),
-                                   [](const Task& t) { return t.kind == Task::Kind::kList; });
-    if (list == tasks_.end())
-      continue;
-    const Task other = *list;
-    tasks_.erase(list);
-    lock.unlock();
-    carry_out(other);
+  for (const auto& state : all) {
+    const std::scoped_lock lock(state->mutex);
+    std::fprintf(stderr, "phantom: %s has not returned; the program ends without it\n",
+                 state->call.empty() ? "a device's driver" : state->call.c_str());
   }
 }
 

@@ -162,7 +162,7 @@ namespace tactus {
 void Phantom::on_effect(Words words, Host& host) {
   if (const std::string refusal = phantom::read_effect(words, effect_settings_); !refusal.empty())
     return host.error(refusal);
-  effects_.set(effect_settings_);
+  rig_->effects.set(effect_settings_);
   warn_of_stiffness("effect " + phantom::text_of(words[0]),
                     phantom::effect_stiffness(phantom::text_of(words[0]), effect_settings_), host);
 }

@@ -1,9 +1,15 @@
 #include "externals/phantom/live_connections.hpp"
 
+#include "externals/phantom/device_worker.hpp"
+
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <mutex>
+#include <thread>
 #include <vector>
 
 #ifndef _WIN32
@@ -12,6 +18,9 @@
 
 namespace tactus::phantom {
 namespace {
+
+// From the beginning of the program's end until it goes on without the devices that still hang.
+constexpr double kExit_s = 0.8;
 
 struct Registry {
   std::mutex mutex;
@@ -28,21 +37,36 @@ void let_all_go() {
   // Nobody else registers now: the thread that ends the process is the host's own.
   for (LiveConnection* one : registry().all)
     one->let_go();
+  DeviceWorker::finish_all(kExit_s);
 }
 
+// What the handler of a signal may look at: no lock, no memory that is ever freed.
+constexpr int kMaxMotors = 256;
+struct Slot {
+  std::atomic<haptic::MotorControl*> motors{nullptr};
+  std::atomic<bool> taken{false}, driven{false};
+};
+std::array<Slot, kMaxMotors> slots;
+std::atomic<bool> handling{false};
+static_assert(std::atomic<haptic::MotorControl*>::is_always_lock_free);
+
 #ifndef _WIN32
+template <class Visit> bool all_driven(Visit visit) noexcept {
+  bool all = true;
+  for (Slot& slot : slots)
+    if (haptic::MotorControl* motors = slot.motors.load(); motors && slot.driven.load())
+      all = visit(*motors) && all;
+  return all;
+}
+
 /// Nobody waits for this process any more: the servos get 200 ms to write no force, and their
-/// drivers 50 ms to send it, then it ends as it would have. Only calls that are safe in a handler;
-/// what is shared with the servo has the interrupted thread as its other side, which never goes on.
+/// drivers 50 ms to send it, then it ends as it would have. Only calls that are safe in a handler.
 void on_termination(int number) {
   const timespec tick{0, 1'000'000}, sending{0, 50'000'000};
-  for (LiveConnection* one : registry().all)
-    one->stop_now();
+  handling = true; // from here on no motors' memory is freed
+  all_driven([](haptic::MotorControl& motors) { return motors.emergency_stop(), true; });
   for (int waited = 0; waited < 200; ++waited) {
-    bool stopped = true;
-    for (LiveConnection* one : registry().all)
-      stopped = one->stopped() && stopped;
-    if (stopped)
+    if (all_driven([](haptic::MotorControl& motors) { return motors.at_rest(); }))
       break;
     nanosleep(&tick, nullptr);
   }
@@ -50,18 +74,18 @@ void on_termination(int number) {
   std::signal(number, SIG_DFL);
   std::raise(number);
 }
-#endif
 
-} // namespace
-
-void LiveConnection::guard_termination() noexcept {
-#ifndef _WIN32
+void guard_termination() noexcept {
   struct sigaction now {};
   if (sigaction(SIGTERM, nullptr, &now) == 0 && !(now.sa_flags & SA_SIGINFO) &&
       now.sa_handler == SIG_DFL)
     std::signal(SIGTERM, &on_termination);
-#endif
 }
+#else
+void guard_termination() noexcept {}
+#endif
+
+} // namespace
 
 LiveConnection::LiveConnection() {
   static const int registered = std::atexit(&let_all_go);
@@ -73,6 +97,33 @@ LiveConnection::LiveConnection() {
 LiveConnection::~LiveConnection() {
   const std::scoped_lock lock(registry().mutex);
   std::erase(registry().all, this);
+}
+
+TerminationGuard::TerminationGuard(haptic::MotorControl& motors) noexcept {
+  for (int i = 0; i < kMaxMotors && slot_ < 0; ++i)
+    if (!slots[static_cast<std::size_t>(i)].taken.exchange(true))
+      slot_ = i;
+  if (slot_ >= 0)
+    slots[static_cast<std::size_t>(slot_)].motors = &motors;
+}
+
+TerminationGuard::~TerminationGuard() {
+  if (slot_ < 0)
+    return;
+  Slot& slot = slots[static_cast<std::size_t>(slot_)];
+  slot.motors = nullptr;
+  slot.driven = false;
+  // The handler has seen the null, or we see that it is at work: it ends the process.
+  while (handling)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  slot.taken = false;
+}
+
+void TerminationGuard::set_driven(bool driven) noexcept {
+  if (slot_ >= 0)
+    slots[static_cast<std::size_t>(slot_)].driven = driven;
+  if (driven)
+    guard_termination();
 }
 
 } // namespace tactus::phantom

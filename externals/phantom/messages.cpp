@@ -46,7 +46,7 @@ void Phantom::on_workspace(Words words, Host& host) {
   } else if (words.size() == 2 && is(words[0], "learn") && !words[1].is_word) {
     const bool begin = words[1].number != 0;
     if (begin && has_report_ && !learning_) {
-      const Vec3 here = servo_.exchange().reports.latest().state.position;
+      const Vec3 here = exchange().reports.latest().state.position;
       workspace = {here, here};
     }
     if (learning_ && !begin)
@@ -116,7 +116,7 @@ void Phantom::on_watchdog(Words words, Host& host) {
 void Phantom::on_scene(Words words, Host& host) {
   if (const std::string refusal = scene_.obey(words, host); !refusal.empty())
     return host.error(refusal);
-  touched_.publish(scene_.snapshot());
+  rig_->scene.publish(scene_.snapshot());
   if (is(words[0], "move") || is(words[0], "del"))
     return;
   const SceneBook::Stiffest stiffest = scene_.stiffest();
@@ -145,6 +145,7 @@ void Phantom::dump(Host& host) {
   host.info({"backend", driver_name()});
   host.info({"name", std::string_view(name_)});
   host.info({"clock", wall_ ? "wall" : "logical"});
+  host.info({"estop", exchange().motors.request().stopped ? 1.0 : 0.0});
   send_workspace(host);
   std::string axes;
   for (const int source : settings_.map.source)

@@ -13,7 +13,7 @@ void Phantom::on_network(Words words, Host& host) {
     const double before_hz = network_book_.stepping(period_s()).rate_hz;
     if (const std::string refusal = network_book_.obey(words, host, period_s()); !refusal.empty())
       return host.error(refusal);
-    network_.publish(network_book_.snapshot());
+    rig_->network.publish(network_book_.snapshot());
     const auto stepping = network_book_.stepping(period_s());
     if (!stepping.reason.empty() && stepping.rate_hz != before_hz)
       host.log("network: stepped at " + number_text(stepping.rate_hz) + " Hz: " + stepping.reason);
@@ -48,7 +48,7 @@ void Phantom::on_network(Words words, Host& host) {
     else
       action = {Action::Kind::kGrab, network_book_.movable(words[1]).key, {}, 0};
   }
-  if (!network_.act(action))
+  if (!rig_->network.act(action))
     host.error(
         "network " + std::string(words[0].word) +
         ": 64 orders wait for the servo already, which does not run; expected an open device");

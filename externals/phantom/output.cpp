@@ -1,3 +1,4 @@
+#include "core/words.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/tags.hpp"
@@ -9,31 +10,34 @@ using namespace phantom;
 
 /// Takes over what the servo has to tell.
 void Phantom::collect(Host& host) {
-  has_report_ = servo_.exchange().reports.read() || has_report_;
+  has_report_ = exchange().reports.read() || has_report_;
   drain_trace();
   if (learning_ && has_report_) {
     const auto before = settings_.chain.workspace;
-    settings_.chain.workspace.include(servo_.exchange().reports.latest().state.position);
+    settings_.chain.workspace.include(exchange().reports.latest().state.position);
     if (!(before == settings_.chain.workspace)) {
-      servo_.exchange().settings.write(settings_);
-      signals_->set_workspace(settings_.chain.workspace);
+      exchange().settings.write(settings_);
+      rig_->signals->set_workspace(settings_.chain.workspace);
     }
   }
   haptic::Event event;
-  for (int taken = 0; taken < 256 && servo_.exchange().events.pop(event); ++taken)
+  for (int taken = 0; taken < 256 && exchange().events.pop(event); ++taken)
     send_event(event, host);
   haptic::ContactEvent contact;
-  for (int taken = 0; taken < 256 && touched_.events().pop(contact); ++taken)
+  for (int taken = 0; taken < 256 && rig_->scene.events().pop(contact); ++taken)
     send_contact(contact, host);
-  touched_.collect();
-  network_.collect();
-  watch_flags(host);
-  if (!wall_)
+  rig_->scene.collect();
+  rig_->network.collect();
+  watch_queues(host);
+  send_estop(host);
+  if (driver_)
+    watch_device(host);
+  if (!wall_ || !open() || (driver_ && !running_))
     return;
-  if (!scheduling_told_ && !runner_.scheduling().empty()) {
+  if (!scheduling_told_ && !runner_->scheduling().empty()) {
     scheduling_told_ = true;
     if (reported_[kStatus])
-      host.info({"status", "sched", runner_.scheduling()});
+      host.info({"status", "sched", runner_->scheduling()});
   }
   if (reported_[kJitter] && host.now_ms() - last_timing_ms_ >= 1000)
     send_timing(host);
@@ -41,8 +45,20 @@ void Phantom::collect(Host& host) {
 
 void Phantom::drain_trace() {
   haptic::Report report;
-  for (int taken = 0; taken < 1024 && servo_.exchange().trace.pop(report); ++taken)
+  for (int taken = 0; taken < 1024 && exchange().trace.pop(report); ++taken)
     trace_.write(report);
+}
+
+/// A queue that is full loses what comes: said once a second.
+void Phantom::watch_queues(Host& host) {
+  const std::uint64_t lost =
+      exchange().events.dropped() + rig_->scene.events().dropped() + exchange().trace.dropped();
+  if (lost == lost_told_ || host.now_ms() - last_loss_ms_ < 1000)
+    return;
+  last_loss_ms_ = host.now_ms();
+  host.error("events: " + number_text(static_cast<double>(lost - lost_told_)) +
+             " events or rows of the trace were lost, since the patch did not take them in time");
+  lost_told_ = lost;
 }
 
 void Phantom::send_event(const haptic::Event& event, Host& host) {
@@ -55,13 +71,6 @@ void Phantom::send_event(const haptic::Event& event, Host& host) {
   case Kind::kWatchdog:
     if (reported_[kStatus])
       host.info({"status", "watchdog", event.on ? 1.0 : 0.0});
-    break;
-  case Kind::kFault:
-    if (driver_ && event.number == haptic::Event::kSilent)
-      return lose(host);
-    host.error("the device has failed and its motors are off; check it, then send motors 1");
-    if (reported_[kStatus])
-      host.info({"status", "fault", 1.0});
     break;
   }
 }
@@ -94,7 +103,7 @@ void Phantom::send_position(Host& host, bool always) {
   if (!has_report_)
     return;
   const auto position =
-      settings_.chain.workspace.normalised(servo_.exchange().reports.latest().state.position);
+      settings_.chain.workspace.normalised(exchange().reports.latest().state.position);
   if (!always && sent_ && *sent_ == position)
     return;
   sent_ = position;
@@ -106,7 +115,7 @@ void Phantom::send_position(Host& host, bool always) {
 void Phantom::send_values(Host& host, bool all) {
   if (!has_report_)
     return;
-  const haptic::Report report = servo_.exchange().reports.latest();
+  const haptic::Report report = exchange().reports.latest();
   const auto triple = [&host](std::string_view tag, const haptic::Vec3& v) {
     host.info({tag, v.x, v.y, v.z});
   };
@@ -118,6 +127,7 @@ void Phantom::send_values(Host& host, bool all) {
     triple("force", report.force_n);
   if (reported_[kRot] || (all && device().caps().has_rotation))
     triple("rot", report.state.rotation);
+  send_wrist(host, all);
 }
 
 void Phantom::send_workspace(Host& host) const {
@@ -127,10 +137,10 @@ void Phantom::send_workspace(Host& host) const {
 }
 
 haptic::ServoStatistics Phantom::statistics() noexcept {
-  if (!runner_.running())
-    return servo_.statistics();
-  servo_.exchange().statistics.read();
-  return servo_.exchange().statistics.latest();
+  if (!driver_ && !runner_->running())
+    return rig_->servo.statistics();
+  exchange().statistics.read();
+  return exchange().statistics.latest();
 }
 
 void Phantom::send_timing(Host& host) {
@@ -151,19 +161,20 @@ void Phantom::on_report(Words words, Host& host) {
     }
   host.error(
       expected("report", words[0],
-               "mm, vel, force, button, status, jitter, error, hit, contact, release or rot"));
+               "mm, vel, force, button, status, jitter, error, hit, contact, release, rot, torque "
+               "or grip"));
 }
 
 void Phantom::on_stats(Words words, Host& host) {
   if (!words.empty() && !is(words[0], "reset"))
     return host.error(expected("stats", words[0], "reset"));
   if (!words.empty()) {
-    servo_.exchange().actions.push(haptic::Action::kResetStatistics);
+    ++exchange().statistics_resets;
     return;
   }
   collect(host);
   const haptic::ServoStatistics s = statistics();
-  const haptic::Report& r = servo_.exchange().reports.latest();
+  const haptic::Report& r = exchange().reports.latest();
   const auto line = [&host](std::string_view name, double value) {
     host.info({"stats", name, value});
   };
@@ -185,8 +196,8 @@ void Phantom::on_stats(Words words, Host& host) {
   count("slewed", r.counters.slewed);
   count("braked", r.counters.braked);
   count("refused", r.counters.refused);
-  count("events_lost", servo_.exchange().events.dropped() + touched_.events().dropped());
-  count("trace_lost", servo_.exchange().trace.dropped());
+  count("events_lost", exchange().events.dropped() + rig_->scene.events().dropped());
+  count("trace_lost", exchange().trace.dropped());
   line("energy_j", r.energy_j);
   line("lowest_energy_j", r.lowest_energy_j);
 }
@@ -195,7 +206,7 @@ void Phantom::on_trace(Words words, Host& host) {
   if (!words[0].is_word)
     return host.error(expected("trace", words[0], "a file name or stop"));
   drain_trace();
-  servo_.exchange().tracing = false;
+  exchange().tracing = false;
   const std::string rest = trace_.close();
   if (!rest.empty())
     host.error("trace: " + rest);
@@ -205,7 +216,7 @@ void Phantom::on_trace(Words words, Host& host) {
   const std::string refusal = trace_.open(path);
   if (!refusal.empty())
     return host.error("trace " + std::string(words[0].word) + ": cannot be written, " + refusal);
-  servo_.exchange().tracing = true;
+  exchange().tracing = true;
 }
 
 } // namespace tactus

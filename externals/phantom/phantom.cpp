@@ -1,5 +1,6 @@
 #include "externals/phantom/phantom.hpp"
 
+#include "externals/phantom/estop_latches.hpp"
 #include "externals/phantom/signal_link_name.hpp"
 #include "externals/phantom/tags.hpp"
 
@@ -7,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 /// Time: what steps the servo, and when the outlets speak.
 namespace tactus {
@@ -26,21 +28,17 @@ constexpr std::uint64_t kOfferEvery = 64; // ticks
 } // namespace
 
 using namespace phantom;
-using haptic::Action;
 
 Phantom::Phantom() {
   for (std::size_t i = 0; i < kParameters.size(); ++i)
     values_[i] = kParameters[i].initial;
-  signals_->watch(touched_);
-  signals_->listen(network_);
-  effects_.watch(touched_, local_models_.force_of(0));
   settle();
   settle_device();
 }
 
 Phantom::~Phantom() {
   let_go();
-  signals_->place(haptic::SignalLink::Time::kNone, 0, {});
+  rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
 }
 
 double Phantom::period_s() const noexcept {
@@ -49,32 +47,27 @@ double Phantom::period_s() const noexcept {
   return 1.0 / values_[kRate];
 }
 
-/// Ends a servo thread with the force down by its slew, or after 200 ms whatever it does.
+/// Ends the simulated device's thread with the force down by its slew, or after 200 ms whatever it
+/// does. A real device's servo is ended by the worker.
 void Phantom::fade_out() noexcept {
-  if (!runner_.running())
+  if (driver_ || !runner_->running())
     return;
-  servo_.exchange().actions.push(Action::kMotorsOff);
+  exchange().motors.pause(true);
   const double give_up_s = devices::ServoThread::now_s() + kGraceful_s;
-  while (devices::ServoThread::now_s() < give_up_s) {
+  while (!exchange().motors.at_rest() && devices::ServoThread::now_s() < give_up_s)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    servo_.exchange().reports.read();
-    const haptic::Report& report = servo_.exchange().reports.latest();
-    if (!report.motors && norm(report.force_n) == 0.0)
-      break;
-  }
-  runner_.stop();
+  static_cast<void>(runner_->stop()); // waits: a simulated step cannot hang
+  exchange().motors.pause(false);
 }
 
 void Phantom::set(std::size_t parameter, double value) noexcept {
   values_[parameter] = value;
   if (parameter == kMotors)
-    servo_.exchange().actions.push(on(kMotors) ? Action::kMotorsOn : Action::kMotorsOff);
+    set_motors();
   if (parameter == kRate || parameter == kOutRate)
     new_grids_ = true;
-  if (parameter == kRate && driver_ && runner_.running() && !device_->owns_thread()) {
-    runner_.stop();
-    runner_.start(servo_, period_s());
-  }
+  if (parameter == kRate && running_ && !device_->owns_thread())
+    runner_->set_period(period_s());
   if (parameter == kRate || parameter >= kMass)
     settle_device();
   else
@@ -98,8 +91,8 @@ void Phantom::settle() noexcept {
   chain.allowance_w = values_[kAllowance];
   chain.damping_n_s_per_m = values_[kDamp];
   chain.wall_n_per_m = values_[kWalls];
-  servo_.exchange().settings.write(settings_);
-  signals_->set_workspace(chain.workspace);
+  exchange().settings.write(settings_);
+  rig_->signals->set_workspace(chain.workspace);
 }
 
 /// Carries the simulated device's parameters to it, and a new rate to whoever steps it.
@@ -114,30 +107,34 @@ void Phantom::settle_device() noexcept {
     const double before = simulated_.caps().position_noise_m;
     simulated_.set(simulation_);
     if (!driver_ && simulated_.caps().position_noise_m != before)
-      servo_.refresh_caps();
+      rig_->servo.refresh_caps();
   });
 }
 
 void Phantom::created(Host& host) {
   created_ = true;
-  offered_ = host.offer(signal_link_name(name_), signals_);
+  offered_ = host.offer(signal_link_name(name_), rig_->signals);
+  if (name_ != "-")
+    inherit_stop(name_key(name_), host);
   if (!driver_)
     connect_simulation(host);
 }
 
 void Phantom::attach() noexcept {
-  if (driver_)
-    servo_.attach(*device_, &local_models_, &patch_models_);
-  else
-    servo_.attach(simulated_, &local_models_, &patch_models_);
-  if (!on(kMotors))
-    servo_.exchange().actions.push(Action::kMotorsOff);
+  rig_->scene.set_continuous_force(device().caps().continuous_force_n);
+  if (driver_) {
+    rig_->device = device_;
+    rig_->servo.attach(*device_, &rig_->local_models, &rig_->patch_models);
+  } else {
+    rig_->servo.attach(simulated_, &rig_->local_models, &rig_->patch_models);
+  }
+  faults_ = 0;
 }
 
 void Phantom::place_signals() noexcept {
   using Time = haptic::SignalLink::Time;
-  signals_->place(wall_ ? Time::kWall : Time::kLogical, 1.0 / period_s(),
-                  {[](void* self) { static_cast<Phantom*>(self)->step_with_audio(); }, this});
+  rig_->signals->place(wall_ ? Time::kWall : Time::kLogical, 1.0 / period_s(),
+                       {[](void* self) { static_cast<Phantom*>(self)->step_with_audio(); }, this});
 }
 
 /// A fresh grid of servo ticks and one of outputs, both from now on.
@@ -150,13 +147,22 @@ void Phantom::begin(Host& host) {
     place_signals();
     if (wall_) {
       publish(devices::ServoThread::now_s());
-      if (!driver_)
-        runner_.start(servo_, period_s());
-      else if (!runner_.start(servo_, *device_, period_s()))
-        return lose(host);
+      if (std::string refusal = driver_ ? worker(host).run({rig_, runner_}, period_s(), ticket_)
+                                        : runner_->start(rig_->servo, period_s());
+          !refusal.empty())
+        return without_thread(std::move(refusal), host);
+      if (driver_)
+        host.wake_in(kWatchWorker, 0);
     }
   }
   host.wake_in(kSchedule, 0);
+}
+
+/// The system gave no thread to step the servo: the object is closed, and may be opened again.
+void Phantom::without_thread(std::string refusal, Host& host) {
+  thread_refusal_.clear();
+  host.error((wall_ && !driver_ ? "clock wall: " : "open: ") + refusal);
+  disconnect(host);
 }
 
 void Phantom::restart(Host& host) {
@@ -179,7 +185,7 @@ void Phantom::scalar(std::size_t inlet, double value, Host& host) {
 
 void Phantom::publish(double now_s) noexcept {
   command_.heartbeat_s = now_s;
-  servo_.exchange().commands.write(command_);
+  exchange().commands.write(command_);
 }
 
 /// What came to the inlets at this instant is one force.
@@ -206,6 +212,10 @@ void Phantom::force_changed(Host& host) {
 void Phantom::tick(std::size_t timer, Host& host) {
   if (timer == kForces)
     return force_changed(host);
+  if (timer == kWatchWorker)
+    return watch_worker(host);
+  if (!thread_refusal_.empty())
+    return without_thread(std::exchange(thread_refusal_, {}), host);
   if (new_grids_) {
     new_grids_ = false;
     origin_ms_ = output_origin_ms_ = host.now_ms();
@@ -216,7 +226,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
     return;
   // Another may have had the name, and be gone.
   if (!offered_ && ++unoffered_ % kOfferEvery == 0)
-    offered_ = host.offer(signal_link_name(name_), signals_);
+    offered_ = host.offer(signal_link_name(name_), rig_->signals);
   const double now = host.now_ms() + kSameInstant_ms;
   const double period_ms = 1e3 * period_s();
   if (!wall_) {
@@ -265,7 +275,7 @@ void Phantom::schedule(Host& host) {
 void Phantom::step(double now_s) noexcept {
   publish(now_s);
   stepped_s_ = now_s;
-  servo_.step({index_++, now_s, period_s()});
+  rig_->servo.step({index_++, now_s, period_s()});
 }
 
 /// Audio steps the servo where its ticks lie among the samples; the grid goes on from the last.
@@ -276,12 +286,12 @@ void Phantom::step_with_audio() noexcept {
 
 /// Whether an object with signals steps the servo, so that the clock must not.
 bool Phantom::audio_steps(Host& host) noexcept {
-  const std::uint64_t blocks = signals_->blocks();
+  const std::uint64_t blocks = rig_->signals->blocks();
   if (blocks != audio_blocks_) {
     audio_blocks_ = blocks;
     audio_ms_ = host.now_ms();
   }
-  return host.now_ms() - audio_ms_ <= kAudioGone_ms + 2e3 * signals_->longest_block_s();
+  return host.now_ms() - audio_ms_ <= kAudioGone_ms + 2e3 * rig_->signals->longest_block_s();
 }
 
 void Phantom::message(std::size_t index, Words arguments, Host& host) {
@@ -326,11 +336,14 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
     return on_effect(arguments, host);
   case kNetwork:
     return on_network(arguments, host);
+  case kTorques:
+    return on_torques(arguments, host);
+  case kTorque:
+    return on_torque(arguments, host);
+  case kGrip:
+    return on_grip(arguments, host);
   case kEstop:
-    servo_.exchange().actions.push(Action::kEmergencyStop);
-    if (reported_[kStatus])
-      host.info({"status", "estop", 1.0});
-    return;
+    return on_estop(host);
   case kReport:
     return on_report(arguments, host);
   case kStats:

@@ -1,11 +1,6 @@
 #pragma once
 
 #include "core/haptic/effects/effect_model.hpp"
-#include "core/haptic/local_models.hpp"
-#include "core/haptic/network/network_model.hpp"
-#include "core/haptic/scene/scene_model.hpp"
-#include "core/haptic/servo.hpp"
-#include "core/haptic/signal_link.hpp"
 #include "core/haptic/simulated_device.hpp"
 #include "core/object.hpp"
 #include "devices/servo_thread.hpp"
@@ -14,12 +9,14 @@
 #include "externals/phantom/live_connections.hpp"
 #include "externals/phantom/network_book.hpp"
 #include "externals/phantom/scene_book.hpp"
+#include "externals/phantom/servo_rig.hpp"
 #include "externals/phantom/trace.hpp"
 
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tactus {
 
@@ -41,7 +38,7 @@ public:
       phantom::kParameters,
       phantom::kMessages,
       phantom::kArguments};
-  static constexpr std::size_t timers = 2;
+  static constexpr std::size_t timers = 3;
 
   Phantom();
   ~Phantom();
@@ -58,7 +55,7 @@ public:
   void dump(Host& host);
 
 private:
-  enum Timer : std::size_t { kSchedule, kForces };
+  enum Timer : std::size_t { kSchedule, kForces, kWatchWorker };
   enum class Clock { kAuto, kLogical, kWall };
   enum class Link { kClosed, kOpening, kOpen, kLost };
   using Words = std::span<const Atom>;
@@ -68,6 +65,7 @@ private:
   [[nodiscard]] bool on(phantom::ParameterIndex p) const noexcept { return values_[p] >= 0.5; }
   [[nodiscard]] bool open() const noexcept { return link_ == Link::kOpen; }
   [[nodiscard]] double period_s() const noexcept;
+  [[nodiscard]] haptic::Exchange& exchange() const noexcept { return rig_->servo.exchange(); }
   void begin(Host& host);
   void schedule(Host& host);
   void force_changed(Host& host);
@@ -83,36 +81,51 @@ private:
   void attach() noexcept;
   /// Changes the simulated device between two ticks, whoever steps it.
   template <class Change> void with_simulation(Change&& change) {
-    const bool was_running = !driver_ && runner_.running();
+    const bool was_running = !driver_ && runner_->running();
     if (was_running)
-      runner_.stop();
+      static_cast<void>(runner_->stop()); // waits: a simulated step cannot hang
     change();
     if (was_running)
-      runner_.start(servo_, period_s());
+      thread_refusal_ = runner_->start(rig_->servo, period_s()); // said at the next tick
   }
+  void without_thread(std::string refusal, Host& host);
 
   // connection.cpp: which device, and its comings and goings
   [[nodiscard]] const haptic::Backend& device() const noexcept;
   [[nodiscard]] std::string_view driver_name() const noexcept;
   [[nodiscard]] phantom::DeviceWorker& worker(Host& host);
+  void watch_worker(Host& host);
+  void renew_rig(Host& host);
+  void end_session(Host& host);
   [[nodiscard]] static std::string configure(haptic::Backend& device, Words words, bool which);
   void connect(Words which, Host& host);
   void connect_simulation(Host& host);
   void disconnect(Host& host);
   void opened(const phantom::DeviceWorker::Answer&, Host&);
   void listed(const phantom::DeviceWorker::Answer&, Host&);
-  void lose(Host& host);
+  void closed(std::string_view why, Host&);
   void send_identity(Host& host) const;
   void send_status(std::string_view word, Host& host) const;
-  void watch_flags(Host& host);
   [[nodiscard]] bool for_simulation(std::string_view message, Host& host) const;
   void let_go() noexcept override;
-  void stop_now() noexcept override;
-  [[nodiscard]] bool stopped() noexcept override;
   void on_backend(Words, Host&);
   void on_setting(Words, Host&, std::string_view name = {});
   void on_devices(Host&);
   void on_name(Words, Host&);
+
+  // motors.cpp: on, off, and the emergency stop that outlives the object
+  void set_motors() noexcept;
+  void on_estop(Host& host);
+  void latch_stop() noexcept;
+  void inherit_stop(const std::string& key, Host& host);
+  void send_estop(Host& host);
+
+  // trouble.cpp: what is wrong with a real device
+  void watch_device(Host& host);
+  void lose(Host& host);
+  void fail(Host& host);
+  void send_trouble(std::string_view sentence, Host& host) const;
+  void watch_trouble(Host& host);
 
   // output.cpp: what leaves the object
   void collect(Host& host);
@@ -123,6 +136,7 @@ private:
   void send_timing(Host& host);
   void send_workspace(Host& host) const;
   void drain_trace();
+  void watch_queues(Host& host);
   [[nodiscard]] haptic::ServoStatistics statistics() noexcept;
   void on_stats(Words, Host&);
   void on_trace(Words, Host&);
@@ -145,6 +159,13 @@ private:
   // effect_message.cpp: force effects by name
   void on_effect(Words, Host&);
 
+  // torque.cpp: torque and gripper force
+  void on_torques(Words, Host&);
+  void on_torque(Words, Host&);
+  void on_grip(Words, Host&);
+  void set_wrist(const haptic::WristCommand& command, std::string_view message, Host& host);
+  void send_wrist(Host& host, bool all);
+
   // simulation.cpp: the simulated device's own
   void on_hand(Words, Host&);
   void on_path(Words, Host&);
@@ -154,16 +175,11 @@ private:
   void dump_hand(Host& host) const;
 
   std::array<double, phantom::kParameterCount> values_{};
-  haptic::Servo servo_{};
   haptic::SimulatedDevice simulated_{};
-  haptic::SceneModel touched_{};
-  haptic::EffectModel effects_{};
-  haptic::DrivenEffects driven_effects_{effects_};
-  haptic::NetworkModel network_{};
-  std::shared_ptr<haptic::SignalLink> signals_ = std::make_shared<haptic::SignalLink>();
-  haptic::LocalModels<3> local_models_{{&touched_, &effects_, &network_}}; // passive by themselves
-  haptic::LocalModels<2> patch_models_{{signals_.get(), &driven_effects_}};
-  devices::ServoThread runner_{};
+  std::shared_ptr<phantom::ServoRig> rig_ = std::make_shared<phantom::ServoRig>();
+  std::shared_ptr<devices::ServoThread> runner_ = std::make_shared<devices::ServoThread>();
+  bool running_ = false;         // a thread steps a real device's servo
+  std::string thread_refusal_{}; // why the simulated device's thread did not start again
   phantom::Trace trace_{};
   phantom::SceneBook scene_{};
   phantom::NetworkBook network_book_{};
@@ -172,6 +188,7 @@ private:
   haptic::ServoSettings settings_{};
   haptic::SimulatedDevice::Settings simulation_{};
   haptic::Command command_{};
+  haptic::WristRequest wrist_{};
   haptic::Vec3 asked_{}; // inlets, in the chosen units
   bool refused_now_ = false, changed_now_ = false;
 
@@ -179,15 +196,20 @@ private:
   Device device_{};                         // the driver's
   Link link_ = Link::kClosed;
   std::uint64_t ticket_ = 0; // of the latest wish to open
-  std::uint32_t flags_ = haptic::State::kHomed;
-  std::unique_ptr<phantom::DeviceWorker> worker_{};
+  std::uint32_t flags_ = haptic::State::kHomed, faults_ = 0;
+  std::string trouble_{}, heard_trouble_{}; // as told to the patch; as the driver said last
+  double trouble_ms_ = 0;                   // when the driver began to say that
+  double trouble_asked_ms_ = -1e9;
+  std::vector<std::string> estop_keys_{}; // what motors 1 releases
+  bool estop_told_ = false;
+  std::unique_ptr<phantom::DeviceWorker> worker_{}, lister_{};
 
   std::string path_name_ = "still";
   std::string name_ = "-";
   Clock clock_ = Clock::kAuto;
   bool wall_ = false; // stepped by a thread instead of the host's logical time
   bool created_ = false, learning_ = false, new_grids_ = false, own_workspace_ = false;
-  bool offered_ = false;                        // signals_, under name_
+  bool offered_ = false;                        // the rig's signals, under name_
   double origin_ms_ = 0, output_origin_ms_ = 0; // of the two grids
   std::uint64_t steps_ = 0, outputs_ = 0;       // grid points since their origins
   std::uint64_t index_ = 0;                     // servo ticks in logical time
@@ -197,9 +219,11 @@ private:
 
   std::optional<haptic::Vec3> sent_{};
   bool has_report_ = false;
-  std::array<bool, 11> reported_{false, false, false, true, true, false,
-                                 true,  true,  true,  true, false};
+  std::array<bool, 13> reported_{false, false, false, true,  true,  false, true,
+                                 true,  true,  true,  false, false, false};
   double last_error_ms_ = -1e9, last_timing_ms_ = 0;
+  double last_loss_ms_ = -1e9;
+  std::uint64_t lost_told_ = 0; // entries of full queues
   double warned_n_per_m_ = 0;
   bool scheduling_told_ = false;
 };

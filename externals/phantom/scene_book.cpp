@@ -7,12 +7,22 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
+#include <limits>
 
 namespace tactus::phantom {
 namespace {
 
+constexpr double kLast = std::numeric_limits<double>::infinity();
 constexpr Range kStiffness{"k", "N/m", 0, 1e5};
+
+/// The number that text_of has written.
+double number_of(const std::string& text) {
+  double number = 0;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
 
 bool is_mesh(const haptic::Body& body) {
   return std::holds_alternative<haptic::MeshSurface>(body.shape);
@@ -29,7 +39,7 @@ SceneBook::Entry* SceneBook::find(const Atom& name) noexcept {
 
 void SceneBook::forget(const Entry& entry) {
   gone_.push_back({entry.body.key, entry.name, entry.is_number});
-  if (gone_.size() > kMostGone)
+  if (gone_.size() > kMaxGone)
     gone_.pop_front();
 }
 
@@ -46,13 +56,15 @@ std::string SceneBook::obey(Words words, const Host& host) {
     refusal = remove(rest);
   else if (is(words[0], "load"))
     refusal = load(rest, host);
+  else if (is(words[0], "tool"))
+    refusal = set_tool(rest);
   else if (is(words[0], "k")) {
     double k[1] = {};
     refusal = read_numbers(rest, {{kStiffness}}, k);
     if (refusal.empty())
       material_.stiffness_n_per_m = k[0];
   } else {
-    return expected("scene", words[0], "add, mat, move, del, k or load");
+    return expected("scene", words[0], "add, mat, move, del, tool, k or load");
   }
   return refusal.empty() ? refusal : "scene " + text_of(words[0]) + ": " + refusal;
 }
@@ -74,9 +86,9 @@ std::string SceneBook::add(Words words, const Host& host) {
   const auto same = std::count_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
     return &e != old && is_mesh(e.body) == is_mesh(entry.body);
   });
-  const std::size_t most = is_mesh(entry.body) ? kMostMeshes : kMostSolids;
-  if (static_cast<std::size_t>(same) >= most)
-    return "the scene has " + std::to_string(most) + (is_mesh(entry.body) ? " meshes" : " bodies") +
+  const std::size_t max = is_mesh(entry.body) ? kMaxMeshes : kMaxSolids;
+  if (static_cast<std::size_t>(same) >= max)
+    return "the scene has " + std::to_string(max) + (is_mesh(entry.body) ? " meshes" : " bodies") +
            " already, the most there can be";
   if (old) {
     forget(*old);
@@ -136,6 +148,18 @@ std::string SceneBook::remove(Words words) {
   return {};
 }
 
+std::string SceneBook::set_tool(Words words) {
+  constexpr Range kRadius{"radius", "mm", 0, kMaxTool_mm};
+  double mm[1] = {};
+  if (std::string refusal = read_numbers(words, {{kRadius}}, mm); !refusal.empty())
+    return refusal;
+  if (mm[0] > 0 && mm[0] < kMinTool_mm)
+    return "radius " + number_text(mm[0]) + " mm: expected 0, which is a point, or " +
+           number_text(kMinTool_mm) + ".." + number_text(kMaxTool_mm) + " mm";
+  tool_radius_m_ = mm[0] * 1e-3;
+  return {};
+}
+
 std::string SceneBook::load(Words words, const Host& host) {
   if (words.size() != 1 || !words[0].is_word)
     return "expected a file name";
@@ -161,18 +185,25 @@ std::string SceneBook::load(Words words, const Host& host) {
 
 std::unique_ptr<const haptic::Scene> SceneBook::snapshot() const {
   auto scene = std::make_unique<haptic::Scene>();
-  scene->bodies.reserve(entries_.size());
+  scene->tool_radius_m = tool_radius_m_;
+  std::vector<const Entry*> ordered;
   for (const Entry& entry : entries_)
-    scene->bodies.push_back(entry.body);
+    ordered.push_back(&entry);
+  const auto rank = [](const Entry* entry) { // words, and what is no number after all, come last
+    const double number = entry->is_number ? number_of(entry->name) : kLast;
+    return std::isfinite(number) ? number : kLast;
+  };
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [&](const Entry* a, const Entry* b) { return rank(a) < rank(b); });
+  scene->bodies.reserve(ordered.size());
+  for (const Entry* entry : ordered)
+    scene->bodies.push_back(entry->body);
   return scene;
 }
 
 Atom SceneBook::name_of(std::uint64_t key) const noexcept {
   const auto atom = [](const std::string& name, bool is_number) {
-    double number = 0;
-    if (is_number)
-      std::from_chars(name.data(), name.data() + name.size(), number);
-    return is_number ? Atom(number) : Atom(std::string_view(name));
+    return is_number ? Atom(number_of(name)) : Atom(std::string_view(name));
   };
   for (const Entry& entry : entries_)
     if (entry.body.key == key)
@@ -192,6 +223,8 @@ SceneBook::Stiffest SceneBook::stiffest() const {
 }
 
 void SceneBook::dump(Host& host) const {
+  if (tool_radius_m_ > 0)
+    host.info({"scene", "tool", tool_radius_m_ * 1e3});
   for (const Entry& entry : entries_) {
     const haptic::Material& m = entry.body.material;
     const haptic::Vec3 p = entry.body.pose.position * 1e3;

@@ -13,13 +13,15 @@ namespace tactus::phantom {
 /// The bodies of a scene by the names that a patch gives them.
 class SceneBook {
 public:
-  static constexpr std::size_t kMostSolids = 64, kMostMeshes = 8;
+  static constexpr std::size_t kMaxSolids = 64, kMaxMeshes = 8;
   using Words = std::span<const Atom>;
 
-  /// One of the scene's messages: add, mat, move, del, k or load. A sentence when it is refused;
-  /// nothing has changed then.
+  static constexpr double kMinTool_mm = 0.01, kMaxTool_mm = 50;
+  /// One of the scene's messages: add, mat, move, del, tool, k or load. A sentence when it is
+  /// refused; nothing has changed then.
   [[nodiscard]] std::string obey(Words words, const Host& host);
-  /// What the servo is to feel.
+  /// What the servo is to feel. Bodies whose names are numbers come first, by their number, then
+  /// those with words in the order in which these were first added: so do the events of one tick.
   [[nodiscard]] std::unique_ptr<const haptic::Scene> snapshot() const;
   /// The name of a body, also of one that is gone since a short time.
   [[nodiscard]] Atom name_of(std::uint64_t key) const noexcept;
@@ -43,12 +45,13 @@ private:
     std::string name;
     bool is_number;
   };
-  static constexpr std::size_t kMostGone = 128;
+  static constexpr std::size_t kMaxGone = 128;
 
   [[nodiscard]] std::string add(Words words, const Host& host);
   [[nodiscard]] std::string set_material(Words words);
   [[nodiscard]] std::string move(Words words);
   [[nodiscard]] std::string remove(Words words);
+  [[nodiscard]] std::string set_tool(Words words);
   [[nodiscard]] std::string load(Words words, const Host& host);
   [[nodiscard]] Entry* find(const Atom& name) noexcept;
   void forget(const Entry& entry);
@@ -56,6 +59,7 @@ private:
   std::vector<Entry> entries_;
   std::deque<Gone> gone_;
   std::uint64_t keys_ = 0;
+  double tool_radius_m_ = 0;
   haptic::Material material_{}; // of bodies that are added from now on
 };
 

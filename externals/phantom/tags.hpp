@@ -18,10 +18,12 @@ enum Tag : std::size_t {
   kHitTag,
   kContactTag,
   kReleaseTag,
-  kRot
+  kRot,
+  kTorqueTag,
+  kGripTag
 };
-inline constexpr std::array<std::string_view, 11> kTags{"mm",      "vel",     "force", "button",
-                                                        "status",  "jitter",  "error", "hit",
-                                                        "contact", "release", "rot"};
+inline constexpr std::array<std::string_view, 13> kTags{
+    "mm",  "vel",     "force",   "button", "status", "jitter", "error",
+    "hit", "contact", "release", "rot",    "torque", "grip"};
 
 } // namespace tactus::phantom

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <functional>
 #include <stop_token>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -16,8 +18,8 @@ namespace tactus::reed {
 
 /// One computation of a grid's nodes in a thread of its own, which leaves the audio its priority.
 /// The nodes are published in order: those below done() are final and may be read while the rest is
-/// at work. Nothing waits for anything but cancel() and start(), which wait for the portion at hand;
-/// start() does not while idle().
+/// at work. Nothing waits for anything but cancel() and start(), which wait for the portion at
+/// hand; start() does not while idle().
 class MapWorker {
 public:
   /// Writes further nodes from `first` on and returns the number of those that are final; called
@@ -26,19 +28,28 @@ public:
 
   ~MapWorker() { cancel(); }
 
-  /// Cancels what is at work and begins anew.
-  void start(std::size_t nodes, Portion portion) {
+  /// Cancels what is at work and begins anew. Empty when a thread is at work; else why there is
+  /// none, and the computation goes on by step().
+  [[nodiscard]] std::string start(std::size_t nodes, Portion portion) {
     renew(nodes);
     running_.store(true, std::memory_order_relaxed);
-    thread_ = std::jthread([this, work = std::move(portion)](const std::stop_token& stop) {
-      give_way();
-      std::size_t done = 0;
-      while (done < nodes_.size() && !stop.stop_requested()) {
-        done = work(nodes_, done);
-        done_.store(done, std::memory_order_release);
-      }
-      running_.store(false, std::memory_order_release);
-    });
+    try {
+      thread_ = std::jthread([this, work = portion](const std::stop_token& stop) {
+        give_way();
+        std::size_t done = 0;
+        while (done < nodes_.size() && !stop.stop_requested()) {
+          done = work(nodes_, done);
+          done_.store(done, std::memory_order_release);
+        }
+        running_.store(false, std::memory_order_release);
+      });
+    } catch (const std::system_error& error) {
+      running_.store(false, std::memory_order_relaxed);
+      steps_ = std::move(portion);
+      return std::string("no thread starts for the map (") + error.what() +
+             "); it is computed in the host's time, which the audio may miss";
+    }
+    return {};
   }
   /// The same without a thread: step() does one portion.
   void start_by_steps(std::size_t nodes, Portion portion) {

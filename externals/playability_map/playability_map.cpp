@@ -135,7 +135,8 @@ void PlayabilityMapObject::compute(Host& host) {
       return nodes.size();
     });
   } else if (own_[kBackground] >= 0.5) {
-    worker_.start(total_, portion());
+    if (const std::string refusal = worker_.start(total_, portion()); !refusal.empty())
+      host.error("compute: " + refusal);
   } else {
     worker_.start_by_steps(total_, portion());
   }

@@ -12,7 +12,6 @@
 namespace tactus::haptic_check {
 namespace {
 
-using haptic::Action;
 using Milliseconds = std::chrono::milliseconds;
 
 constexpr double kGraceful_s = 0.3;
@@ -61,16 +60,14 @@ void Session::beat() noexcept {
 void Session::fade_out() noexcept {
   if (!thread_.running())
     return;
-  servo_.exchange().actions.push(Action::kMotorsOff);
+  servo_.exchange().motors.pause(true);
   const double give_up_s = devices::ServoThread::now_s() + kGraceful_s;
   while (devices::ServoThread::now_s() < give_up_s) {
     std::this_thread::sleep_for(Milliseconds(1));
-    servo_.exchange().reports.read();
-    const haptic::Report& report = servo_.exchange().reports.latest();
-    if (!report.motors && norm(report.force_n) == 0.0)
+    if (servo_.exchange().motors.at_rest())
       break;
   }
-  thread_.stop();
+  static_cast<void>(thread_.stop()); // waits: the servo is this session's
 }
 
 void Session::drain(Recording& recording) {
@@ -103,14 +100,15 @@ Recording Session::run(const Plan& plan, std::string& error) {
   scene_.publish(std::make_unique<haptic::Scene>(plan.scene));
   sines_.play(plan.sines);
   exchange.settings.write(settings);
+  exchange.motors.pause(false);
+  exchange.motors.disable();
   servo_.attach(*device_, &scene_, &sines_);
-  exchange.actions.push(Action::kMotorsOff);
   if (plan.motors)
-    exchange.actions.push(Action::kMotorsOn); // from none: they rise
+    exchange.motors.enable(); // from none: they rise
   exchange.tracing = true;
   beat();
-  if (!thread_.start(servo_, *device_, plan.period_s)) {
-    error = "the device's own scheduler does not start: " + device_->trouble();
+  error = thread_.start(servo_, *device_, plan.period_s);
+  if (!error.empty()) {
     exchange.tracing = false;
     return recording;
   }

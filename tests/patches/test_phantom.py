@@ -230,6 +230,82 @@ def test_an_emergency_stop_lasts_until_motors_on(tmp_path):
     assert forces[3] == pytest.approx(3, abs=1e-5)
 
 
+def forces_at(patch, folder, times, *flags, batch=True):
+    for ms in times:
+        patch.at(ms, "bang")
+    return [f[0] for f in patch.run(folder, *flags, batch=batch).tagged("force")]
+
+
+@pytest.mark.parametrize("between", [["close", "open"], ["clock wall", "clock logical"],
+                                     ["rate 2000"], ["backend sim"], ["name other"],
+                                     ["motors 0"]])
+def test_an_emergency_stop_holds_whatever_happens_to_the_connection(tmp_path, between):
+    patch = DevicePatch("-hand rigid", 1700)
+    patch.at(10, "list 2 0 0")
+    patch.at(100, "estop")
+    for i, message in enumerate(between):
+        patch.at(110 + i, message)
+    for ms in range(120, 900, 20):
+        patch.at(ms, f"list 2.{ms} 0 0")
+    patch.at(980, "dump")
+    patch.at(1000, "motors 1")
+    patch.at(1010, "list 2 0 0")
+    before, held, back = forces_at(patch, tmp_path, (99, 900, 1650))
+    assert before == pytest.approx(2)
+    assert held == 0
+    assert back == pytest.approx(2)
+
+
+def made_twice(folder, name, say, first=("estop",)):
+    """A phantom that is stopped and deleted, and the one that is made after it, with what is said
+    to that; the forces of both, half a second after they were asked for."""
+    patch = DevicePatch("", 3000)
+    patch.obj("pd made")
+    lines = ["obj 10 10 r say", f"obj 10 50 phantom sim -hand rigid {name}",
+             "obj 10 90 print again", "connect 0 0 1 0", "connect 1 3 2 0"]
+    for start in (10, 310):
+        for i, line in enumerate(lines):
+            patch.at(start + i, rf"\; pd-made {line}", None)
+    patch.at(100, r"\; say list 2 0 0", None)
+    patch.at(150, r"\; say bang", None)
+    for i, message in enumerate(first):
+        patch.at(200 + i, rf"\; say {message}", None)
+    patch.at(300, r"\; pd-made clear", None)
+    for i, message in enumerate(say):
+        patch.at(350 + i, rf"\; say {message}", None)
+    patch.at(1000, r"\; say list 2 0 0", None)
+    patch.at(1600, r"\; say bang", None)
+    result = patch.run(folder)
+    return [float(x) for x in re.findall(r"^again: force (\S+)", result.text, re.M)], result
+
+
+def test_an_emergency_stop_holds_for_the_next_phantom_of_that_name(tmp_path):
+    forces, result = made_twice(tmp_path, "-name left", ["dump"])
+    assert forces == [pytest.approx(2), 0]
+    assert "the estop of an earlier phantom holds for this one" in result.text
+    assert re.search(r"^again: estop 1", result.text, re.M)
+
+
+def test_the_user_ends_the_stop_of_an_earlier_phantom_of_that_name(tmp_path):
+    forces, result = made_twice(tmp_path, "-name left", ["motors 1", "dump"])
+    assert forces == [pytest.approx(2), pytest.approx(2)]
+    assert re.search(r"^again: estop 0", result.text, re.M)
+
+
+def test_a_stop_that_was_ended_is_not_inherited(tmp_path):
+    forces, result = made_twice(tmp_path, "-name left", [], ("estop", "motors 1"))
+    assert forces == [pytest.approx(2), pytest.approx(2)]
+    assert "earlier phantom" not in result.text
+
+
+def test_a_creation_argument_does_not_end_it(tmp_path):
+    assert made_twice(tmp_path, "-name left -motors 1", [])[0] == [pytest.approx(2), 0]
+
+
+def test_a_phantom_without_a_name_that_is_simulated_leaves_no_stop(tmp_path):
+    assert made_twice(tmp_path, "", [])[0] == [pytest.approx(2), pytest.approx(2)]
+
+
 def test_a_gradient_in_the_patch_becomes_the_force(tmp_path):
     """f = 1 - (y - 0.6)^2 - (z - 0.3)^2 at (0.5, 0.5): central differences give (0.2, -0.4)."""
     patch = DevicePatch("-hand rigid -repeat 1", 100)

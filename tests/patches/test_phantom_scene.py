@@ -1,5 +1,7 @@
 """The scene inside [phantom]'s servo, from a headless Pd."""
 
+import math
+
 import pytest
 
 from test_phantom import DevicePatch, force_after
@@ -36,7 +38,66 @@ def test_a_body_that_is_there_from_the_start_lets_the_hand_out(tmp_path):
     assert force_after(patch.run(tmp_path)) == pytest.approx([1, 0, 0], abs=2e-5)
 
 
-def test_a_blow_on_the_disk_is_one_hit_with_the_tick_s_time(tmp_path):
+def test_a_hand_that_starts_inside_is_led_out_with_a_newton_at_most(tmp_path):
+    # 17 mm deep in a hard sphere: its spring alone would give 34 N.
+    patch = scripted(tmp_path, [(0, 13, 0, 0), (500, 13, 0, 0)], "add 1 sphere 0 0 0 30",
+                     "mat 1 2000 5 0.5", end_ms=500)
+    forces = [math.hypot(*row) for row in patch.run(tmp_path).tagged("force")]
+    assert max(forces) == pytest.approx(1, abs=1e-4)
+    assert forces[-1] == pytest.approx(1, abs=1e-4)
+
+
+def test_bodies_reached_at_one_tick_are_hit_in_the_order_of_their_numbers_then_as_added(tmp_path):
+    patch = scripted(tmp_path, [(0, 20, 20, 20), (100, -5, -5, -5)],
+                     "add zebra plane 0 0 1 0", "add 7 plane 1 0 0 0", "add 3 plane 0 1 0 0")
+    hits = [row for row in patch.run(tmp_path).info if row[0] == "hit"]
+    assert [row[2] for row in hits] == ["3", "7", "zebra"]
+    assert len({row[1] for row in hits}) == 1  # one tick
+
+
+@pytest.mark.parametrize("amplitude_mm, hz, hits", [(0.05, 40, 1), (0.15, 40, 1), (1, 40, 40),
+                                                    (5, 20, 20), (1, 100, 1)])
+def test_chatter_is_a_hit_for_each_real_departure(tmp_path, amplitude_mm, hz, hits):
+    rows = [(n, 0, 0, round(amplitude_mm * math.cos(2 * math.pi * hz * (n + 0.5) * 1e-3), 6))
+            for n in range(1001)]
+    patch = scripted(tmp_path, rows, "add floor plane 0 0 1 0")
+    found = [row for row in patch.run(tmp_path).info if row[0] == "hit" and float(row[1]) < 1000]
+    assert len(found) == hits
+
+
+@pytest.mark.parametrize("body, start, end, force, point", [
+    ("sphere 0 0 0 16", (30, 0, 0), (18, 0, 0), (1, 0, 0), (16, 0, 0)),
+    ("plane 0 1 0 5", (0, 30, 0), (0, 8, 0), (0, 0.5, 0), (0, 5, 0)),
+    ("disk 0 0 0 0 0 1 50 12", (0, 0, 20), (0, 0, -3), (0, 0, 6.5), (0, 0, 6)),
+    ("box 0 0 0 10 10 10", (18, 18, 0), (12, 12, 0),
+     tuple([0.5 * (4 - 2 * math.sqrt(2)) / math.sqrt(2)] * 2 + [0]), (10, 10, 0)),
+    ("mesh square.obj", (3, 4, -10), (3, 4, -2), (0, 0, -1), (3, 4, 0)),
+])
+def test_a_tool_of_4_mm_is_a_sphere_that_hits_at_its_surface(tmp_path, body, start, end, force,
+                                                             point):
+    (tmp_path / "square.obj").write_text(
+        "v -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nf 1 2 3 4\n")
+    patch = scripted(tmp_path, [(0, *start), (100, *end)], "tool 4", f"add body {body}",
+                     end_ms=250)
+    patch.at(240, "bang")
+    result = patch.run(tmp_path)
+    assert force_after(result) == pytest.approx(force, abs=3e-5)
+    hits = [row for row in result.info if row[0] == "hit"]
+    assert len(hits) == 1
+    assert [float(w) for w in hits[0][3:6]] == pytest.approx(point, abs=1e-3)
+
+
+def test_the_tool_s_radius_is_part_of_a_scene_file_and_of_the_dump(tmp_path):
+    (tmp_path / "scene.txt").write_text("tool 2.5\nadd ball sphere 0 0 0 15\n")
+    patch = DevicePatch("", 50)
+    patch.at(10, "scene load scene.txt")
+    patch.at(30, "dump")
+    result = patch.run(tmp_path)
+    assert result.errors == []
+    assert [row for row in result.info if row[:2] == ["scene", "tool"]] == [["scene", "tool", "2.5"]]
+
+
+def test_a_strike_on_the_disk_is_one_hit_with_the_tick_s_time(tmp_path):
     # 0.25 mm a tick down, a rest, away and back.
     patch = scripted(tmp_path, [(0, 25, 0, 20.1), (80, 25, 0, 0.1), (200, 25, 0, 0.1),
                                 (280, 25, 0, 20.1), (360, 25, 0, 0.1)],
@@ -104,7 +165,7 @@ def test_a_mesh_file_is_touched_from_both_sides(tmp_path):
 
 
 @pytest.mark.parametrize("message, sentence", [
-    ("scene paint 1", "scene paint: expected add, mat, move, del, k or load"),
+    ("scene paint 1", "scene paint: expected add, mat, move, del, tool, k or load"),
     ("scene add 1", "scene add: expected a name and a shape"),
     ("scene add 1 cube 1 1 1", "scene add: cube: expected plane, sphere, box, disk or mesh"),
     ("scene add 1 sphere 0 0 0", "scene add: sphere: radius is missing: expected 0.01..10000 mm"),
@@ -114,6 +175,9 @@ def test_a_mesh_file_is_touched_from_both_sides(tmp_path):
     ("scene mat 3 500", "scene mat: 3: no such body"),
     ("scene move 3 0 0 0", "scene move: 3: no such body"),
     ("scene del 3", "scene del: 3: no such body"),
+    ("scene tool -1", "scene tool: radius -1 mm: expected 0..50 mm"),
+    ("scene tool wide", "scene tool: radius wide: expected 0..50 mm"),
+    ("scene tool 0.001", "scene tool: radius 0.001 mm: expected 0, which is a point, or 0.01..50 mm"),
     ("scene k -1", "scene k: k -1 N/m: expected 0..100000 N/m"),
     ("scene load nix.txt", "scene load: nix.txt: no such file"),
 ])

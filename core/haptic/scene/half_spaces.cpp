@@ -36,8 +36,8 @@ bool pushes_of(std::span<const HalfSpace* const> active, const Vec3& goal,
   const double volume = dot(c, line);
   if (std::abs(volume) < kParallel)
     return false;
-  const Vec3 way = (bc * depth[0] + ca * depth[1] + line * depth[2]) * (1.0 / volume);
-  push = {dot(way, bc) / volume, dot(way, ca) / volume, dot(way, line) / volume};
+  const Vec3 offset = (bc * depth[0] + ca * depth[1] + line * depth[2]) * (1.0 / volume);
+  push = {dot(offset, bc) / volume, dot(offset, ca) / volume, dot(offset, line) / volume};
   return true;
 }
 
@@ -45,16 +45,16 @@ bool pushes_of(std::span<const HalfSpace* const> active, const Vec3& goal,
 
 std::optional<NearestPoint> nearest_point(std::span<const HalfSpace> faces,
                                           const Vec3& goal) noexcept {
-  const std::size_t count = std::min(faces.size(), kMostHalfSpaces);
+  const std::size_t count = std::min(faces.size(), kMaxHalfSpaces);
   for (int wanted = 0; wanted <= 3; ++wanted)
     for (unsigned set = 0; set < 1u << count; ++set) {
       std::array<const HalfSpace*, 3> active{};
-      std::array<std::size_t, 3> place{};
+      std::array<std::size_t, 3> index{};
       std::size_t size = 0;
       for (std::size_t i = 0; i < count; ++i)
         if (set >> i & 1u) {
           if (size < 3)
-            active[size] = &faces[i], place[size] = i;
+            active[size] = &faces[i], index[size] = i;
           ++size;
         }
       if (size != static_cast<std::size_t>(wanted))
@@ -66,7 +66,7 @@ std::optional<NearestPoint> nearest_point(std::span<const HalfSpace> faces,
       bool good = true;
       for (std::size_t i = 0; i < size; ++i) {
         good = good && push[i] >= -kTolerance_m;
-        nearest.push[place[i]] = std::max(push[i], 0.0);
+        nearest.push[index[i]] = std::max(push[i], 0.0);
         nearest.point += active[i]->normal * push[i];
       }
       for (std::size_t i = 0; i < count && good; ++i)

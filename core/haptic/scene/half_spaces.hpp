@@ -15,12 +15,12 @@ struct HalfSpace {
   double offset;
 };
 
-inline constexpr std::size_t kMostHalfSpaces = 4;
+inline constexpr std::size_t kMaxHalfSpaces = 4;
 
 struct NearestPoint {
   Vec3 point;
   /// How far each half space pushes: point = goal + sum push_i normal_i, none negative.
-  std::array<double, kMostHalfSpaces> push{};
+  std::array<double, kMaxHalfSpaces> push{};
 };
 
 /// The point common to at most four half spaces that is nearest to the goal: the optimum of

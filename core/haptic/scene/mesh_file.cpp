@@ -7,7 +7,7 @@
 namespace tactus::haptic {
 namespace {
 
-constexpr std::size_t kMostTriangles = 4'000'000;
+constexpr std::size_t kMaxTriangles = 4'000'000;
 constexpr std::size_t kHeader = 84, kRecord = 50; // bytes of a binary STL
 
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
@@ -25,7 +25,7 @@ bool is_binary_stl(std::string_view bytes) {
 ParsedMesh binary_stl(std::string_view bytes) {
   ParsedMesh mesh;
   const std::uint32_t count = word_at(bytes, 80);
-  if (count > kMostTriangles)
+  if (count > kMaxTriangles)
     return {{}, {}, "has more than 4 million triangles"};
   mesh.corners.reserve(3 * std::size_t{count});
   mesh.triangles.reserve(count);
@@ -125,7 +125,7 @@ ParsedMesh text_file(std::string_view text) {
       if (size < 3)
         return wrong("a face needs three corners");
     }
-    if (mesh.triangles.size() > kMostTriangles)
+    if (mesh.triangles.size() > kMaxTriangles)
       return {{}, {}, "has more than 4 million triangles"};
   }
   if (mesh.triangles.empty())

@@ -8,6 +8,15 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// What is left of a vector when its component along another is taken off.
+inline Vec3 without_component(const Vec3& a, const Vec3& along) noexcept {
+  const double length = norm(along);
+  if (!(length > 0.0))
+    return a;
+  const Vec3 unit = along * (1.0 / length);
+  return a - unit * dot(a, unit);
+}
+
 /// A turn in space: a unit quaternion.
 struct Rotation {
   double w = 1, x = 0, y = 0, z = 0;

@@ -6,6 +6,10 @@ namespace {
 constexpr int kPasses = 12; // a curved or finely meshed surface is followed tangent by tangent
 constexpr int kSteps = 6;   // faces met in one pass
 constexpr double kAtRest_m = 1e-13;
+constexpr double kBoundsMargin_m = 1e-9; // far above the rounding of a turned box
+
+// What things cost, in units of WorkLimit.
+constexpr int kBoundsWork = 1, kCrossingWork = 10, kNearestWork = 6;
 
 HalfSpace half_space(const Touch& touch) noexcept {
   return {touch.normal, dot(touch.normal, touch.point) + Proxy::kSkin_m};
@@ -13,8 +17,8 @@ HalfSpace half_space(const Touch& touch) noexcept {
 
 /// Faces collected in one pass, with room for one candidate more than can hold.
 struct Faces {
-  std::array<Touch, kMostHalfSpaces> touch{};
-  std::array<HalfSpace, kMostHalfSpaces> half{};
+  std::array<Touch, kMaxHalfSpaces> touch{};
+  std::array<HalfSpace, kMaxHalfSpaces> half{};
   std::size_t count = 0;
 
   void add(const Touch& met) noexcept {
@@ -41,94 +45,133 @@ const Obstacle* find(std::span<const Obstacle> obstacles, std::size_t slot) noex
 }
 
 /// A lone curved face is exact in one move: along the surface to the point nearest to the goal.
-/// The way along it is a chord through its own body, which is left out of the sweep.
-bool follow_curve(Vec3& proxy, const Vec3& goal, Faces& faces,
-                  std::span<const Obstacle> obstacles) noexcept {
+/// The motion along it is a chord through its own body, which is left out of the sweep. Nothing
+/// changes where that is not possible.
+void follow_curve(Vec3& proxy, const Vec3& goal, Faces& faces,
+                  const Surroundings& around) noexcept {
   Touch& touch = faces.touch[0];
-  const Obstacle* obstacle = find(obstacles, touch.slot);
+  const Obstacle* obstacle = find(around.obstacles, touch.slot);
   if (!obstacle)
-    return false;
-  const auto nearest = nearest_on_curve(obstacle->body->shape,
+    return;
+  const auto nearest = nearest_on_curve(obstacle->body->shape, around.tool_radius_m,
                                         obstacle->pose.rotation.inverse().turned(touch.normal),
                                         obstacle->pose.to_local(goal));
   if (!nearest)
-    return false;
+    return;
   const Vec3 normal = obstacle->pose.rotation.turned(nearest->normal);
   const Vec3 point = obstacle->pose.to_world(nearest->point);
   const Vec3 end = point + normal * Proxy::kSkin_m;
   const double push = norm(end - goal);
-  if (push > norm(proxy - goal) + kAtRest_m || Proxy::sweep(proxy, end, obstacles, touch.slot).met)
-    return false;
+  if (push > norm(proxy - goal) + kAtRest_m)
+    return;
+  const Proxy::Stop stop = Proxy::sweep(proxy, end, around, touch.slot);
+  if (stop.met || !stop.complete)
+    return;
   touch.normal = normal;
   touch.point = point;
   touch.push_m = push;
   proxy = end;
-  return true;
 }
 
 } // namespace
 
-Proxy::Stop Proxy::sweep(const Vec3& from, const Vec3& to, std::span<const Obstacle> obstacles,
+bool Touches::press(const Vec3& goal) noexcept {
+  std::array<HalfSpace, 3> faces{};
+  for (std::size_t i = 0; i < count; ++i)
+    faces[i] = half_space(touch[i]);
+  const auto nearest = nearest_point({faces.data(), count}, goal);
+  if (!nearest)
+    return false;
+  for (std::size_t i = 0; i < count; ++i)
+    touch[i].push_m = nearest->push[i];
+  return true;
+}
+
+Proxy::Stop Proxy::sweep(const Vec3& from, const Vec3& to, const Surroundings& around,
                          std::size_t except) noexcept {
   Stop stop;
-  for (const Obstacle& obstacle : obstacles) {
+  const Segment segment(from, to);
+  const double margin = around.tool_radius_m + kBoundsMargin_m;
+  for (const Obstacle& obstacle : around.obstacles) {
     if (obstacle.slot == except)
       continue;
-    const auto found =
-        crossing(obstacle.body->shape, obstacle.pose.to_local(from), obstacle.pose.to_local(to));
-    if (!found || (stop.met && found->share >= stop.share))
+    around.work.spend(kBoundsWork);
+    if (segment.entry(obstacle.bounds, margin, stop.fraction) == Segment::kNever)
       continue;
-    stop.share = found->share;
+    around.work.spend(kCrossingWork);
+    const auto found =
+        crossing(obstacle.body->shape, around.tool_radius_m, obstacle.pose.to_local(from),
+                 obstacle.pose.to_local(to), around.work);
+    if (around.work.exhausted())
+      break;
+    // Of two that are met at once it is the one with the lower slot, in whatever order they are
+    // tested.
+    if (!found ||
+        (stop.met && (found->fraction > stop.fraction ||
+                      (found->fraction == stop.fraction && obstacle.slot > stop.touch.slot))))
+      continue;
+    stop.fraction = found->fraction;
     stop.met = true;
     stop.touch.slot = obstacle.slot;
     stop.touch.normal = obstacle.pose.rotation.turned(found->normal);
-    stop.touch.point = from + (to - from) * found->share;
+    stop.touch.point = from + (to - from) * found->fraction;
   }
+  stop.complete = !around.work.exhausted();
   return stop;
 }
 
-Proxy::Way Proxy::settle(const Vec3& start, const Vec3& goal,
-                         std::span<const Obstacle> obstacles) noexcept {
-  Way way;
+Proxy::Result Proxy::settle(const Vec3& start, const Vec3& goal,
+                            const Surroundings& around) noexcept {
+  Result result;
   Vec3 proxy = start;
-  Faces faces;
-  for (int pass = 0; pass < kPasses; ++pass) {
+  Faces faces, before_faces;
+  for (int pass = 0; pass < kPasses && result.complete; ++pass) {
     const Vec3 before = proxy;
+    before_faces = faces;
     faces.count = 0;
     for (int step = 0; step < kSteps; ++step) {
+      around.work.spend(kNearestWork << faces.count);
       const auto nearest = nearest_point({faces.half.data(), faces.count}, goal);
       if (!nearest)
         break;
       faces.keep_pushing(*nearest);
       const Vec3 target = nearest->point;
-      const Stop stop = sweep(proxy, target, obstacles);
+      const Stop stop = sweep(proxy, target, around);
+      if (!stop.complete) {
+        result.complete = false;
+        break;
+      }
       if (!stop.met) {
         proxy = target;
         break;
       }
-      if (!way.met) {
-        way.met = true;
-        way.first = stop.touch;
+      if (!result.met) {
+        result.met = true;
+        result.first = stop.touch;
       }
-      // Back along the way until it is a skin's thickness above the face.
-      const Vec3 move = target - proxy;
-      const double sinking = -dot(move, stop.touch.normal);
+      // Back along the motion until it is a skin's thickness above the face.
+      const Vec3 motion = target - proxy;
+      const double sinking = -dot(motion, stop.touch.normal);
       const double back = sinking > 0.0 ? kSkin_m / sinking : 0.0;
-      proxy += move * std::max(stop.share - back, 0.0);
-      if (faces.count == kMostHalfSpaces)
+      proxy += motion * std::max(stop.fraction - back, 0.0);
+      if (faces.count == kMaxHalfSpaces)
         break;
       faces.add(stop.touch);
     }
+    if (!result.complete)
+      break;
     if (faces.count == 1)
-      follow_curve(proxy, goal, faces, obstacles);
+      follow_curve(proxy, goal, faces, around);
     if (faces.count == 0 || norm(proxy - before) <= kAtRest_m)
       break;
   }
-  way.end = proxy;
-  for (std::size_t i = 0; i < faces.count && way.touches.count < 3; ++i)
+  if (faces.count == 0 && !result.complete)
+    faces = before_faces; // of the pass before: they still lie between the proxy and the goal
+  result.end = proxy;
+  for (std::size_t i = 0; i < faces.count && result.touches.count < 3; ++i)
     if (faces.touch[i].push_m > kSkin_m)
-      way.touches.touch[way.touches.count++] = faces.touch[i];
-  return way;
+      result.touches.touch[result.touches.count++] = faces.touch[i];
+  return result;
 }
 
 } // namespace tactus::haptic

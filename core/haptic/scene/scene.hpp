@@ -24,8 +24,11 @@ struct Body {
 
 /// What can be touched, as the host wants it. Made by the host, read by the servo, never changed.
 struct Scene {
-  static constexpr std::size_t kMostBodies = 72;
-  std::vector<Body> bodies; ///< what lies beyond kMostBodies is not felt
+  static constexpr std::size_t kMaxBodies = 72;
+  /// What lies beyond kMaxBodies is not felt. The events of one tick come in this order.
+  std::vector<Body> bodies;
+  /// Of the sphere that touches, its centre at the handle; 0: a point. m
+  double tool_radius_m = 0;
 };
 
 /// What happened between the handle and a body, at the time of a tick.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-/// The scene and its bodies' motion; scene_contact.cpp has the contact.
+/// The scene and its bodies' motion; scene_contact.cpp has the proxy's.
 namespace tactus::haptic {
 
 SceneModel::~SceneModel() {
@@ -26,6 +26,8 @@ void SceneModel::collect() noexcept {
 
 void SceneModel::begin() noexcept {
   started_ = false;
+  complete_ = true;
+  stride_m_ = kAnyStride;
   touches_.count = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     Slot& slot = slots_[i];
@@ -42,10 +44,13 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
     return;
   scene_ = pending_.exchange(nullptr, std::memory_order_acq_rel);
 
-  std::array<Slot, Scene::kMostBodies> next{};
-  std::array<bool, Scene::kMostBodies> kept{};
-  std::array<std::size_t, Scene::kMostBodies> place{};
-  const std::size_t count = std::min(scene_->bodies.size(), Scene::kMostBodies);
+  // A tool that grows may overlap what it did not reach before.
+  const bool grows = scene_->tool_radius_m > tool_radius_m_;
+  tool_radius_m_ = scene_->tool_radius_m;
+  std::array<Slot, Scene::kMaxBodies> next{};
+  std::array<bool, Scene::kMaxBodies> kept{};
+  std::array<std::size_t, Scene::kMaxBodies> new_index{};
+  const std::size_t count = std::min(scene_->bodies.size(), Scene::kMaxBodies);
   for (std::size_t i = 0; i < count; ++i) {
     const Body& body = scene_->bodies[i];
     Slot& slot = next[i];
@@ -53,11 +58,12 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
       if (slots_[j].key == body.key) {
         slot = slots_[j];
         kept[j] = true;
-        place[j] = i;
+        new_index[j] = i;
         break;
       }
     if (slot.fresh && !slot.body)
       slot.pose = slot.before = slot.start = slot.goal = body.pose;
+    slot.fresh = slot.fresh || grows;
     slot.body = &body;
     slot.key = body.key;
     if (!(slot.goal == body.pose)) {
@@ -79,7 +85,7 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
   for (const Touch& touch : touches_.all())
     if (kept[touch.slot]) {
       touches_.touch[held] = touch;
-      touches_.touch[held++].slot = place[touch.slot];
+      touches_.touch[held++].slot = new_index[touch.slot];
     }
   touches_.count = held;
   slots_ = next;
@@ -103,49 +109,96 @@ void SceneModel::glide(Slot& slot) noexcept {
                                     a.y + near * b.y - share * a.y, a.z + near * b.z - share * a.z);
 }
 
-/// Bodies that have appeared around the proxy let it out by their nearest face.
-void SceneModel::emerge(const Tick& tick) noexcept {
-  for (std::size_t i = 0; i < count_; ++i) {
-    Slot& slot = slots_[i];
-    if (!std::exchange(slot.fresh, false))
-      continue;
-    const auto out = nearest_way_out(slot.body->shape, slot.pose.to_local(proxy_));
-    if (!out)
-      continue;
-    proxy_ = slot.pose.to_world(out->point + out->normal * Proxy::kSkin_m);
-    slot.emerged_s = tick.time_s;
+/// Bodies that have appeared around the proxy let it out by their nearest face; where that lies in
+/// another body, that one lets it out in turn. Between bodies that leave no room for the tool it
+/// stays, and does not feel those that it overlaps from inside.
+void SceneModel::emerge(const Tick& tick, WorkLimit& work) noexcept {
+  constexpr int kRounds = 8, kExitWork = 10;
+  bool moved = false;
+  for (int round = 0; round < kRounds && (round == 0 || moved); ++round) {
+    moved = false;
+    for (std::size_t i = 0; i < count_; ++i) {
+      Slot& slot = slots_[i];
+      if (round == 0 && !slot.fresh)
+        continue;
+      work.spend(kExitWork);
+      const auto out =
+          nearest_exit(slot.body->shape, tool_radius_m_, slot.pose.to_local(proxy_), work);
+      if (work.exhausted())
+        return; // what is still fresh comes first in the next tick
+      slot.fresh = false;
+      if (!out)
+        continue;
+      proxy_ = slot.pose.to_world(out->point + out->normal * Proxy::kSkin_m);
+      slot.emerged_s = tick.time_s;
+      moved = true;
+    }
   }
 }
 
-/// A moving body takes the proxy that it holds with it, and pushes one that stands in its way.
-void SceneModel::carry() noexcept {
+/// A moving body takes the proxy that it holds with it, and pushes one that stands in its way. One
+/// body moves at a time, so that between any two of these motions the proxy is outside of all. A
+/// body for which the work does not suffice stays where it is until the next tick.
+void SceneModel::carry(WorkLimit& work) noexcept {
+  for (Obstacle& obstacle : std::span(near_.data(), near_count_)) {
+    const Slot& slot = slots_[obstacle.slot];
+    if (slot.moved()) {
+      obstacle.pose = slot.before;
+      obstacle.bounds = bounds_of(slot.body->shape, slot.before);
+    }
+  }
   const std::size_t holder = touches_.count > 0 ? touches_.touch[0].slot : Proxy::kNobody;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Slot& slot = slots_[i];
+  const std::size_t first = std::exchange(first_carried_, 0);
+  bool waits = false, carried = false;
+  for (std::size_t n = 0; n < count_; ++n) {
+    const std::size_t i = (first + n) % count_;
+    Slot& slot = slots_[i];
     if (!slot.moved())
       continue;
-    const Vec3 was = slot.before.to_local(proxy_);
-    Vec3 wanted;
-    if (i == holder) {
-      wanted = slot.pose.to_world(was);
-    } else {
-      const Vec3 is = slot.pose.to_local(proxy_);
-      const auto met = crossing(slot.body->shape, was, is);
-      if (!met)
-        continue;
-      const Vec3 point = was + (is - was) * met->share;
-      wanted = slot.pose.to_world(point + met->normal * Proxy::kSkin_m);
+    if (!waits && carry_with(i, i == holder, work)) {
+      carried = true;
+      continue;
     }
-    // Another body may stand behind: the proxy stays before it, and the moving one passes over it.
-    const Proxy::Stop stop = Proxy::sweep(proxy_, wanted, {near_.data(), near_count_}, i);
-    proxy_ = stop.met ? proxy_ + (wanted - proxy_) * (stop.share * (1 - 1e-9)) : wanted;
+    if (!waits) // one that exceeds the work by itself does not keep the others waiting
+      first_carried_ = carried ? i : i + 1;
+    waits = true;
+    slot.pose = slot.before;
+    slot.glided -= 1;
   }
 }
 
-Vec3 SceneModel::velocity_of(const Slot& slot, const Vec3& point, double period_s) const noexcept {
-  if (!slot.moved())
-    return {};
-  return (point - slot.before.to_world(slot.pose.to_local(point))) * (1.0 / period_s);
+/// False when the work did not suffice; nothing has moved then.
+bool SceneModel::carry_with(std::size_t index, bool holds, WorkLimit& work) noexcept {
+  constexpr int kCrossingWork = 10;
+  const Slot& slot = slots_[index];
+  const Vec3 was = slot.before.to_local(proxy_);
+  Vec3 wanted = proxy_;
+  bool pushed = holds;
+  if (holds) {
+    wanted = slot.pose.to_world(was);
+  } else {
+    const Vec3 is = slot.pose.to_local(proxy_);
+    work.spend(kCrossingWork);
+    const auto met = crossing(slot.body->shape, tool_radius_m_, was, is, work);
+    pushed = met.has_value();
+    if (met) {
+      const Vec3 point = was + (is - was) * met->fraction;
+      wanted = slot.pose.to_world(point + met->normal * Proxy::kSkin_m);
+    }
+  }
+  if (pushed) {
+    // Another body may stand behind: the proxy stays before it, and the moving one passes over it.
+    const Proxy::Stop stop =
+        Proxy::sweep(proxy_, wanted, {{near_.data(), near_count_}, tool_radius_m_, work}, index);
+    if (stop.complete)
+      proxy_ = stop.met ? proxy_ + (wanted - proxy_) * (stop.fraction * (1 - 1e-9)) : wanted;
+  }
+  if (work.exhausted())
+    return false;
+  Obstacle& obstacle = near_[near_index_[index]];
+  obstacle.pose = slot.pose;
+  obstacle.bounds = bounds_of(slot.body->shape, slot.pose);
+  return true;
 }
 
 } // namespace tactus::haptic

@@ -7,29 +7,36 @@
 
 #include <array>
 #include <atomic>
+#include <limits>
 #include <memory>
 
 namespace tactus::haptic {
 
-/// Contact with a scene, felt inside the servo. docs/scene.md has the model.
+/// Contact of a spherical tool with a scene, felt inside the servo. docs/scene.md has the model.
 ///   F = sum_i (k_i d_i + b_i max(0, -v . n_i)) n_i + k t
-/// over the faces that hold the proxy: d_i the normals' shares of the way from handle to proxy, v
-/// the handle's velocity against the body, t the rest of that way, which friction holds: no longer
-/// than mu times the normal part. k is the mean of the k_i, weighted by d_i; where all are equal
-/// the spring is k times the whole way.
+/// over the faces that hold the proxy: d_i the normals' shares of the distance from handle to
+/// proxy, v the handle's velocity against the body, t the rest of it, which friction holds: no
+/// longer than mu times the normal part. k is the mean of the k_i, weighted by d_i; where all are
+/// equal the spring is k times the whole distance.
 ///
 /// The host publishes whole scenes; the servo takes the newest at the beginning of a tick and hands
 /// the old one back, so that it neither allocates nor frees. Bodies that keep their key keep their
-/// contact. A body that appears around the handle lets it out by the nearest face, its force rising
-/// at kEmerging_n_per_s.
+/// contact. Bodies that appear around the handle let it out by the nearest face, with a force that
+/// rises at kEmerging_n_per_s to at most kMaxEmerging_n or the device's continuous force.
+///
+/// A tick computes no more than its work limit. What is left is done in the next ones: the proxy
+/// waits where its last complete motion ended, outside of every body, held by the faces known so
+/// far, and a body whose motion past the proxy is not worked out waits a tick.
 class SceneModel final : public LocalModel {
 public:
-  static constexpr double kEmerging_n_per_s = 100;
-  static constexpr double kSlowestHit_m_per_s = 5e-3;
-  static constexpr double kRearm_m = 2e-4, kRearm_s = 0.01; ///< either makes the next hit possible
+  static constexpr double kEmerging_n_per_s = 100, kMaxEmerging_n = 1;
+  static constexpr double kMinHit_m_per_s = 5e-3;
+  static constexpr double kRearm_m = 2e-4, kRearm_s = 0.01; ///< both make the next hit possible
   static constexpr double kContactEvery_s = 4e-3;
+  static constexpr std::int64_t kWorkPerTick = 24000; ///< 0.1 to 0.2 ms; see docs/scene.md
 
-  SceneModel() = default;
+  explicit SceneModel(std::int64_t work_per_tick = kWorkPerTick) noexcept
+      : work_per_tick_(work_per_tick) {}
   ~SceneModel() override;
   SceneModel(const SceneModel&) = delete;
   SceneModel& operator=(const SceneModel&) = delete;
@@ -40,21 +47,31 @@ public:
   /// Frees the scenes that the servo has done with.
   void collect() noexcept;
   [[nodiscard]] Ring<ContactEvent, 1024>& events() noexcept { return events_; }
+  /// What the device can hold for ever, N; 0 when it does not say. At any time.
+  void set_continuous_force(double newton) noexcept {
+    continuous_force_n_.store(newton, std::memory_order_relaxed);
+  }
 
   // the servo's side
   void begin() noexcept override;
   [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
   [[nodiscard]] const Vec3& proxy() const noexcept { return proxy_; }
   [[nodiscard]] std::span<const Touch> touches() const noexcept { return touches_.all(); }
+  /// Whether the last tick did all its work within its work limit.
+  [[nodiscard]] bool complete() const noexcept { return complete_; }
 
 private:
+  static constexpr double kAnyStride = std::numeric_limits<double>::infinity();
+
   struct Slot {
     const Body* body = nullptr;
     std::uint64_t key = 0;
     Pose pose{}, before{};
     Pose goal{}, start{};
     double glide_ticks = 1, glided = 1;
-    bool fresh = true, touching = false, armed = true;
+    bool fresh = true, touching = false;
+    bool armed = true;    ///< the next contact may be a hit
+    bool departed = true; ///< has been kRearm_m away since the last contact
     double released_s = -1e9, reported_s = -1e9;
     double emerged_s = -1;  ///< when it appeared around the handle; negative: it did not
     Vec3 point{}, normal{}; ///< of the last contact, in the body's frame
@@ -64,14 +81,21 @@ private:
 
   void take_scene(const Tick& tick) noexcept;
   void glide(Slot& slot) noexcept;
-  void emerge(const Tick& tick) noexcept;
-  void carry() noexcept;
+  void emerge(const Tick& tick, WorkLimit& work) noexcept;
   void look_around(const Vec3& goal) noexcept;
+  void carry(WorkLimit& work) noexcept;
+  [[nodiscard]] bool carry_with(std::size_t index, bool holds, WorkLimit& work) noexcept;
+  [[nodiscard]] Touches carried_touches() const noexcept;
   [[nodiscard]] bool sticks(const Vec3& goal) noexcept;
-  void slide(const Vec3& goal) noexcept;
+  void slide(const Vec3& goal, WorkLimit& work) noexcept;
+  [[nodiscard]] Proxy::Result rub(const Proxy::Result& smooth, const Vec3& goal,
+                                  const Surroundings& around) const noexcept;
+  void catch_up(const Proxy::Result& result, const Vec3& goal, double attempted_m) noexcept;
   [[nodiscard]] double friction_of(const Touches& touches) const noexcept;
   [[nodiscard]] Vec3 render(const Tick& tick, const Vec3& goal, const Vec3& velocity) noexcept;
-  void notice(const Tick& tick, const Vec3& goal) noexcept;
+  [[nodiscard]] Vec3 limit_emerging(const Tick& tick) noexcept;
+  void notice(const Tick& tick) noexcept;
+  void rearm(Slot& slot, const Tick& tick, WorkLimit& work) noexcept;
   [[nodiscard]] Vec3 velocity_of(const Slot& slot, const Vec3& point,
                                  double period_s) const noexcept;
   [[nodiscard]] std::span<const Slot> slots() const noexcept { return {slots_.data(), count_}; }
@@ -80,16 +104,23 @@ private:
   Ring<const Scene*, 64> retired_;
   Ring<ContactEvent, 1024> events_;
 
+  std::atomic<double> continuous_force_n_{0};
+  const std::int64_t work_per_tick_;
+
   const Scene* scene_ = nullptr;
-  std::array<Slot, Scene::kMostBodies> slots_{};
+  double tool_radius_m_ = 0;
+  std::array<Slot, Scene::kMaxBodies> slots_{};
   std::size_t count_ = 0;
-  std::array<Obstacle, Scene::kMostBodies> near_{};
+  std::array<Obstacle, Scene::kMaxBodies> near_{};
+  std::array<std::size_t, Scene::kMaxBodies> near_index_{}; ///< of a slot; kNobody: it is not near
   std::size_t near_count_ = 0;
-  std::array<Vec3, Scene::kMostBodies> share_{}; ///< each body's part of the force
+  std::size_t first_carried_ = 0;                    ///< whose motion had to wait comes first
+  std::array<Vec3, Scene::kMaxBodies> body_force_{}; ///< each body's part of the force, N
 
   Vec3 proxy_{}, velocity_before_{};
   Touches touches_{};
-  bool started_ = false;
+  double stride_m_ = kAnyStride; ///< the longest motion that is tried in one tick
+  bool started_ = false, complete_ = true;
 };
 
 } // namespace tactus::haptic

@@ -1,4 +1,5 @@
-#include "core/haptic/scene/shape.hpp"
+#include "core/haptic/scene/convex_crossing.hpp"
+#include "core/haptic/scene/rounded_shape.hpp"
 
 #include <limits>
 
@@ -16,34 +17,34 @@ Found enters(const Plane&, const Vec3& from, const Vec3& to) noexcept {
   return Crossing{from.z / (from.z - to.z), {0, 0, 1}};
 }
 
-/// Share at which |from + s way| first falls to the radius, over the chosen axes; nothing when
-/// the way begins inside or never gets there. a s^2 + 2 b s + c = 0, in the form that keeps its
-/// digits when the way begins at the surface.
+/// Fraction s at which |from + s motion| first falls to the radius, over the chosen axes; nothing
+/// when the motion begins inside or never gets there. a s^2 + 2 b s + c = 0, in the form that keeps
+/// its digits when the motion begins at the surface.
 std::optional<double> enters_circle(double a, double b, double c) noexcept {
   const double discriminant = b * b - a * c;
   if (!(c >= 0.0 && b < 0.0 && discriminant >= 0.0))
     return {};
-  const double share = c / (-b + std::sqrt(discriminant));
-  return share <= 1.0 ? std::optional(share) : std::nullopt;
+  const double fraction = c / (-b + std::sqrt(discriminant));
+  return fraction <= 1.0 ? std::optional(fraction) : std::nullopt;
 }
 
 Found enters(const Sphere& sphere, const Vec3& from, const Vec3& to) noexcept {
-  const Vec3 way = to - from;
+  const Vec3 motion = to - from;
   const double distance = norm(from);
   const double outside = (distance - sphere.radius) * (distance + sphere.radius);
-  const auto share = enters_circle(dot(way, way), dot(from, way), outside);
-  if (!share)
+  const auto fraction = enters_circle(dot(motion, motion), dot(from, motion), outside);
+  if (!fraction)
     return {};
-  const Vec3 point = from + way * *share;
-  return Crossing{*share, point * (1.0 / norm(point))};
+  const Vec3 point = from + motion * *fraction;
+  return Crossing{*fraction, point * (1.0 / norm(point))};
 }
 
 Found enters(const Box& box, const Vec3& from, const Vec3& to) noexcept {
-  const Vec3 way = to - from;
+  const Vec3 motion = to - from;
   double begin = -1.0, end = 1.0;
   Vec3 normal;
   for (int axis = 0; axis < 3; ++axis) {
-    const double half = box.half[axis], here = from[axis], w = way[axis];
+    const double half = box.half[axis], here = from[axis], w = motion[axis];
     if (w == 0.0) {
       if (std::abs(here) >= half)
         return {};
@@ -62,42 +63,40 @@ Found enters(const Box& box, const Vec3& from, const Vec3& to) noexcept {
 }
 
 Found enters(const Disk& disk, const Vec3& from, const Vec3& to) noexcept {
-  const Vec3 way = to - from;
-  const auto radius_at = [&](double share) {
-    return std::hypot(from.x + way.x * share, from.y + way.y * share);
+  const Vec3 motion = to - from;
+  const auto radius_at = [&](double fraction) {
+    return std::hypot(from.x + motion.x * fraction, from.y + motion.y * fraction);
   };
-  if (std::abs(from.z) >= disk.half_thickness && way.z * from.z < 0.0) {
+  if (std::abs(from.z) >= disk.half_thickness && motion.z * from.z < 0.0) {
     const double face = from.z > 0.0 ? disk.half_thickness : -disk.half_thickness;
-    const double share = (face - from.z) / way.z;
-    if (share <= 1.0 && radius_at(share) < disk.radius)
-      return Crossing{share, {0, 0, from.z > 0.0 ? 1.0 : -1.0}};
+    const double fraction = (face - from.z) / motion.z;
+    if (fraction <= 1.0 && radius_at(fraction) < disk.radius)
+      return Crossing{fraction, {0, 0, from.z > 0.0 ? 1.0 : -1.0}};
   }
   const double distance = std::hypot(from.x, from.y);
-  const auto share = enters_circle(way.x * way.x + way.y * way.y, from.x * way.x + from.y * way.y,
-                                   (distance - disk.radius) * (distance + disk.radius));
-  if (!share || std::abs(from.z + way.z * *share) > disk.half_thickness + kSeam_m)
+  const auto fraction = enters_circle(motion.x * motion.x + motion.y * motion.y,
+                                      from.x * motion.x + from.y * motion.y,
+                                      (distance - disk.radius) * (distance + disk.radius));
+  if (!fraction || std::abs(from.z + motion.z * *fraction) > disk.half_thickness + kSeam_m)
     return {};
-  const double x = from.x + way.x * *share, y = from.y + way.y * *share, r = std::hypot(x, y);
-  return Crossing{*share, {x / r, y / r, 0}};
+  const double x = from.x + motion.x * *fraction, y = from.y + motion.y * *fraction,
+               r = std::hypot(x, y);
+  return Crossing{*fraction, {x / r, y / r, 0}};
 }
 
-Found enters(const MeshSurface& surface, const Vec3& from, const Vec3& to) noexcept {
-  return surface.mesh->crossing(from, to);
-}
+using Exit = std::optional<SurfacePoint>;
 
-using Way = std::optional<SurfacePoint>;
-
-Way way_out(const Plane&, const Vec3& p) noexcept {
-  return p.z < 0.0 ? Way({{p.x, p.y, 0}, {0, 0, 1}}) : std::nullopt;
+Exit exit_from(const Plane&, const Vec3& p) noexcept {
+  return p.z < 0.0 ? Exit({{p.x, p.y, 0}, {0, 0, 1}}) : std::nullopt;
 }
-Way way_out(const Sphere& sphere, const Vec3& p) noexcept {
+Exit exit_from(const Sphere& sphere, const Vec3& p) noexcept {
   const double distance = norm(p);
   if (!(distance < sphere.radius))
     return {};
   const Vec3 normal = distance > 0.0 ? p * (1.0 / distance) : Vec3{0, 1, 0};
   return SurfacePoint{normal * sphere.radius, normal};
 }
-Way way_out(const Box& box, const Vec3& p) noexcept {
+Exit exit_from(const Box& box, const Vec3& p) noexcept {
   int nearest = 0;
   double depth = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
@@ -113,7 +112,7 @@ Way way_out(const Box& box, const Vec3& p) noexcept {
   out.normal[nearest] = sign;
   return out;
 }
-Way way_out(const Disk& disk, const Vec3& p) noexcept {
+Exit exit_from(const Disk& disk, const Vec3& p) noexcept {
   const double r = std::hypot(p.x, p.y), to_rim = disk.radius - r,
                to_face = disk.half_thickness - std::abs(p.z);
   if (!(to_rim > 0.0 && to_face > 0.0))
@@ -124,51 +123,101 @@ Way way_out(const Disk& disk, const Vec3& p) noexcept {
   const Vec3 normal{p.x / r, p.y / r, 0};
   return SurfacePoint{{normal.x * disk.radius, normal.y * disk.radius, p.z}, normal};
 }
-Way way_out(const MeshSurface&, const Vec3&) noexcept { return {}; }
 
-double away(const Plane&, const Vec3& p) noexcept { return p.z; }
-double away(const Sphere& sphere, const Vec3& p) noexcept { return norm(p) - sphere.radius; }
-double away_from_box(const Vec3& low, const Vec3& high, const Vec3& p) noexcept {
-  double farthest = -std::numeric_limits<double>::infinity();
-  for (int axis = 0; axis < 3; ++axis)
-    farthest = std::max({farthest, low[axis] - p[axis], p[axis] - high[axis]});
-  return farthest;
-}
-double away(const Box& box, const Vec3& p) noexcept {
-  return away_from_box(-box.half, box.half, p);
-}
-double away(const Disk& disk, const Vec3& p) noexcept {
-  return std::max(std::hypot(p.x, p.y) - disk.radius, std::abs(p.z) - disk.half_thickness);
-}
-double away(const MeshSurface& surface, const Vec3& p) noexcept {
-  return away_from_box(surface.mesh->low(), surface.mesh->high(), p);
-}
+/// What a tool of that radius enters; a point where it is 0.
+struct Entry {
+  double radius;
+  Vec3 from, to;
+  WorkLimit& work;
+
+  Found operator()(const Plane& plane) const noexcept {
+    return enters(plane, from - Vec3{0, 0, radius}, to - Vec3{0, 0, radius});
+  }
+  Found operator()(const Sphere& sphere) const noexcept {
+    return enters(Sphere{sphere.radius + radius}, from, to);
+  }
+  template <class Solid> Found operator()(const Solid& solid) const noexcept {
+    if (radius == 0.0)
+      return enters(solid, from, to);
+    return convex_crossing(
+        radius, from, to, 1.0, [&](const Vec3& p) { return nearest_point(solid, p); }, work);
+  }
+  Found operator()(const MeshSurface& surface) const noexcept {
+    return radius == 0.0 ? surface.mesh->crossing(from, to, work)
+                         : surface.mesh->crossing(radius, from, to, work);
+  }
+};
+
+/// Where a tool that overlaps a shape leaves it.
+struct Leaving {
+  double radius;
+  Vec3 inside;
+  WorkLimit& work;
+
+  Exit operator()(const Plane& plane) const noexcept {
+    Exit out = exit_from(plane, inside - Vec3{0, 0, radius});
+    if (out)
+      out->point.z += radius;
+    return out;
+  }
+  Exit operator()(const Sphere& sphere) const noexcept {
+    return exit_from(Sphere{sphere.radius + radius}, inside);
+  }
+  template <class Solid> Exit operator()(const Solid& solid) const noexcept {
+    if (radius == 0.0)
+      return exit_from(solid, inside);
+    const Vec3 core = nearest_point(solid, inside), gap = inside - core;
+    const double distance = norm(gap);
+    if (distance >= radius)
+      return {};
+    if (distance > 0.0)
+      return SurfacePoint{core + gap * (radius / distance), gap * (1.0 / distance)};
+    Exit out = exit_from(solid, inside * (1.0 - 1e-12)); // one that lies on the surface, too
+    if (out)
+      out->point += out->normal * radius;
+    return out;
+  }
+  Exit operator()(const MeshSurface& surface) const noexcept {
+    if (radius == 0.0)
+      return {};
+    const auto nearest = surface.mesh->nearest(inside, radius, work);
+    if (!nearest || work.exhausted())
+      return {};
+    const Vec3 normal = nearest->distance > 0.0
+                            ? (inside - nearest->point) * (1.0 / nearest->distance)
+                            : nearest->face_normal;
+    return SurfacePoint{nearest->point + normal * radius, normal};
+  }
+};
 
 } // namespace
 
-std::optional<Crossing> crossing(const Shape& shape, const Vec3& from, const Vec3& to) noexcept {
-  return std::visit([&](const auto& s) { return enters(s, from, to); }, shape);
+std::optional<Crossing> crossing(const Shape& shape, double tool_radius, const Vec3& from,
+                                 const Vec3& to, WorkLimit& work) noexcept {
+  return std::visit(Entry{tool_radius, from, to, work}, shape);
 }
 
-std::optional<SurfacePoint> nearest_way_out(const Shape& shape, const Vec3& inside) noexcept {
-  return std::visit([&](const auto& s) { return way_out(s, inside); }, shape);
+std::optional<SurfacePoint> nearest_exit(const Shape& shape, double tool_radius, const Vec3& inside,
+                                         WorkLimit& work) noexcept {
+  return std::visit(Leaving{tool_radius, inside, work}, shape);
 }
 
-std::optional<SurfacePoint> nearest_on_curve(const Shape& shape, const Vec3& normal,
-                                             const Vec3& inside) noexcept {
+std::optional<SurfacePoint> nearest_on_curve(const Shape& shape, double tool_radius,
+                                             const Vec3& normal, const Vec3& inside) noexcept {
   if (const auto* sphere = std::get_if<Sphere>(&shape))
-    return way_out(*sphere, inside);
+    return exit_from(Sphere{sphere->radius + tool_radius}, inside);
+  const auto* box = std::get_if<Box>(&shape);
+  if (box && tool_radius > 0.0)
+    return nearest_on_rounding(*box, tool_radius, normal, inside);
   const auto* disk = std::get_if<Disk>(&shape);
-  const double r = std::hypot(inside.x, inside.y);
-  if (!disk || normal.z != 0.0 || !(r < disk->radius && r > 0.0) ||
-      std::abs(inside.z) >= disk->half_thickness)
+  if (!disk)
     return {};
-  const Vec3 outward{inside.x / r, inside.y / r, 0};
-  return SurfacePoint{{outward.x * disk->radius, outward.y * disk->radius, inside.z}, outward};
-}
-
-double at_least_away(const Shape& shape, const Vec3& point) noexcept {
-  return std::visit([&](const auto& s) { return away(s, point); }, shape);
+  const double r = std::hypot(inside.x, inside.y), radius = disk->radius + tool_radius;
+  if (normal.z == 0.0 && r < radius && r > 0.0 && std::abs(inside.z) < disk->half_thickness) {
+    const Vec3 outward{inside.x / r, inside.y / r, 0};
+    return SurfacePoint{{outward.x * radius, outward.y * radius, inside.z}, outward};
+  }
+  return tool_radius > 0.0 ? nearest_on_rounding(*disk, tool_radius, normal, inside) : std::nullopt;
 }
 
 } // namespace tactus::haptic

@@ -1,6 +1,7 @@
 #include "core/haptic/scene/triangle_mesh.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <unordered_map>
 
@@ -8,7 +9,6 @@ namespace tactus::haptic {
 namespace {
 
 constexpr std::size_t kLeaf = 4;
-constexpr int kDeepest = 62; // halving a span of 2^32 needs 32
 
 struct Cell {
   std::int64_t x, y, z;
@@ -30,30 +30,11 @@ Vec3 greater(const Vec3& a, const Vec3& b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
-/// The signed volume that a way along `way` from the origin sees in an edge. The same edge the
-/// other way round gives exactly the negative, whatever the rounding.
-double side(const Vec3& way, const Vec3& a, const Vec3& b) noexcept {
-  return way.x * (a.y * b.z - a.z * b.y) + way.y * (a.z * b.x - a.x * b.z) +
-         way.z * (a.x * b.y - a.y * b.x);
-}
+constexpr float kHuge = std::numeric_limits<float>::max();
 
-/// Whether the way, seen as a box as well as a line, may touch the box before that share of it.
-bool reaches(const Vec3& from, const Vec3& way, const Vec3& low, const Vec3& high,
-             double share) noexcept {
-  double begin = 0.0, end = share;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double a = low[axis] - from[axis], b = high[axis] - from[axis], w = way[axis];
-    if (w == 0.0) {
-      if (a > 0.0 || b < 0.0)
-        return false;
-      continue;
-    }
-    const double one = a / w, other = b / w;
-    // A few ulp wider than computed: a box must not hide what lies on its face.
-    begin = std::max(begin, std::min(one, other) * (1.0 - 4e-16));
-    end = std::min(end, std::max(one, other) * (1.0 + 4e-16));
-  }
-  return begin <= end;
+/// In single precision, and no nearer to the middle than it is.
+float rounded(double value, float outwards) {
+  return std::nextafter(static_cast<float>(value), outwards);
 }
 
 } // namespace
@@ -69,19 +50,39 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> corners, std::span<const Triang
         (1.0 / 3.0);
   std::vector<std::uint32_t> order(triangles_.size());
   std::iota(order.begin(), order.end(), 0u);
+  bounds_ = {corners_[triangles_[0][0]], corners_[triangles_[0][0]]};
+  for (const Triangle& t : triangles_)
+    for (const std::uint32_t corner : t)
+      bounds_ = {lesser(bounds_.low, corners_[corner]), greater(bounds_.high, corners_[corner])};
   nodes_.reserve(triangles_.size());
-  build(order, middles, 0, 0);
-  std::vector<Triangle> sorted(triangles_.size());
+  nodes_.emplace_back();
+  build(0, order, middles, 0, 0);
+  sort(order);
+}
+
+/// Triangles in that order, corners by their first use: neighbours in space are neighbours in
+/// memory.
+void TriangleMesh::sort(std::span<const std::uint32_t> order) {
+  constexpr std::uint32_t kUnused = ~0u;
+  std::vector<Triangle> triangles(order.size());
+  std::vector<Vec3> corners;
+  std::vector<std::uint32_t> new_index(corners_.size(), kUnused);
   for (std::size_t i = 0; i < order.size(); ++i)
-    sorted[i] = triangles_[order[i]];
-  triangles_ = std::move(sorted);
-  low_ = nodes_[0].low;
-  high_ = nodes_[0].high;
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t& index = new_index[triangles_[order[i]][k]];
+      if (index == kUnused) {
+        index = static_cast<std::uint32_t>(corners.size());
+        corners.push_back(corners_[triangles_[order[i]][k]]);
+      }
+      triangles[i][k] = index;
+    }
+  triangles_ = std::move(triangles);
+  corners_ = std::move(corners);
 }
 
 void TriangleMesh::weld(std::span<const Vec3> corners, std::span<const Triangle> triangles) {
   std::unordered_map<Cell, std::uint32_t, CellHash> cells;
-  std::vector<std::uint32_t> place(corners.size());
+  std::vector<std::uint32_t> welded_index(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3& c = corners[i];
     const Cell cell{std::llround(c.x / kWeld_m), std::llround(c.y / kWeld_m),
@@ -89,12 +90,12 @@ void TriangleMesh::weld(std::span<const Vec3> corners, std::span<const Triangle>
     const auto found = cells.try_emplace(cell, static_cast<std::uint32_t>(corners_.size()));
     if (found.second)
       corners_.push_back(c);
-    place[i] = found.first->second;
+    welded_index[i] = found.first->second;
   }
   for (const Triangle& t : triangles) {
-    if (t[0] >= place.size() || t[1] >= place.size() || t[2] >= place.size())
+    if (t[0] >= welded_index.size() || t[1] >= welded_index.size() || t[2] >= welded_index.size())
       continue;
-    const Triangle welded{place[t[0]], place[t[1]], place[t[2]]};
+    const Triangle welded{welded_index[t[0]], welded_index[t[1]], welded_index[t[2]]};
     const Vec3 area =
         cross(corners_[welded[1]] - corners_[welded[0]], corners_[welded[2]] - corners_[welded[0]]);
     if (norm(area) > kWeld_m * kWeld_m)
@@ -102,10 +103,8 @@ void TriangleMesh::weld(std::span<const Vec3> corners, std::span<const Triangle>
   }
 }
 
-std::uint32_t TriangleMesh::build(std::span<std::uint32_t> order, std::span<const Vec3> middles,
-                                  std::uint32_t first, int depth) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.emplace_back();
+void TriangleMesh::build(std::size_t node, std::span<std::uint32_t> order,
+                         std::span<const Vec3> middles, std::uint32_t first, int depth) {
   Vec3 low = corners_[triangles_[order[0]][0]], high = low;
   Vec3 middle_low = middles[order[0]], middle_high = middle_low;
   for (const std::uint32_t t : order) {
@@ -116,64 +115,28 @@ std::uint32_t TriangleMesh::build(std::span<std::uint32_t> order, std::span<cons
     middle_low = lesser(middle_low, middles[t]);
     middle_high = greater(middle_high, middles[t]);
   }
-  nodes_[index].low = low;
-  nodes_[index].high = high;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    nodes_[node].low[i] = rounded(low[axis], -kHuge);
+    nodes_[node].high[i] = rounded(high[axis], kHuge);
+  }
   const Vec3 extent = middle_high - middle_low;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  if (order.size() <= kLeaf || depth >= kDeepest) {
-    nodes_[index].first = first;
-    nodes_[index].count = static_cast<std::uint32_t>(order.size());
-    return index;
+  if (order.size() <= kLeaf || depth >= kMaxDepth) {
+    nodes_[node].first = first;
+    nodes_[node].count = static_cast<std::uint32_t>(order.size());
+    return;
   }
   const std::size_t half = order.size() / 2;
   std::nth_element(
       order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half), order.end(),
       [&](std::uint32_t a, std::uint32_t b) { return middles[a][axis] < middles[b][axis]; });
-  build(order.first(half), middles, first, depth + 1);
-  const std::uint32_t second =
-      build(order.subspan(half), middles, first + static_cast<std::uint32_t>(half), depth + 1);
-  nodes_[index].first = second;
-  return index;
-}
-
-std::optional<Crossing> TriangleMesh::crossing(const Vec3& from, const Vec3& to) const noexcept {
-  std::optional<Crossing> nearest;
-  if (nodes_.empty())
-    return nearest;
-  const Vec3 way = to - from;
-  double share = 1.0;
-  std::array<std::uint32_t, kDeepest + 2> waiting;
-  std::size_t count = 0;
-  waiting[count++] = 0;
-  while (count > 0) {
-    const Node& node = nodes_[waiting[--count]];
-    if (!reaches(from, way, node.low, node.high, share))
-      continue;
-    if (node.count == 0) {
-      waiting[count++] = node.first;
-      waiting[count++] = static_cast<std::uint32_t>(&node - nodes_.data()) + 1;
-      continue;
-    }
-    for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
-      const Vec3 a = corners_[triangles_[t][0]] - from, b = corners_[triangles_[t][1]] - from,
-                 c = corners_[triangles_[t][2]] - from;
-      const double u = side(way, a, b), v = side(way, b, c), w = side(way, c, a);
-      if (!((u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)))
-        continue;
-      Vec3 normal = cross(b - a, c - a);
-      const double slope = dot(way, normal), height = dot(a, normal);
-      if (slope == 0.0) // along the surface
-        continue;
-      const double at = height / slope;
-      if (!(at >= 0.0 && at <= share))
-        continue;
-      if (slope > 0.0)
-        normal = -normal;
-      share = at;
-      nearest = Crossing{at, normal * (1.0 / norm(normal))};
-    }
-  }
-  return nearest;
+  const std::size_t child = nodes_.size();
+  nodes_[node].first = static_cast<std::uint32_t>(child);
+  nodes_.resize(child + 2);
+  build(child, order.first(half), middles, first, depth + 1);
+  build(child + 1, order.subspan(half), middles, first + static_cast<std::uint32_t>(half),
+        depth + 1);
 }
 
 } // namespace tactus::haptic

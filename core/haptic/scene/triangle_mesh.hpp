@@ -1,6 +1,7 @@
 #pragma once
 
-#include "core/haptic/scene/pose.hpp"
+#include "core/haptic/scene/bounds.hpp"
+#include "core/haptic/scene/crossing.hpp"
 
 #include <array>
 #include <cstdint>
@@ -11,18 +12,11 @@
 
 namespace tactus::haptic {
 
-/// Where a way meets a surface: the share of the way, and the surface's unit normal, which looks
-/// back to where the way began.
-struct Crossing {
-  double share;
-  Vec3 normal;
-};
-
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Triangles under a tree of boxes. Building allocates; afterwards it is read only, by any thread.
-/// The test is watertight: the edge that two triangles share is judged alike for both, so that no
-/// way slips through between them.
+/// Triangles in a bounding volume hierarchy of axis-aligned boxes. Construction allocates;
+/// afterwards it is read only, by any thread. Every query counts its work, m throughout.
+/// triangle_mesh_queries.cpp has the queries.
 class TriangleMesh {
 public:
   /// Corners nearer than this are one corner; a triangle that loses one is left out.
@@ -30,30 +24,60 @@ public:
 
   TriangleMesh(std::span<const Vec3> corners_m, std::span<const Triangle> triangles);
 
-  /// The first triangle met on the way. Time grows with the logarithm of the number of triangles
-  /// for short ways.
-  [[nodiscard]] std::optional<Crossing> crossing(const Vec3& from, const Vec3& to) const noexcept;
+  /// The first triangle that a point meets between two positions. Watertight: an edge shared by two
+  /// triangles is judged alike for both, so that no motion slips through between them. Of triangles
+  /// met at the same fraction it is the last one in the mesh's own order.
+  [[nodiscard]] std::optional<Crossing> crossing(const Vec3& from, const Vec3& to,
+                                                 WorkLimit& work) const noexcept;
+  /// The first triangle that a sphere of that radius (> 0) meets; each triangle is the convex set
+  /// of all positions of the sphere's centre that touch or overlap it. The crossing is the
+  /// centre's.
+  [[nodiscard]] std::optional<Crossing> crossing(double radius, const Vec3& from, const Vec3& to,
+                                                 WorkLimit& work) const noexcept;
+  struct Nearest {
+    Vec3 point;
+    double distance;
+    Vec3 face_normal; ///< of its triangle, of unit length
+  };
+  /// The point of the surface nearest to p, if it is nearer than the limit.
+  [[nodiscard]] std::optional<Nearest> nearest(const Vec3& p, double limit,
+                                               WorkLimit& work) const noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return triangles_.size(); }
-  [[nodiscard]] const Vec3& low() const noexcept { return low_; }
-  [[nodiscard]] const Vec3& high() const noexcept { return high_; }
-  [[nodiscard]] std::span<const Vec3> corners() const noexcept { return corners_; }
-  [[nodiscard]] std::span<const Triangle> triangles() const noexcept { return triangles_; }
+  [[nodiscard]] const Bounds& bounds() const noexcept { return bounds_; }
 
 private:
+  /// 32 bytes, in single precision rounded outwards, siblings side by side: what the nearest-first
+  /// traversal asks for lies in one cache line.
   struct Node {
-    Vec3 low, high;
-    std::uint32_t first = 0; ///< leaf: its first triangle; else its second child
-    std::uint32_t count = 0; ///< triangles of a leaf; 0: the first child follows at once
+    std::array<float, 3> low, high;
+    std::uint32_t first = 0; ///< leaf: its first triangle; else its first child, the other follows
+    std::uint32_t count = 0; ///< triangles of a leaf, else 0
+    [[nodiscard]] Bounds bounds() const noexcept {
+      return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+    }
   };
+  static constexpr int kMaxDepth = 62; ///< halving a span of 2^32 needs 32
+  static constexpr int kNodeWork = 5, kTriangleWork = 4;
+  struct Corners {
+    Vec3 a, b, c;
+  };
+  [[nodiscard]] Corners corners_of(std::size_t triangle) const noexcept {
+    const Triangle& t = triangles_[triangle];
+    return {corners_[t[0]], corners_[t[1]], corners_[t[2]]};
+  }
+  template <class Visit>
+  void traverse(const Vec3& from, const Vec3& to, double radius, const double& limit,
+                WorkLimit& work, const Visit& visit) const noexcept;
   void weld(std::span<const Vec3> corners, std::span<const Triangle> triangles);
-  std::uint32_t build(std::span<std::uint32_t> order, std::span<const Vec3> middles,
-                      std::uint32_t first, int depth);
+  void build(std::size_t node, std::span<std::uint32_t> order, std::span<const Vec3> middles,
+             std::uint32_t first, int depth);
+  void sort(std::span<const std::uint32_t> order);
 
   std::vector<Vec3> corners_;
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;
-  Vec3 low_{}, high_{};
+  Bounds bounds_{};
 };
 
 } // namespace tactus::haptic

@@ -58,7 +58,10 @@ TEST_CASE("ten thousand servo ticks allocate nothing, whatever hand and orders")
       command.heartbeat_s = static_cast<double>(k) * 1e-3;
       servo.exchange().commands.write(command);
       servo.exchange().settings.write({});
-      servo.exchange().actions.push(k % 2 ? Action::kMotorsOn : Action::kEmergencyStop);
+      if (k % 2)
+        servo.exchange().motors.enable();
+      else
+        servo.exchange().motors.emergency_stop();
       device.press(1, k % 3 == 0);
       servo.step({k, command.heartbeat_s, 1e-3});
     }

@@ -310,6 +310,56 @@ TEST_CASE("targets may put their allowance into the hand, local models nothing")
   }
 }
 
+TEST_CASE("what is forgiven is never more than the work that was done") {
+  // The patch asks for 8 N, the limit lets 1 N pass: 1 N is what the hand felt, and forgiving 8
+  // would put credit into the tank.
+  ChainSettings settings = plain();
+  settings.force_limit_n = 1;
+  settings.allowance_w = 10;
+  ChainState state;
+  command(state, settings, {8, 0, 0}, 0);
+  ChainInput input;
+  for (int tick = 0; tick <= 100; ++tick) {
+    input.time_s = input.heartbeat_s = tick * 1e-3;
+    input.position.x = tick * 4e-5;
+    CHECK(step(state, settings, input).x == doctest::Approx(1));
+    CHECK(std::abs(state.energy_j) < 1e-15);
+  }
+}
+
+TEST_CASE("an extrapolated slope ends after its time and never leads beyond the force limit") {
+  // 0, then 4 N after 10 ticks: a slope of 0.4 N a tick, continued for 5 ticks to 6 N.
+  ChainSettings settings = plain();
+  settings.extrapolation_s = 0.005;
+  const auto run = [&settings](int then_tick) {
+    ChainState state;
+    std::vector<double> forces;
+    for (int tick = 0; tick < 60; ++tick) {
+      const double now = tick * 1e-3;
+      if (tick == 0)
+        command(state, settings, {}, now);
+      if (tick == 10)
+        command(state, settings, {4, 0, 0}, now);
+      if (tick == then_tick)
+        command(state, settings, {}, now);
+      ChainInput input;
+      input.time_s = input.heartbeat_s = now;
+      forces.push_back(step(state, settings, input).x);
+    }
+    return forces;
+  };
+  const auto free = run(-1);
+  CHECK(free[19] == doctest::Approx(4));
+  CHECK(free[24] == doctest::Approx(6));
+  CHECK(free[59] == doctest::Approx(6));
+  // With a limit of 5 N the slope stops there, so the way back begins from 5 N and not from 6:
+  // after one of 20 ticks 4.75 N.
+  settings.force_limit_n = 5;
+  const auto limited = run(30);
+  CHECK(limited[29] == doctest::Approx(5));
+  CHECK(limited[30] == doctest::Approx(5 - 5.0 / 20));
+}
+
 TEST_CASE("whatever comes in, the written force is finite and within the limit") {
   tactus::Random random(2024);
   const double absurd[] = {0,     -0.0,  1,      -1,      1e-310, 1e-3, 8,     1e6,

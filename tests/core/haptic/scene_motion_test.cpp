@@ -179,7 +179,7 @@ TEST_CASE("the nearest point of half spaces is the one that alternating projecti
   tactus::Random random(5);
   int compared = 0;
   for (int round = 0; round < 400; ++round) {
-    std::array<HalfSpace, kMostHalfSpaces> faces{};
+    std::array<HalfSpace, kMaxHalfSpaces> faces{};
     const std::size_t count = 1 + static_cast<std::size_t>(random.uniform() * 4);
     for (std::size_t i = 0; i < count; ++i) {
       Vec3 n{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5};
@@ -190,7 +190,7 @@ TEST_CASE("the nearest point of half spaces is the one that alternating projecti
     const auto nearest = nearest_point({faces.data(), count}, goal);
     REQUIRE(nearest);
     Vec3 x = goal, rebuilt = goal;
-    std::array<Vec3, kMostHalfSpaces> correction{};
+    std::array<Vec3, kMaxHalfSpaces> correction{};
     for (int pass = 0; pass < 20000; ++pass)
       for (std::size_t i = 0; i < count; ++i) {
         const Vec3 y = x + correction[i];
@@ -244,6 +244,7 @@ TEST_CASE("random bytes are no mesh, and no harm") {
           random.uniform() * 37)];
     const ParsedMesh mesh = parse_mesh(bytes);
     const TriangleMesh made(mesh.corners, mesh.triangles);
-    static_cast<void>(made.crossing({0, 0, 1}, {0, 0, -1}));
+    WorkLimit work;
+    static_cast<void>(made.crossing({0, 0, 1}, {0, 0, -1}, work));
   }
 }

@@ -13,6 +13,8 @@ public:
   Scene scene;
   SceneModel model;
 
+  explicit SceneRig(std::int64_t work_per_tick = SceneModel::kWorkPerTick) : model(work_per_tick) {}
+
   Body& add(Shape shape, Pose pose = {}, Material material = {}) {
     Body body;
     body.key = ++keys_;

@@ -231,7 +231,7 @@ TEST_CASE("whatever the hand does, the proxy stays outside, and near, and every 
       const double stretch = norm(rig.model.proxy() - hand * 1e-3);
       REQUIRE(norm(force) <= 500 * stretch * (1 + 1e-6) + 1e-9);
       for (const Body& body : rig.scene.bodies) {
-        const double away = at_least_away(body.shape, body.pose.to_local(rig.model.proxy()));
+        const double away = distance_lower_bound(body.shape, body.pose.to_local(rig.model.proxy()));
         REQUIRE(away > -1e-9);
       }
     }

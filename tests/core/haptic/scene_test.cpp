@@ -68,7 +68,7 @@ TEST_CASE("a plane pushes along its normal, wherever it lies") {
   check(rig.stroke(normal * 7, normal * 12), {0, 0, 0});
 }
 
-TEST_CASE("a blow is one hit, at the tick in which the surface is passed") {
+TEST_CASE("a strike is one hit, at the tick in which the surface is passed") {
   SceneRig rig;
   const auto key = rig.add(Disk{0.05, 0.006}).key;
   for (int n = 0; n <= 80; ++n)
@@ -118,6 +118,8 @@ TEST_CASE("a touch slower than 5 mm/s, or one that hardly left, is no hit") {
     shaky.touch({0, 0, n % 4 < 2 ? -0.05 : 0.1});
   CHECK(shaky.count(Kind::kHit) == 1);
   CHECK(shaky.count(Kind::kRelease) == 10);
+  for (int n = 0; n < 10; ++n)
+    shaky.touch({0, 0, 0.3});
   shaky.stroke({0, 0, 0.3}, {0, 0, -0.1}, 0.1);
   CHECK(shaky.count(Kind::kHit) == 2);
 }

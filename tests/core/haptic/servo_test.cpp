@@ -186,11 +186,11 @@ TEST_CASE("a device that falls silent for 20 ms, or says it failed, is stopped u
     servo.exchange().settings.write(settings);
     servo.attach(device);
     servo.exchange().commands.write(force_x(2, 0));
-    std::uint64_t k = 0;
+    std::uint64_t k = 0, number = 1;
     const auto run = [&](int ticks) {
       for (int i = 0; i < ticks; ++i, ++k) {
         const double now = static_cast<double>(k) * 1e-3;
-        servo.exchange().commands.write(force_x(2, now));
+        servo.exchange().commands.write(force_x(2, now, ++number));
         servo.step({k, now, 1e-3});
       }
       return device.forces.back().x;
@@ -207,12 +207,17 @@ TEST_CASE("a device that falls silent for 20 ms, or says it failed, is stopped u
     device.readable = device.writable = true;
     device.reading.flags = State::kHomed;
     CHECK(run(100) == 0.0);
-    servo.exchange().actions.push(Action::kMotorsOn);
+    REQUIRE(servo.exchange().reports.read());
+    CHECK(servo.exchange().reports.latest().faults == 1);
+    CHECK(servo.exchange().reports.latest().fault ==
+          (how == 2 ? Fault::kReported : Fault::kSilent));
+    servo.attach(device); // opened again: the failure goes on
+    CHECK(run(100) == 0.0);
+    servo.exchange().motors.enable();
+    CHECK(run(1) < 0.1);
     CHECK(run(500) == doctest::Approx(2).epsilon(1e-9));
-    Event event;
-    REQUIRE(servo.exchange().events.pop(event));
-    CHECK(event.kind == Event::Kind::kFault);
-    CHECK_FALSE(servo.exchange().events.pop(event));
+    REQUIRE(servo.exchange().reports.read());
+    CHECK(servo.exchange().reports.latest().fault == Fault::kNone);
   }
 }
 
@@ -246,4 +251,145 @@ TEST_CASE("refused and good forces that share a mailbox keep their order") {
   c.last_refused = false; // a bad one, then a good one
   run(1, c);
   CHECK_FALSE(servo.chain().refusing);
+}
+
+// ---- motors and emergency stop are states ---------------------------------------------------
+
+namespace {
+
+/// A servo whose host pushes with 2 N and beats every tick.
+struct PushedServo {
+  Recorder device;
+  Servo servo;
+  std::uint64_t tick = 0, number = 0;
+
+  PushedServo() {
+    ServoSettings settings;
+    settings.chain.passivity = false;
+    servo.exchange().settings.write(settings);
+    servo.attach(device);
+  }
+  double run(int ticks) {
+    for (int i = 0; i < ticks; ++i, ++tick) {
+      const double now = static_cast<double>(tick) * 1e-3;
+      servo.exchange().commands.write(force_x(2, now, ++number));
+      servo.step({tick, now, 1e-3});
+    }
+    return device.forces.back().x;
+  }
+  MotorControl& motors() { return servo.exchange().motors; }
+};
+
+} // namespace
+
+TEST_CASE("the newest request to the motors wins, however many came before it") {
+  PushedServo rig;
+  REQUIRE(rig.run(50) == 2.0);
+  SUBCASE("off after many times on, before the first tick") {
+    for (int i = 0; i < 1000; ++i)
+      rig.motors().enable();
+    rig.motors().disable();
+    rig.servo.attach(rig.device);
+    CHECK(rig.run(1) == 0.0);
+    CHECK(rig.run(1000) == 0.0);
+  }
+  SUBCASE("off after many times on, between two ticks") {
+    for (int i = 0; i < 1000; ++i)
+      rig.motors().enable();
+    rig.motors().disable();
+    CHECK(rig.run(1) == 0.0); // the slew limit is 2 N a tick
+    CHECK(rig.run(1000) == 0.0);
+  }
+  SUBCASE("an emergency stop after a thousand resets of the statistics") {
+    for (int i = 0; i < 1000; ++i)
+      ++rig.servo.exchange().statistics_resets;
+    rig.motors().emergency_stop();
+    CHECK(rig.run(1) == 0.0);
+    CHECK(rig.servo.statistics().ticks == 1);
+    CHECK(rig.run(1000) == 0.0);
+  }
+  SUBCASE("a stop and an enable between two ticks both count") {
+    rig.motors().emergency_stop();
+    rig.motors().enable();
+    CHECK(rig.run(1) < 0.01); // from none, over half a second
+    CHECK(rig.run(250) == doctest::Approx(1).epsilon(0.01));
+  }
+  SUBCASE("an enable before a stop releases nothing") {
+    rig.device.reading.flags |= State::kFault;
+    rig.run(1);
+    rig.device.reading.flags = State::kHomed;
+    rig.motors().enable();
+    rig.motors().emergency_stop();
+    CHECK(rig.run(1000) == 0.0);
+    REQUIRE(rig.servo.exchange().reports.read());
+    CHECK(rig.servo.exchange().reports.latest().fault == Fault::kReported);
+    rig.motors().enable();
+    CHECK(rig.run(1000) == doctest::Approx(2));
+  }
+}
+
+TEST_CASE("an emergency stop outlives every new attachment until the motors are enabled") {
+  PushedServo rig;
+  REQUIRE(rig.run(50) == 2.0);
+  rig.motors().emergency_stop();
+  rig.run(1);
+  for (int times = 0; times < 3; ++times) {
+    rig.servo.detach();
+    rig.servo.attach(rig.device);
+    CHECK(rig.run(600) == 0.0);
+  }
+  SUBCASE("a pause does not end it") {
+    rig.motors().pause(true);
+    rig.run(10);
+    rig.motors().pause(false);
+    CHECK(rig.run(600) == 0.0);
+  }
+  SUBCASE("motors off does not end it") {
+    rig.motors().disable();
+    CHECK(rig.run(600) == 0.0);
+  }
+  SUBCASE("another servo takes it over") {
+    PushedServo next;
+    rig.motors().pause(true); // as the one that ends: the next one is not
+    next.motors().take_over(rig.motors());
+    next.servo.attach(next.device);
+    CHECK(next.run(600) == 0.0);
+    next.motors().enable();
+    CHECK(next.run(600) == doctest::Approx(2));
+    rig.motors().pause(false);
+  }
+  rig.motors().enable();
+  CHECK(rig.run(600) == doctest::Approx(2));
+}
+
+TEST_CASE("a pause lets the force fall and rise, and at_rest says when there is none") {
+  PushedServo rig;
+  ServoSettings settings;
+  settings.chain.passivity = false;
+  settings.chain.slew_n_per_s = 100; // 0.1 N a tick
+  rig.servo.exchange().settings.write(settings);
+  REQUIRE(rig.run(50) == 2.0);
+  CHECK_FALSE(rig.motors().at_rest());
+  rig.motors().pause(true);
+  CHECK(rig.run(10) == doctest::Approx(1));
+  CHECK_FALSE(rig.motors().at_rest());
+  CHECK(rig.run(11) == 0.0);
+  CHECK(rig.motors().at_rest());
+  rig.device.writable = false;
+  rig.run(1);
+  CHECK_FALSE(rig.motors().at_rest()); // zero was asked for, but it did not arrive
+  rig.device.writable = true;
+  rig.motors().pause(false);
+  CHECK_FALSE(rig.motors().at_rest());
+  CHECK(rig.run(600) == doctest::Approx(2));
+}
+
+TEST_CASE("the last thing that a released servo writes is zero") {
+  PushedServo rig;
+  REQUIRE(rig.run(50) == 2.0);
+  CHECK(rig.servo.release());
+  CHECK(rig.device.forces.back() == Vec3{});
+  CHECK(rig.motors().at_rest());
+  rig.device.writable = false;
+  CHECK_FALSE(rig.servo.release());
 }

@@ -318,6 +318,34 @@ TEST_CASE("a person's tremor has its RMS and its 8 to 12 Hz at any tick") {
   }
 }
 
+TEST_CASE("a noise oscillator is stationary at any tick: position and velocity as in theory") {
+  // x'' + 2 z w x' + w^2 x = white noise has var x = s^2, var v = (w s)^2 and no correlation of x
+  // and v at one instant. A tick of a seventh of the period has strongly correlated noise in both.
+  const double frequency_hz = 10, rms = 1e-4, w = 2 * std::numbers::pi * frequency_hz;
+  for (const double period : {1e-3, 5e-3, 1.4e-2}) {
+    tactus::Random random(21);
+    NoiseOscillator noise;
+    noise.set(frequency_hz, 0.2, rms, period);
+    noise.start(random);
+    const int count = 400000;
+    double xx = 0, vv = 0, xv = 0;
+    for (int n = 0; n < count; ++n) {
+      noise.advance(random);
+      const double x = noise.value() / rms, v = noise.rate() / (w * rms);
+      xx += x * x / count;
+      vv += v * v / count;
+      xv += x * v / count;
+    }
+    MESSAGE("noise at a tick of " << period << " s: <xx> " << xx << " <vv> " << vv << " <xv> "
+                                  << xv);
+    // The correlation time 1/(z w) = 80 ms leaves 400 s / 80 ms = 5000 independent values or more,
+    // 2 % of standard deviation in the variances; <xv> has less.
+    CHECK(xx == doctest::Approx(1).epsilon(0.06));
+    CHECK(vv == doctest::Approx(1).epsilon(0.06));
+    CHECK(std::abs(xv) < 0.02);
+  }
+}
+
 TEST_CASE("a person yields to a lasting force at F/(K tau), and stays put without one") {
   auto settings = free_handle();
   settings.hand.hold = Hold::kPerson;

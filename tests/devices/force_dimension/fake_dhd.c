@@ -1,12 +1,27 @@
 /* A stand-in for Force Dimension's libdhd: one omega.3 whose handle, 0.1 kg with drag, advances by
- * 1 ms each time its position is asked for. The environment's FAKE_DHD chooses what goes wrong. */
+ * 1 ms each time its position is asked for. The environment's FAKE_DHD chooses what goes wrong;
+ * FAKE_DHD_LOADS counts how often it was loaded. */
+#include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static double position[3], velocity[3], force[3];
+static double torque[3], grip, gap;
+static int all_calls;
 static int open_devices, force_on, cause, saturated, dead, calls, reset, expert, watchdog_steps;
 static double max_force;
 static unsigned buttons;
+
+static int device_counts;
+#ifndef FAKE_DHD_INCOMPLETE
+__attribute__((constructor)) static void loaded(void) {
+  const char* before = getenv("FAKE_DHD_LOADS");
+  char text[16];
+  snprintf(text, sizeof text, "%d", 1 + (before ? atoi(before) : 0));
+  setenv("FAKE_DHD_LOADS", text, 1);
+}
+#endif
 
 static int mode(const char* word) {
   const char* chosen = getenv("FAKE_DHD");
@@ -24,6 +39,13 @@ void fake_dhd_set(int is_dead, int is_saturated, int needs_reset, unsigned mask)
   dead = is_dead, saturated = is_saturated, reset = needs_reset, buttons = mask;
 }
 void fake_dhd_force(double* out) { memcpy(out, force, sizeof force); }
+/* torque and gripper force of the last call that had them; how many had */
+int fake_dhd_wrist(double* out) {
+  memcpy(out, torque, sizeof torque);
+  out[3] = grip;
+  return all_calls;
+}
+void fake_dhd_gap(double opening) { gap = opening; }
 /* open devices, force on, watchdog steps, expert mode */
 void fake_dhd_counts(int* out) {
   out[0] = open_devices, out[1] = force_on, out[2] = watchdog_steps, out[3] = expert;
@@ -31,7 +53,8 @@ void fake_dhd_counts(int* out) {
 double fake_dhd_max_force(void) { return max_force; }
 
 /* The interface. */
-int dhdGetDeviceCount(void) { return mode("none") ? 0 : 1; }
+int dhdGetDeviceCount(void) { return ++device_counts, mode("none") ? 0 : 1; }
+int fake_dhd_device_counts(void) { return device_counts; }
 int dhdOpenID(char index) {
   if (index != 0 || mode("none"))
     return -1;
@@ -39,6 +62,9 @@ int dhdOpenID(char index) {
   buttons = 0;
   memset(force, 0, sizeof force);
   memset(velocity, 0, sizeof velocity);
+  memset(torque, 0, sizeof torque);
+  grip = gap = 0;
+  all_calls = 0;
   ++open_devices;
   return 0;
 }
@@ -50,7 +76,24 @@ int dhdClose(char id) {
 }
 int dhdGetSystemType(char id) {
   (void)id;
-  return 33;
+  return mode("sigma.7") ? 104 : mode("omega.7") ? 35 : 33;
+}
+bool dhdHasWrist(char id) { return (void)id, mode("sigma.7") || mode("omega.7"); }
+bool dhdHasActiveWrist(char id) { return (void)id, mode("sigma.7"); }
+bool dhdHasGripper(char id) { return dhdHasWrist(id); }
+bool dhdHasActiveGripper(char id) { return dhdHasWrist(id); }
+int dhdGetGripperGap(double* out, char id) { return (void)id, *out = gap, 0; }
+int dhdGetOrientationRad(double* a, double* b, double* c, char id) {
+  return (void)id, *a = *b = *c = 0, 0;
+}
+int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty,
+                                        double tz, double fg, char id) {
+  (void)id;
+  force[0] = fx, force[1] = fy, force[2] = fz;
+  torque[0] = tx, torque[1] = ty, torque[2] = tz;
+  grip = fg;
+  ++all_calls;
+  return dead ? -1 : 0;
 }
 const char* dhdGetSystemName(char id) {
   (void)id;
@@ -114,7 +157,7 @@ int dhdEnableExpertMode(void) { return expert = 1, 0; }
 int dhdDisableExpertMode(void) { return expert = 0, 0; }
 int dhdSetWatchdog(unsigned char steps, char id) {
   (void)id;
-  if (!expert)
+  if (!expert || mode("no watchdog"))
     return -1;
   watchdog_steps = steps;
   return 0;

@@ -5,8 +5,12 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <string>
+#include <thread>
+#include <utility>
 
 using namespace tactus;
 using haptic::State;
@@ -27,11 +31,20 @@ struct Fake {
     REQUIRE(library.symbol("fake_dhd_force", force_of));
     REQUIRE(library.symbol("fake_dhd_counts", counts_of));
     REQUIRE(library.symbol("fake_dhd_max_force", max_force));
+    REQUIRE(library.symbol("fake_dhd_device_counts", device_counts));
+    REQUIRE(library.symbol("fake_dhd_wrist", wrist_of));
+    REQUIRE(library.symbol("fake_dhd_gap", gap));
   }
   Vec3 force() const {
     double f[3] = {};
     force_of(f);
     return {f[0], f[1], f[2]};
+  }
+  /// Torque, gripper force; how many calls had them.
+  std::pair<std::array<double, 4>, int> wrist() const {
+    std::array<double, 4> all{};
+    const int calls = wrist_of(all.data());
+    return {all, calls};
   }
   std::array<int, 4> counts() const {
     std::array<int, 4> all{};
@@ -46,6 +59,9 @@ struct Fake {
   void (*force_of)(double*) = nullptr;
   void (*counts_of)(int*) = nullptr;
   double (*max_force)() = nullptr;
+  int (*device_counts)() = nullptr;
+  int (*wrist_of)(double*) = nullptr;
+  void (*gap)(double) = nullptr;
 };
 
 std::unique_ptr<haptic::Backend> make() {
@@ -67,6 +83,17 @@ State drive(haptic::Backend& device, const Vec3& force, int ticks) {
 
 } // namespace
 
+/// Writes this force until the device has it in full: one that begins to write rises over 0.1 s.
+bool press(const Fake& fake, haptic::Backend& device, const Vec3& force, const Vec3& expected) {
+  for (int i = 0; i < 5000; ++i) {
+    static_cast<void>(device.write(force));
+    if (norm(fake.force() - expected) < 1e-12)
+      return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
 TEST_CASE("the vendor's frame becomes the project's, for positions and for forces") {
   const Fake fake;
   const auto device = make();
@@ -74,8 +101,7 @@ TEST_CASE("the vendor's frame becomes the project's, for positions and for force
   fake.place(0.01, 0.02, 0.03); // towards the user, right, up
   const State state = drive(*device, {}, 1);
   CHECK(state.position == Vec3{0.02, 0.03, 0.01});
-  CHECK(device->write({1, 2, 3}));
-  CHECK(fake.force() == Vec3{3, 1, 2});
+  CHECK(press(fake, *device, {1, 2, 3}, {3, 1, 2}));
 }
 
 TEST_CASE("the time guard's answer is an answer, and force moves the handle") {
@@ -83,6 +109,7 @@ TEST_CASE("the time guard's answer is an answer, and force moves the handle") {
   const auto device = make();
   REQUIRE(device->open() == "");
   fake.place(0, 0, 0);
+  REQUIRE(press(fake, *device, {0, 0.5, 0}, {0, 0, 0.5}));
   const State state = drive(*device, {0, 0.5, 0}, 100);
   CHECK(state.position.y > 1e-3);
   CHECK(state.velocity.y > 0);
@@ -100,9 +127,8 @@ TEST_CASE("an omega has its limits, its own watchdog and its own clamp") {
   CHECK(fake.counts()[2] == 240);
   CHECK(fake.counts()[3] == 0); // expert mode for the watchdog only
   CHECK(fake.max_force() == 12);
-  drive(*device, {30, 40, 0}, 1);
-  CHECK(fake.force().y == doctest::Approx(7.2)); // no more than the peak, in the same direction
-  CHECK(fake.force().z == doctest::Approx(9.6));
+  // no more than the peak, in the same direction
+  CHECK(press(fake, *device, {30, 40, 0}, {0, 7.2, 9.6}));
   CHECK_FALSE(device->write({NAN, 0, 0}));
   CHECK(fake.force() == Vec3{});
 }
@@ -217,4 +243,126 @@ TEST_CASE("devices are listed, and opened by index or serial number") {
   CHECK(device->configure(index) == "");
   CHECK(device->open() == "");
   CHECK(device->configure(word).find("number") != std::string::npos);
+}
+
+TEST_CASE("without a watchdog in the controller a servo that stalls leaves no force") {
+  const Fake fake("no watchdog");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  for (int round = 0; round < 2; ++round) {
+    const auto begun = std::chrono::steady_clock::now();
+    REQUIRE(press(fake, *device, {1, 2, 3}, {3, 1, 2}));
+    CHECK(std::chrono::steady_clock::now() - begun > std::chrono::milliseconds(95)); // softly
+    bool none = false; // nobody reads or writes
+    for (int i = 0; i < 5000 && !none; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      none = fake.force() == Vec3{};
+    }
+    CHECK(none);
+  }
+  CHECK(press(fake, *device, {1, 2, 3}, {3, 1, 2}));
+  device->close();
+  CHECK(fake.force() == Vec3{});
+}
+
+TEST_CASE("the library is loaded once, and left alone by a list beside an open device") {
+  const Fake fake;
+  const devices::Driver& driver = *devices::find_driver("dhd");
+  for (int round = 0; round < 3; ++round) {
+    CHECK(driver.list().at(0).state == "ready");
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    const int before = fake.device_counts();
+    CHECK(driver.list().at(0).identity.serial == "1234");
+    CHECK(driver.list().at(0).state == "open in this program");
+    CHECK(fake.device_counts() == before);
+    device->close();
+  }
+  CHECK(std::string(getenv("FAKE_DHD_LOADS")) == "1");
+}
+
+TEST_CASE("an opening that waits between its tries is cancelled") {
+  const Fake fake("none");
+  const auto device = make();
+  std::string sentence;
+  std::atomic<bool> opened{false};
+  std::thread opening([&] {
+    sentence = device->open();
+    opened = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (!opened) {
+    device->cancel();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  opening.join();
+  CHECK(sentence.find("cancelled") != std::string::npos);
+}
+
+TEST_CASE(
+    "a sigma.7 is sent torque and gripper force only once it was asked, and none at the end") {
+  const Fake fake("sigma.7");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_torque_n_m == 0.2);
+  CHECK(device->caps().peak_grip_n == 8);
+  CHECK(device->caps().has_gripper);
+  fake.gap(0.012);
+  CHECK(drive(*device, {}, 1).gripper_m == 0.012);
+  REQUIRE(press(fake, *device, {1, 2, 3}, {3, 1, 2}));
+  CHECK(fake.wrist().second == 0); // only dhdSetForce so far
+  device->set_wrist({{0.01, 0.02, 0.03}, -5});
+  CHECK(device->write({1, 2, 3}));
+  CHECK(norm(fake.force() - Vec3{3, 1, 2}) < 1e-12);
+  CHECK(fake.wrist().first == std::array<double, 4>{0.03, 0.01, 0.02, -5});
+  CHECK(device->write({1, 2, 3})); // nobody asked for this one
+  CHECK(fake.wrist().first == std::array<double, 4>{});
+  CHECK(norm(fake.force() - Vec3{3, 1, 2}) < 1e-12);
+  device->set_wrist({{3, 4, 0}, 100}); // no more than the peaks
+  CHECK(device->write({}));
+  const auto limited = fake.wrist().first;
+  CHECK(limited[0] == doctest::Approx(0));
+  CHECK(limited[1] == doctest::Approx(0.12));
+  CHECK(limited[2] == doctest::Approx(0.16));
+  CHECK(limited[3] == 8);
+  device->set_wrist({{NAN, 0, 0}, NAN});
+  CHECK(device->write({}));
+  CHECK(fake.wrist().first == std::array<double, 4>{});
+  device->set_wrist({{0, 0.1, 0}, 1});
+  CHECK(device->write({}));
+  CHECK(fake.wrist().first[2] != 0);
+  fake.set(0, 0, 1, 0); // not calibrated
+  drive(*device, {}, 100);
+  device->set_wrist({{0, 0.1, 0}, 1});
+  static_cast<void>(device->write({}));
+  CHECK(fake.wrist().first == std::array<double, 4>{});
+  fake.set(0, 0, 0, 0);
+  drive(*device, {}, 100);
+  device->set_wrist({{0, 0.1, 0}, 1});
+  CHECK(device->write({}));
+  CHECK(fake.wrist().first[2] != 0);
+  device->close();
+  CHECK(fake.wrist().first == std::array<double, 4>{});
+}
+
+TEST_CASE("an omega.7 grips and has no torque; an omega.3 has neither and is sent neither") {
+  {
+    const Fake fake("omega.7");
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    CHECK(device->caps().peak_torque_n_m == 0);
+    CHECK(device->caps().peak_grip_n == 8);
+    REQUIRE(press(fake, *device, {0, 0, 1}, {1, 0, 0}));
+    device->set_wrist({{0.1, 0.1, 0.1}, 2});
+    CHECK(device->write({}));
+    CHECK(fake.wrist().first == std::array<double, 4>{0, 0, 0, 2});
+  }
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_grip_n == 0);
+  CHECK_FALSE(device->caps().has_gripper);
+  device->set_wrist({{0.1, 0.1, 0.1}, 2});
+  CHECK(device->write({}));
+  CHECK(fake.wrist().second == 0);
 }

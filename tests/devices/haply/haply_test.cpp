@@ -2,6 +2,7 @@
 #include "tests/devices/haply/mock.hpp"
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -46,9 +47,9 @@ TEST_CASE("the handle is read in the project's axes, and a force moves it") {
   CHECK(device->identity().serial == "049D");
   CHECK(device->identity().model == "inverse3");
   CHECK(device->trouble() == "");
-  mock.tell("place 0.01 -0.02 0.03");
+  mock.tell("place 0.01 -0.14 0.18"); // from the base; the middle is at 0 -0.12 0.15
   CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
-    return answered && state.position == Vec3{0.01, 0.03, 0.02};
+    return answered && norm(state.position - Vec3{0.01, 0.03, 0.02}) < 1e-12;
   }));
   State last;
   CHECK(drive_until(*device, {0, 1, 0}, [&last](bool answered, const State& state) {
@@ -60,11 +61,65 @@ TEST_CASE("the handle is read in the project's axes, and a force moves it") {
   CHECK(last.buttons == 2);
   CHECK(last.rotation.y == doctest::Approx(std::acos(0.0)));
   CHECK((last.flags & State::kHomed) != 0);
-  const Mock::Report report = mock.report();
-  CHECK(report.z == 1); // up
+  Mock::Report report;
+  CHECK(drive_until(*device, {0, 1, 0}, [&](bool, const State&) {
+    report = mock.report();
+    return report.z == 1; // up
+  }));
   CHECK(report.wrong == 0);
   CHECK(report.profile == "tactus");
   CHECK(report.basis == "XYZ");
+  CHECK(report.preset == "arm_front_centered");
+}
+
+TEST_CASE("the maker's limits are the defaults, around the middle that the preset sets") {
+  Mock mock;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const haptic::Caps caps = device->caps();
+  CHECK(caps.peak_force_n == 10);
+  CHECK(caps.stiffness_limit_n_per_m == 1000);
+  CHECK(caps.workspace_min == Vec3{-0.15, -0.15, -0.15});
+  CHECK(caps.workspace_max == Vec3{0.15, 0.15, 0.15});
+}
+
+TEST_CASE(
+    "a service without presets leaves the origin in the base, and the workspace in front of it") {
+  Mock mock("old");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const haptic::Caps caps = device->caps();
+  CHECK(norm((caps.workspace_min + caps.workspace_max) * 0.5 - Vec3{0, 0.15, 0.12}) < 1e-12);
+  mock.tell("place 0.01 -0.14 0.18");
+  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
+    return answered && norm(state.position - Vec3{0.01, 0.18, 0.14}) < 1e-12;
+  }));
+  CHECK(mock.report().wrong == 0);
+}
+
+TEST_CASE("what navigation does to the workspace changes neither metres nor directions") {
+  Mock mock;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  mock.tell("workspace scale 2.5 quarter offset 1 2 3");
+  mock.tell("place 0.01 -0.14 0.18");
+  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
+    return answered && norm(state.position - Vec3{0.01, 0.03, 0.02}) < 1e-9;
+  }));
+  CHECK(drive_until(*device, {1, 2, 3}, [&](bool, const State&) {
+    const Mock::Report report = mock.report(); // what the device itself feels, the service's axes
+    return norm(Vec3{report.x, report.y, report.z} - Vec3{1, -3, 2}) < 1e-9;
+  }));
+  State last;
+  CHECK(drive_until(*device, {0, 1, 0}, [&last](bool, const State& state) {
+    last = state;
+    return state.velocity.y > 0.01;
+  }));
+  mock.tell("workspace scale 0");
+  CHECK(drive_until(*device, {0, 1, 0}, [](bool, const State& state) {
+    return (state.flags & State::kUnreachable) != 0;
+  }));
+  CHECK(drive_until(*device, {0, 1, 0}, [&](bool, const State&) { return mock.report().z == 0; }));
 }
 
 TEST_CASE("the force ends with the servo, and with the device") {
@@ -79,8 +134,10 @@ TEST_CASE("the force ends with the servo, and with the device") {
     fell = mock.report().x == 0;
   }
   CHECK(fell);
+  const auto returned = std::chrono::steady_clock::now();
   REQUIRE(
       drive_until(*device, {1, 0, 0}, [&](bool, const State&) { return mock.report().x == 1; }));
+  CHECK(std::chrono::steady_clock::now() - returned > std::chrono::milliseconds(95)); // softly
   device->close();
   CHECK(mock.report().x == 0);
   REQUIRE(device->open() == "");
@@ -213,4 +270,24 @@ TEST_CASE("settings are checked") {
   CHECK(refused({}));
   CHECK_FALSE(refused({"rate", "500"}));
   CHECK_FALSE(refused({"service", "localhost", "10001"}));
+}
+
+TEST_CASE("an opening that waits for a service is cancelled") {
+  setenv("TACTUS_HAPLY", "127.0.0.1:1", 1);
+  const auto device = make();
+  std::string sentence;
+  std::atomic<bool> opened{false};
+  std::thread opening([&] {
+    sentence = device->open();
+    opened = true;
+  });
+  wait_1ms();
+  const auto asked = std::chrono::steady_clock::now();
+  while (!opened) {
+    device->cancel();
+    wait_1ms();
+  }
+  opening.join();
+  CHECK(std::chrono::steady_clock::now() - asked < std::chrono::milliseconds(600));
+  CHECK(sentence.find("cancelled") != std::string::npos);
 }

@@ -16,7 +16,7 @@ public:
   struct Report {
     double x = 0, y = 0, z = 0; ///< the force it was last asked for, N, the service's axes
     long messages = 0, sessions = 0, wrong = 0;
-    std::string profile, basis;
+    std::string profile, basis, preset;
   };
 
   explicit Mock(const std::string& kind = "one", int port = 0) {
@@ -54,14 +54,15 @@ public:
   Report tell(const std::string& command) {
     std::fprintf(to_, "%s\n", command.c_str());
     std::fflush(to_);
-    char line[256], profile[32] = {}, basis[32] = {};
+    char line[256], profile[32] = {}, basis[32] = {}, preset[32] = {};
     Report report;
     REQUIRE(std::fgets(line, sizeof line, from_) != nullptr);
-    REQUIRE(std::sscanf(line, "report %lf %lf %lf %ld %ld %ld %31s %31s", &report.x, &report.y,
+    REQUIRE(std::sscanf(line, "report %lf %lf %lf %ld %ld %ld %31s %31s %31s", &report.x, &report.y,
                         &report.z, &report.messages, &report.sessions, &report.wrong, profile,
-                        basis) == 8);
+                        basis, preset) == 9);
     report.profile = profile;
     report.basis = basis;
+    report.preset = preset;
     return report;
   }
   Report report() { return tell("report"); }

@@ -2,8 +2,9 @@
 
 Keeps the service's rules: an inventory first, then one state for each message, force that lives for
 one message. Says "port N", then obeys lines on its standard input: `place X Y Z` (m, service's axes),
-`calibrated 0|1`, `garbage N` (answers that are no JSON), `unplug`, `plug`, `quiet` (no answers),
-`drop`, `report`.
+`workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`, `garbage N`
+(answers that are no JSON), `unplug`, `plug`, `quiet` (no answers),
+`drop`, `report`. A service of kind `old` knows no presets and no axes.
 """
 import asyncio
 import json
@@ -24,20 +25,51 @@ class Service:
         self.garbage = 0
         self.sessions = self.messages = self.wrong = 0
         self.profile = ""
-        self.basis = ""
+        self.basis = "-ZXY"  # another program's
+        self.preset = "defaults"
+        self.full = False
+        self.workspace = {}
         self.clients = set()
 
     def vector(self, v):
         return dict(zip("xyz", v))
 
+    def placed(self, v, point):
+        """Device's base to application: preset's mount, then the workspace transform."""
+        if point and self.preset == "arm_front_centered":
+            v = [v[0], v[1] + 0.12, v[2] - 0.15]
+        scale = self.workspace.get("scale", 1.0)
+        v = [scale * c for c in v]
+        if "quarter" in self.workspace:  # about z
+            v = [-v[1], v[0], v[2]]
+        if point:
+            v = [c + o for c, o in zip(v, self.workspace.get("offset", [0.0] * 3))]
+        return v
+
+    def transform(self):
+        parts = {}
+        if "scale" in self.workspace:
+            parts["scale"] = self.vector([self.workspace["scale"]] * 3)
+        if "quarter" in self.workspace:
+            half = 0.7071067811865476
+            parts["rotation"] = {"w": half, "x": 0.0, "y": 0.0, "z": half}
+        if "offset" in self.workspace:
+            parts["position"] = self.vector(self.workspace["offset"])
+        return parts
+
     def device(self, full):
-        state = {"cursor_position": self.vector(self.position),
-                 "cursor_velocity": self.vector(self.velocity),
+        state = {"cursor_position": self.vector(self.placed(self.position, True)),
+                 "cursor_velocity": self.vector(self.placed(self.velocity, False)),
+                 "transform": self.transform(),
                  "current_cursor_force": self.vector(self.force), "control_mode": "idle"}
         answer = {"device_id": "049D", "state": state, "status": {"calibrated": self.calibrated}}
         if full:
             answer["config"] = {"type": "inverse3", "handedness": "right",
-                                "extended_firmware_version": "7.4"}
+                                "extended_firmware_version": "7.4", "preset": self.preset,
+                                "basis": {"permutation": self.basis},
+                                "mount": {"position": self.vector([0.0] * 3)}}
+            if self.kind == "old":
+                answer["config"] = {"type": "inverse3"}
         elif self.messages % 2:
             del answer["status"]  # nothing new in it
         return answer
@@ -52,17 +84,27 @@ class Service:
 
     def obey(self, text, first):
         message = json.loads(text)
+        session = message.pop("session", {})
+        configure = session.pop("configure", {})
+        self.full = session.pop("force_render_full_state", None) is not None
         if first:
-            configure = message["session"]["configure"]
             self.profile = configure["profile"]["name"]
-            self.basis = configure["basis"]["permutation"]
-        elif "session" in message:
+        if self.kind != "old":
+            self.basis = configure.get("basis", {}).get("permutation", self.basis)
+        if session:
             self.wrong += 1
         (device,) = message["inverse3"]
+        preset = device.get("configure", {}).get("preset", {}).get("preset")
+        if preset and self.kind != "old":
+            self.preset, self.basis = preset, "XZY"  # a preset may bring its axes
+        if (preset or self.full) and any(device["commands"]["set_cursor_force"]["vector"].values()):
+            self.wrong += 1  # a force before the frame is known
         wanted = device["commands"]["set_cursor_force"]["vector"]
         if device["device_id"] != "049D" or set(wanted) != set("xyz"):
             self.wrong += 1
         self.force = [float(wanted[axis]) for axis in "xyz"]
+        if "quarter" in self.workspace:  # said in the application's space
+            self.force = [self.force[1], -self.force[0], self.force[2]]
         for i in range(3):
             self.velocity[i] += PERIOD_S * (self.force[i] - self.velocity[i]) / MASS_KG
             self.position[i] += PERIOD_S * self.velocity[i]
@@ -89,7 +131,7 @@ class Service:
                     self.garbage -= 1
                     await socket.send('{"inverse3": [{"device_id": "049D", "state": {"cursor_pos')
                 else:
-                    await socket.send(self.all(False))
+                    await socket.send(self.all(self.full))
         except websockets.ConnectionClosed:
             pass
         finally:
@@ -98,6 +140,15 @@ class Service:
     async def command(self, words):
         if words[0] == "place":
             self.position, self.velocity = [float(w) for w in words[1:4]], [0.0] * 3
+        elif words[0] == "workspace":  # scale S, quarter, offset X Y Z; nothing ends it
+            self.workspace = {}
+            if "scale" in words:
+                self.workspace["scale"] = float(words[words.index("scale") + 1])
+            if "quarter" in words:
+                self.workspace["quarter"] = True
+            if "offset" in words:
+                at = words.index("offset")
+                self.workspace["offset"] = [float(w) for w in words[at + 1:at + 4]]
         elif words[0] == "calibrated":
             self.calibrated = words[1] == "1"
         elif words[0] == "garbage":
@@ -110,7 +161,7 @@ class Service:
             for socket in list(self.clients):
                 await socket.close()
         print("report", *self.force, self.messages, self.sessions, self.wrong,
-              self.profile or "-", self.basis or "-", flush=True)
+              self.profile or "-", self.basis or "-", self.preset, flush=True)
 
 
 async def main(kind, port):

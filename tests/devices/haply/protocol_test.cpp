@@ -57,13 +57,47 @@ TEST_CASE("a quarter turn of the grip about the service's up is one about ours")
   CHECK(message->rotation->x == 0);
 }
 
-TEST_CASE("a force is said in the service's axes, and only the first message names us") {
-  const std::string first = devices::haply::force_message("049D", {1, 2, 3}, true);
-  const std::string later = devices::haply::force_message("049D", {1, 2, 3}, false);
-  CHECK(later == R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":)"
-                 R"({"x":1.0,"y":-3.0,"z":2.0}}},"device_id":"049D"}]})");
-  CHECK(first.find(R"("profile":{"name":"tactus"})") != std::string::npos);
-  CHECK(first.find(R"("permutation":"XYZ")") != std::string::npos);
+TEST_CASE(
+    "a force is said in the service's axes; the first message names us and asks for a preset") {
+  CHECK(devices::haply::force_message("049D", {1, 2, 3}) ==
+        R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":)"
+        R"({"x":1.0,"y":-3.0,"z":2.0}}},"device_id":"049D"}]})");
+  CHECK(devices::haply::first_message("049D") ==
+        R"({"inverse3":[{"commands":{"set_cursor_force":{"vector":{"x":0.0,"y":-0.0,"z":0.0}}},)"
+        R"("configure":{"preset":{"preset":"arm_front_centered"}},"device_id":"049D"}],)"
+        R"("session":{"configure":{"basis":{"permutation":"XYZ"},"profile":{"name":"tactus"}}}})");
+  CHECK(devices::haply::question("049D", false).find(R"("force_render_full_state":{})") !=
+        std::string::npos);
+}
+
+TEST_CASE("a placement is undone: turned back, then scaled back, in the project's axes") {
+  const auto message = devices::haply::parse(
+      R"({"inverse3":[{"device_id":"049D","config":{"preset":"arm_front_centered",
+          "basis":{"permutation":"XYZ"},"mount":{"scale":{"x":2,"y":3,"z":4}}},
+          "state":{"transform":{"position":{"x":1,"y":2,"z":3},
+          "rotation":{"w":0.7071067811865476,"x":0,"y":0,"z":0.7071067811865476}}}}]})");
+  REQUIRE(message);
+  const devices::haply::Sight& sight = message->devices.at(0);
+  CHECK(sight.preset == "arm_front_centered");
+  CHECK(sight.basis == "XYZ");
+  REQUIRE(sight.workspace);
+  REQUIRE(sight.mount);
+  CHECK(sight.mount->scale == Vec3{2, 4, 3});
+  CHECK(sight.workspace->scale == Vec3{1, 1, 1});
+  // The service's (1, 0, 0), turned a quarter about its z, is (0, 1, 0), forward: our -z.
+  const Vec3 seen = devices::haply::to_project({1, 3, 3});
+  CHECK(norm(sight.workspace->point(seen) - devices::haply::to_project({1, 0, 0})) < 1e-12);
+  CHECK(norm(sight.workspace->rotated({1, 0, 0}) - Vec3{0, 0, -1}) < 1e-12);
+  CHECK(sight.workspace->valid());
+  for (const char* wrong :
+       {R"("scale":{"x":0,"y":1,"z":1})", R"("rotation":{"w":9,"x":0,"y":0,"z":0})",
+        R"("scale":{"x":1e9,"y":1,"z":1})"}) {
+    const auto bad = devices::haply::parse(
+        std::string(R"({"inverse3":[{"device_id":"049D","state":{"transform":{)") + wrong +
+        "}}}]}");
+    REQUIRE(bad);
+    CHECK_FALSE(bad->devices.at(0).workspace->valid());
+  }
 }
 
 TEST_CASE("broken messages are read without harm") {

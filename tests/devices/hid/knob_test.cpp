@@ -98,3 +98,22 @@ TEST_CASE("random reports leave shares within one") {
         FAIL("a share of " << share);
   }
 }
+
+TEST_CASE("a description's full scale is believed from 100 to 2000 counts, else it is 350") {
+  for (const auto& [high, scale] :
+       {std::pair{99, 350.0}, std::pair{100, 100.0}, std::pair{500, 500.0}, std::pair{2000, 2000.0},
+        std::pair{2001, 350.0}, std::pair{0, 350.0}, std::pair{-5, 350.0}}) {
+    ReportDescriptor description;
+    Field field;
+    field.page = kDesktopPage;
+    field.usage = static_cast<std::uint16_t>(Usage::kX);
+    field.low = -high;
+    field.high = high;
+    description.fields.push_back(field);
+    Decoder decoder = Decoder::space_mouse(description);
+    REQUIRE(decoder.take(Bytes{0x01, 0x32, 0x00, 0x00, 0x00, 0x00, 0x00})); // 50 counts
+    INFO("maximum " << high);
+    CHECK(decoder.knob().share[0] == doctest::Approx(50 / scale));
+    CHECK(decoder.step() == doctest::Approx(1 / scale));
+  }
+}

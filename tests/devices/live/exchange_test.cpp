@@ -64,7 +64,7 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
   Servo servo;
   servo.attach(device, &models, &link);
   devices::ServoThread runner;
-  runner.start(servo, 1e-3);
+  REQUIRE(runner.start(servo, 1e-3) == "");
 
   std::atomic<bool> ending{false};
   std::thread audio([&] {
@@ -85,7 +85,7 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
   Exchange& exchange = servo.exchange();
   Command command;
   ServoSettings settings;
-  std::uint64_t events = 0, newest = 0;
+  std::uint64_t events = 0, newest = 0, at_rest = 0;
   bool in_order = true;
   for (int round = 0; round < 500; ++round) {
     command.force_n = {0.001 * round, 0, 0};
@@ -95,7 +95,14 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
     settings.chain.damping_n_s_per_m = 0.01 * (round % 10);
     exchange.settings.write(settings);
     if (round % 50 == 0)
-      exchange.actions.push(round % 100 == 0 ? Action::kMotorsOff : Action::kMotorsOn);
+      exchange.motors.disable();
+    else if (round % 50 == 25)
+      exchange.motors.enable();
+    else if (round % 50 == 30)
+      exchange.motors.emergency_stop();
+    if (round % 10 == 0)
+      ++exchange.statistics_resets;
+    at_rest += exchange.motors.at_rest();
     exchange.tracing = round % 2 == 0;
     scene.publish(scene_of(round));
     network.publish(network_of(round));
@@ -123,8 +130,9 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
   }
   ending = true;
   audio.join();
-  runner.stop();
+  CHECK(runner.stop());
   CHECK(in_order);
   CHECK(newest > 10);
   CHECK(events > 0);
+  CHECK(at_rest > 0);
 }

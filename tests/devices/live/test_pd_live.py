@@ -7,160 +7,11 @@ import pathlib
 import re
 import shlex
 import signal
-import socket
 import subprocess
-import time
 
 import pytest
 
-PD = [os.environ.get("TACTUS_PD", "pd"), "-nogui", "-oss", "-noaudio", "-nomidi", "-noprefs",
-      "-stderr", "-path", os.environ["TACTUS_STAGE"]]
-
-
-class Patch:
-    """One [phantom] with a print on each outlet and messages at given times."""
-
-    def __init__(self, arguments):
-        self.lines = ["#N canvas 0 0 800 600 12;"]
-        self.cords = []
-        self.box = self.obj(f"phantom {arguments}")
-        self.start = self.obj("loadbang")
-        for outlet, name in enumerate(("x", "y", "z", "info")):
-            self.cord(self.box, outlet, self.obj(f"print {name}"), 0)
-
-    def obj(self, text, kind="obj"):
-        self.lines.append(f"#X {kind} 10 10 {text};")
-        return len(self.lines) - 2
-
-    def cord(self, source, outlet, sink, inlet):
-        self.cords.append(f"#X connect {source} {outlet} {sink} {inlet};")
-
-    def at(self, ms, message):
-        delay, box = self.obj(f"delay {ms}"), self.obj(message, "msg")
-        self.cord(self.start, 0, delay, 0)
-        self.cord(delay, 0, box, 0)
-        self.cord(box, 0, self.box, 0)
-
-    def listen(self, port):
-        """Messages from outside: `quit` ends Pd, all else goes to [phantom]."""
-        door = self.obj(f"netreceive -u {port}")
-        route, leave = self.obj("route quit"), self.obj(r"\; pd quit", "msg")
-        self.cord(door, 0, route, 0)
-        self.cord(route, 0, leave, 0)
-        self.cord(route, 1, self.box, 0)
-
-    def save(self, folder):
-        file = folder / "patch.pd"
-        file.write_text("\n".join(self.lines + self.cords) + "\n")
-        return file
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
-        door.bind(("127.0.0.1", 0))
-        return door.getsockname()[1]
-
-
-class Live:
-    """Pd running in a double's world; reads what the patch prints as it comes."""
-
-    def __init__(self, folder, patch, wrapper=(), environment=None):
-        self.report, self.text, self.bytes = folder / "double.txt", "", b""
-        self.port = free_port()
-        patch.listen(self.port)
-        self.process = subprocess.Popen([*wrapper, *PD, "-open", str(patch.save(folder))],
-                                        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.PIPE, start_new_session=True,
-                                        env=dict(os.environ, **(environment or {})))
-        os.set_blocking(self.process.stderr.fileno(), False)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        if self.process.poll() is None:
-            os.killpg(self.process.pid, signal.SIGKILL)  # the double and the Pd that it started
-        self.process.wait()
-
-    def read(self):
-        self.bytes += self.process.stderr.read() or b""
-        whole, line_end, self.bytes = self.bytes.rpartition(b"\n")
-        self.text += (whole + line_end).decode()
-        return self.text
-
-    def wait_for(self, pattern, count=1, seconds=40):
-        """Until the pattern has been printed so often."""
-        end = time.monotonic() + seconds
-        while len(re.findall(pattern, self.read(), re.M)) < count:
-            assert time.monotonic() < end, f"no {pattern!r} in:\n{self.text[-3000:]}"
-            assert self.process.poll() is None, f"Pd ended:\n{self.text[-3000:]}"
-            time.sleep(0.02)
-
-    def wait_until(self, true, seconds=40):
-        end = time.monotonic() + seconds
-        while not true():
-            assert time.monotonic() < end, f"in vain; Pd said:\n{self.read()[-3000:]}"
-            time.sleep(0.05)
-
-    def tell_double(self, line):
-        self.process.stdin.write(f"{line}\n".encode())
-        self.process.stdin.flush()
-
-    def tell_phantom(self, message):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as door:
-            door.sendto(f"{message};\n".encode(), ("127.0.0.1", self.port))
-
-    def push(self, force):
-        """Until the double's motors feel it. A machine that stalls for 20 ms looks like a device
-        that has failed, after which the motors have to be asked for again."""
-        def felt():
-            return any(abs(m) > 100 for m in motors(self.state()))
-
-        for _ in range(20):
-            self.tell_phantom(f"list {force}")
-            end = time.monotonic() + 2
-            while time.monotonic() < end:
-                if felt():
-                    return
-                time.sleep(0.05)
-            self.tell_phantom("motors 1")
-        raise AssertionError(f"no force came; Pd said:\n{self.read()[-3000:]}")
-
-    def state(self):
-        try:
-            lines = self.report.read_text().split()
-        except FileNotFoundError:
-            return {}
-        return {name: int(value) for name, value in (line.split("=") for line in lines)}
-
-    def end(self):
-        """What the double saw last, after Pd was told to quit."""
-        self.tell_phantom("quit")
-        self.process.wait(30)
-        self.read()
-        return self.state()
-
-    def positions(self):
-        return [float(x) for x in re.findall(r"^x: (\S+)$", self.read(), re.M)]
-
-
-def falcon_world(folder, *options):
-    double = os.environ.get("FALCON_DOUBLE")
-    if not double:
-        pytest.skip("umockdev is missing: apt-get install umockdev libumockdev-dev")
-    return [*shlex.split(double), "--stdin", "--report", str(folder / "double.txt"), *options]
-
-
-def falcon_patch(folder):
-    (folder / "firmware.bin").write_bytes(bytes(i * i * 7 % 251 for i in range(500)))
-    patch = Patch("falcon")
-    patch.at(50, "firmware firmware.bin")
-    patch.at(100, "open")
-    return patch
-
-
-def motors(state):
-    return [state.get(f"motor{i}", 0) for i in range(3)]
+from live_pd import PD, Live, Patch, falcon_patch, falcon_world, motors, pd_of
 
 
 def test_a_falcon_moves_the_outlets_and_quitting_leaves_it_without_force(tmp_path):
@@ -175,17 +26,6 @@ def test_a_falcon_moves_the_outlets_and_quitting_leaves_it_without_force(tmp_pat
     assert motors(last) == [0, 0, 0]
     assert all(0 <= x <= 1 for x in live.positions())
     assert "error" not in live.text.replace("device_errors", "")
-
-
-def pd_of(folder):
-    """Process numbers of the Pd that plays the folder's patch."""
-    for entry in pathlib.Path("/proc").glob("[0-9]*"):
-        try:
-            words = (entry / "cmdline").read_bytes().split(b"\0")
-        except OSError:
-            continue
-        if words[0] == PD[0].encode() and bytes(folder / "patch.pd") in words:
-            yield int(entry.name)
 
 
 def test_signals_that_end_pd_are_for_its_own_thread(tmp_path):

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <memory>
 #include <thread>
+#include <utility>
+#include <vector>
 
 // The thread that opens and closes devices, with drivers that do as the tests say.
 
@@ -15,10 +17,24 @@ using Answer = DeviceWorker::Answer;
 
 namespace {
 
+/// A call that does not return until the test lets it.
+struct Gate {
+  std::atomic<bool> shut{false};
+  std::atomic<int> waiting{0};
+  void pass() {
+    ++waiting;
+    while (shut)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    --waiting;
+  }
+};
+
 struct Plan {
   std::atomic<int> failures{0}; ///< openings that fail before one succeeds
-  std::atomic<int> opened{0}, closed{0}, busy_ms{0};
-  std::atomic<bool> open{false}, twice{false};
+  std::atomic<int> opened{0}, closed{0}, busy_ms{0}, lists{0}, obstacles{0}, cancelled{0};
+  std::atomic<bool> open{false}, twice{false}, cancels{false};
+  Gate opening, closing, reading, listing;
+  std::atomic<double> newest_force_n{0};
 } plan;
 
 class Planned final : public haptic::Backend {
@@ -26,6 +42,7 @@ public:
   std::string open() override {
     if (plan.open.exchange(true))
       plan.twice = true;
+    plan.opening.pass();
     std::this_thread::sleep_for(std::chrono::milliseconds(plan.busy_ms.load()));
     if (plan.failures.fetch_sub(1) > 0) {
       plan.open = false;
@@ -34,18 +51,33 @@ public:
     ++plan.opened;
     return {};
   }
+  void cancel() noexcept override {
+    ++plan.cancelled;
+    if (plan.cancels)
+      plan.opening.shut = false;
+  }
   void close() noexcept override {
+    plan.closing.pass();
     plan.open = false;
     ++plan.closed;
   }
   haptic::Caps caps() const noexcept override { return {}; }
-  bool read(const haptic::Tick&, haptic::State&) noexcept override { return true; }
-  bool write(const haptic::Vec3&) noexcept override { return true; }
+  bool read(const haptic::Tick&, haptic::State&) noexcept override {
+    plan.reading.pass();
+    return true;
+  }
+  bool write(const haptic::Vec3& force) noexcept override {
+    plan.newest_force_n = force.x;
+    return true;
+  }
+  haptic::Identity identity() const override { return {"maker", "model", "7"}; }
 };
 
 const devices::Driver kPlanned{
-    "planned", "a test's", [] { return std::string(); },
+    "planned", "a test's", [] { return ++plan.obstacles, std::string(); },
     [] {
+      ++plan.lists;
+      plan.listing.pass();
       return std::vector<devices::Found>{{"planned", 0, {"maker", "model", "7"}, "ready"}};
     },
     []() -> std::unique_ptr<haptic::Backend> { return std::make_unique<Planned>(); }};
@@ -60,10 +92,13 @@ struct Rig {
   std::shared_ptr<haptic::Backend> device = kPlanned.make();
 
   Rig() {
-    plan.failures = plan.opened = plan.closed = plan.busy_ms = 0;
-    plan.open = plan.twice = false;
+    plan.failures = plan.opened = plan.closed = plan.busy_ms = plan.lists = plan.obstacles = 0;
+    plan.open = plan.twice = plan.cancels = false;
+    plan.cancelled = 0;
+    for (Gate* gate : {&plan.opening, &plan.closing, &plan.reading, &plan.listing})
+      gate->shut = false;
   }
-  Answer wait() {
+  static Answer wait(DeviceWorker& worker) {
     for (int n = 0; n < 20000; ++n) {
       if (auto answer = worker.take())
         return std::move(*answer);
@@ -72,7 +107,31 @@ struct Rig {
     FAIL("no answer");
     return {};
   }
+  Answer wait() { return wait(worker); }
+  /// A servo on the opened device.
+  DeviceWorker::Session start() {
+    DeviceWorker::Session session{std::make_shared<phantom::ServoRig>(),
+                                  std::make_shared<devices::ServoThread>()};
+    session.rig->device = device;
+    session.rig->servo.attach(*device);
+    haptic::Command push;
+    push.force_n = {1, 0, 0};
+    push.number = 1;
+    push.heartbeat_s = devices::ServoThread::now_s() + 1e6;
+    session.rig->servo.exchange().commands.write(push);
+    CHECK(worker.run(session, 1e-3, 1) == "");
+    CHECK(wait().kind == Answer::Kind::kRunning);
+    return session;
+  }
 };
+
+template <class True> void until(True&& true_now) {
+  for (int n = 0; n < 20000 && !true_now(); ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(true_now());
+}
+
+double now_s() { return devices::ServoThread::now_s(); }
 
 } // namespace
 
@@ -86,35 +145,81 @@ std::span<const Driver* const> drivers() noexcept {
 TEST_CASE("a device is opened beside, and a refusal is one answer") {
   Rig rig;
   plan.failures = 1;
-  rig.worker.open(kPlanned, rig.device, 1);
+  CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
   const Answer refused = rig.wait();
   CHECK(refused.kind == Answer::Kind::kRefused);
-  CHECK(refused.refusal == "planned: not this time");
-  rig.worker.open(kPlanned, rig.device, 2);
+  CHECK(refused.sentence == "planned: not this time");
+  CHECK(rig.worker.open(kPlanned, rig.device, 2) == "");
   const Answer opened = rig.wait();
   CHECK(opened.kind == Answer::Kind::kOpened);
   CHECK(opened.ticket == 2);
   CHECK(rig.called == 2);
-  rig.worker.close(opened.device);
-  rig.worker.finish();
+  CHECK(rig.worker.close(&kPlanned, {}, opened.device) == "");
+  CHECK(rig.wait().kind == Answer::Kind::kClosed);
+  CHECK(rig.worker.finish(20));
   CHECK(plan.closed == 1);
   CHECK_FALSE(plan.twice);
 }
 
-TEST_CASE("a lost device is tried again until it returns, and lists are answered meanwhile") {
+TEST_CASE("a lost device is tried again until it returns, and its troubles are told once each") {
   Rig rig;
-  plan.failures = 2;
+  plan.failures = 3;
   plan.open = true; // it was
-  rig.worker.reopen(kPlanned, rig.device, 1);
-  rig.worker.list();
-  const Answer listed = rig.wait();
+  CHECK(rig.worker.reopen(kPlanned, {}, rig.device, 1) == "");
+  const Answer trouble = rig.wait();
+  CHECK(trouble.kind == Answer::Kind::kTrouble);
+  CHECK(trouble.sentence == "planned: not this time");
+  CHECK(rig.wait().kind == Answer::Kind::kOpened);
+  CHECK_FALSE(plan.twice);
+  CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
+  CHECK(rig.worker.finish(20));
+}
+
+TEST_CASE("a list asks the drivers that are not in use, and answers from what is known of others") {
+  Rig rig;
+  DeviceWorker lister([] {});
+  CHECK(lister.list() == "");
+  Answer listed = Rig::wait(lister);
   CHECK(listed.kind == Answer::Kind::kListed);
   REQUIRE(listed.found.size() == 1);
   CHECK(listed.found[0].identity.serial == "7");
+  CHECK(listed.found[0].state == "ready");
   REQUIRE(listed.obstacles.size() == 1);
   CHECK(listed.obstacles[0].second == "hindered: install it");
+  CHECK(plan.lists == 1);
+
+  CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
   CHECK(rig.wait().kind == Answer::Kind::kOpened);
-  CHECK_FALSE(plan.twice);
+  const int asked = plan.obstacles;
+  CHECK(lister.list() == "");
+  listed = Rig::wait(lister);
+  REQUIRE(listed.found.size() == 1);
+  CHECK(listed.found[0].state == "open");
+  CHECK(plan.lists == 1); // nobody asked the driver
+  CHECK(plan.obstacles == asked);
+
+  CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
+  CHECK(rig.wait().kind == Answer::Kind::kClosed);
+  CHECK(lister.list() == "");
+  listed = Rig::wait(lister);
+  CHECK(listed.found[0].state == "ready");
+  CHECK(plan.lists == 2);
+  CHECK(lister.finish(20));
+  CHECK(rig.worker.finish(20));
+}
+
+TEST_CASE("an opening waits for a list of the same driver") {
+  Rig rig;
+  plan.listing.shut = true;
+  DeviceWorker lister([] {});
+  CHECK(lister.list() == "");
+  until([] { return plan.listing.waiting > 0; });
+  CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  CHECK_FALSE(plan.open);
+  plan.listing.shut = false;
+  CHECK(rig.wait().kind == Answer::Kind::kOpened);
+  CHECK(lister.finish(20));
 }
 
 TEST_CASE("who is not wanted any more is closed again, whenever that is said") {
@@ -122,17 +227,21 @@ TEST_CASE("who is not wanted any more is closed again, whenever that is said") {
     {
       Rig rig;
       plan.busy_ms = 5;
-      rig.worker.open(kPlanned, rig.device, 1);
+      CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
       std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
       rig.worker.forget();
       while (const auto answer = rig.worker.take())
         if (answer->kind == Answer::Kind::kOpened)
-          rig.worker.close(answer->device);
-      rig.worker.open(kPlanned, rig.device, 2);
-      CHECK(rig.wait().ticket == 2);
+          CHECK(rig.worker.close(&kPlanned, {}, answer->device) == "");
+      CHECK(rig.worker.open(kPlanned, rig.device, 2) == "");
+      Answer answer = rig.wait();
+      while (answer.kind == Answer::Kind::kClosed)
+        answer = rig.wait();
+      CHECK(answer.ticket == 2);
       CHECK(plan.open);
       CHECK_FALSE(plan.twice);
-      rig.worker.close(rig.device);
+      CHECK(rig.worker.close(&kPlanned, {}, rig.device) == "");
+      CHECK(rig.worker.finish(20));
     }
     CHECK_FALSE(plan.open);
   }
@@ -140,17 +249,117 @@ TEST_CASE("who is not wanted any more is closed again, whenever that is said") {
 
 TEST_CASE("ending leaves nothing open") {
   for (int wait_ms = 0; wait_ms < 8; ++wait_ms) {
-    {
-      Rig rig;
-      plan.busy_ms = 3;
-      plan.failures = wait_ms % 2;
-      if (wait_ms % 3 == 0)
-        rig.worker.reopen(kPlanned, rig.device, 1);
-      else
-        rig.worker.open(kPlanned, rig.device, 1);
-      rig.worker.list();
-      std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
-    }
+    Rig rig;
+    plan.busy_ms = 3;
+    plan.failures = wait_ms % 2;
+    if (wait_ms % 3 == 0)
+      CHECK(rig.worker.reopen(kPlanned, {}, rig.device, 1) == "");
+    else
+      CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+    CHECK(rig.worker.list() == "");
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+    CHECK(rig.worker.finish(20));
     CHECK_FALSE(plan.open);
   }
+}
+
+TEST_CASE("closing a session writes zero force last") {
+  Rig rig;
+  CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+  CHECK(rig.wait().kind == Answer::Kind::kOpened);
+  DeviceWorker::Session session = rig.start();
+  until([] { return plan.newest_force_n > 0.9; });
+  SUBCASE("that falls by its slew") {}
+  SUBCASE("that does not fall in time") {
+    haptic::ServoSettings slow;
+    slow.chain.slew_n_per_s = 1e-3;
+    session.rig->servo.exchange().settings.write(slow);
+  }
+  session.rig->servo.exchange().motors.pause(true);
+  CHECK(rig.worker.close(&kPlanned, session, rig.device) == "");
+  const Answer closed = rig.wait();
+  CHECK(closed.kind == Answer::Kind::kClosed);
+  CHECK(closed.released);
+  CHECK(plan.newest_force_n == 0.0);
+  CHECK_FALSE(plan.open);
+  CHECK(rig.worker.finish(20));
+}
+
+TEST_CASE("a call that hangs is told, keeps what it touches, and ends properly when it returns") {
+  Gate* gate = nullptr;
+  SUBCASE("in a step of the servo") { gate = &plan.reading; }
+  SUBCASE("in closing") { gate = &plan.closing; }
+  REQUIRE(gate);
+  std::weak_ptr<phantom::ServoRig> watched;
+  std::weak_ptr<haptic::Backend> device;
+  const double begun_s = now_s();
+  {
+    Rig rig;
+    CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+    CHECK(rig.wait().kind == Answer::Kind::kOpened);
+    DeviceWorker::Session session = rig.start();
+    watched = session.rig;
+    device = rig.device;
+    gate->shut = true;
+    if (gate == &plan.reading)
+      until([&] { return gate->waiting > 0; });
+    session.rig->servo.exchange().motors.pause(true);
+    CHECK(rig.worker.close(&kPlanned, std::exchange(session, {}), rig.device) == "");
+    until([&] { return gate->waiting > 0; });
+    until([&] { return rig.worker.overdue(0.05) == "planned: closing the device"; });
+    CHECK(rig.worker.overdue(1e6) == "");
+    // Another object that opens a device of this driver is told, after a while.
+    DeviceWorker other([] {});
+    CHECK(other.open(kPlanned, kPlanned.make(), 1) == "");
+    const Answer refused = Rig::wait(other);
+    CHECK(refused.kind == Answer::Kind::kRefused);
+    CHECK(refused.sentence.find("an earlier call of this driver has not returned") !=
+          std::string::npos);
+    CHECK_FALSE(rig.worker.finish(0.05));
+    rig.device.reset();
+  } // the worker goes, without waiting
+  MESSAGE("left behind after " << now_s() - begun_s << " s");
+  CHECK_FALSE(watched.expired());
+  CHECK_FALSE(device.expired());
+  CHECK(plan.open);
+  gate->shut = false;
+  until([&] { return watched.expired() && device.expired(); });
+  CHECK_FALSE(plan.open);
+  CHECK(plan.closed > 0);
+}
+
+TEST_CASE("an opening that nobody wants is cancelled until it ends") {
+  Rig rig;
+  plan.opening.shut = plan.cancels = true;
+  CHECK(rig.worker.open(kPlanned, rig.device, 1) == "");
+  until([] { return plan.opening.waiting > 0; });
+  CHECK(rig.worker.overdue(0) == ""); // it is wanted
+  rig.worker.cancel_unwanted();
+  CHECK(plan.cancelled == 0);
+  rig.worker.forget();
+  until([&] {
+    rig.worker.cancel_unwanted();
+    return !rig.worker.busy();
+  });
+  CHECK(plan.cancelled > 0);
+  CHECK_FALSE(plan.open);
+  CHECK(rig.worker.finish(20));
+}
+
+TEST_CASE("the end of the program waits for all workers together, not for each") {
+  Rig rig;
+  plan.opening.shut = true;
+  std::vector<std::unique_ptr<DeviceWorker>> workers;
+  for (int i = 0; i < 5; ++i) {
+    workers.push_back(std::make_unique<DeviceWorker>([] {}));
+    CHECK(workers.back()->open(kPlanned, kPlanned.make(), 1) == "");
+  }
+  until([] { return plan.opening.waiting == 5; });
+  const double begun_s = now_s();
+  DeviceWorker::finish_all(1);
+  CHECK(now_s() - begun_s >= 1);
+  CHECK(now_s() - begun_s < 4); // each on its own: 5 s
+  plan.opening.shut = false;
+  DeviceWorker::finish_all(20);
+  CHECK_FALSE(plan.open);
 }

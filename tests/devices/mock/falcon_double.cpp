@@ -160,7 +160,8 @@ void FalconDouble::frame() {
   std::array<std::uint8_t, 16> answer{};
   answer[0] = bad_ > 0 ? '!' : '<';
   for (std::size_t arm = 0; arm < 3; ++arm) {
-    const int counts = homed_ & 1 << arm ? sent_[arm] : sent_[arm] + 700; // no mark passed yet
+    int counts = homed_ & 1 << arm ? sent_[arm] : sent_[arm] + 700; // no mark passed yet
+    counts = posed_ ? pose_[arm] : counts + (wild_ > 0 && arm == 0 ? 1000 : 0);
     for (std::size_t i = 0; i < 4; ++i)
       answer[1 + 4 * arm + i] = static_cast<std::uint8_t>('A' + (counts >> 4 * i & 15));
   }
@@ -176,6 +177,7 @@ void FalconDouble::frame() {
       to_host_.push_back(answer[i]);
   bad_ = std::max(bad_ - 1, 0L);
   lose_ = std::max(lose_ - 1, 0L);
+  wild_ = std::max(wild_ - 1, 0L);
 }
 
 int FalconDouble::in(std::uint8_t, std::span<std::uint8_t> payload) {
@@ -230,7 +232,13 @@ std::string FalconDouble::obey(const std::string& line) {
     lose_ = value;
   else if (name == "freeze")
     frozen_ = value != 0;
-  else if (name == "unhome")
+  else if (name == "wild")
+    wild_ = value;
+  else if (name == "pose") {
+    posed_ = !words.fail();
+    pose_[0] = value;
+    words >> pose_[1] >> pose_[2];
+  } else if (name == "unhome")
     homed_ = 0;
   else if (name == "echo")
     wrong_echoes_ = value;

@@ -21,6 +21,8 @@ namespace tactus::mock {
 ///   bad N                    the next N answers begin with '!'
 ///   lose N                   of the next N answers the fifth byte is lost
 ///   freeze 0|1               encoders stand still
+///   wild N                   the next N answers have 1000 counts too many on the first arm
+///   pose A B C               every answer has these counts; without counts, its own again
 ///   unhome                   the homed flags fall
 ///   echo N                   the next N firmware uploads echo a wrong byte
 ///   deaf N                   the next N greetings of the boot loader are not answered
@@ -72,11 +74,12 @@ private:
   // the firmware
   std::array<std::uint8_t, 16> packet_{};
   std::size_t filled_ = 0;
-  long frames_ = 0, broken_ = 0, garbage_ = 0, bad_ = 0, lose_ = 0, homing_frames_ = 0;
+  long frames_ = 0, broken_ = 0, garbage_ = 0, bad_ = 0, lose_ = 0, homing_frames_ = 0, wild_ = 0;
   std::array<int, 3> motors_{}, largest_{};
   int flags_ = 0, homed_ = 0, buttons_ = 0;
   bool frozen_ = false, still_ = false;
-  std::array<int, 3> sent_{};
+  std::array<int, 3> sent_{}, pose_{};
+  bool posed_ = false;
   std::array<double, 3> angle_{-500, -500, -500}, speed_{}; // counts, counts/s
   std::uint32_t noise_ = 12345;
 };

@@ -1,7 +1,9 @@
 /* A stand-in for the vendor's libHD: one device with a mass of 0.1 kg and a scheduler thread of
  * 1 kHz. Force moves the mass, so a caller can see that force and position belong together.
- * The environment's FAKE_HD chooses what goes wrong. */
+ * The environment's FAKE_HD chooses what goes wrong. As the real driver, it opens no device when it
+ * is loaded a second time; the environment's FAKE_HD_LOADS counts. */
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -17,6 +19,8 @@ enum { kErrors = 16 };
 static unsigned errors[kErrors];
 static int error_count;
 static double position[3] = {10, 20, -30}, velocity[3], force[3], last_force[3];
+static double torque[3];
+static int torques;
 static _Atomic int enabled_force;
 static int clamping, buttons, in_frame, open_devices, calibration_checks, updates;
 static unsigned long frames, forces_outside_frame;
@@ -26,6 +30,17 @@ static int callback_done = 1;
 static pthread_t thread;
 static _Atomic int running;
 static pthread_mutex_t guard = PTHREAD_MUTEX_INITIALIZER;
+
+static int loads;
+#ifndef FAKE_HD_INCOMPLETE
+__attribute__((constructor)) static void loaded(void) {
+  const char* before = getenv("FAKE_HD_LOADS");
+  char text[16];
+  loads = 1 + (before ? atoi(before) : 0);
+  snprintf(text, sizeof text, "%d", loads);
+  setenv("FAKE_HD_LOADS", text, 1);
+}
+#endif
 
 static int mode(const char* word) {
   const char* chosen = getenv("FAKE_HD");
@@ -38,6 +53,18 @@ static void fail(unsigned code) {
 }
 
 /* For the test. */
+void fake_hd_reset(void) {
+  static const double start[3] = {10, 20, -30};
+  pthread_mutex_lock(&guard);
+  memcpy(position, start, sizeof position);
+  memset(velocity, 0, sizeof velocity);
+  memset(force, 0, sizeof force);
+  memset(last_force, 0, sizeof last_force);
+  memset(torque, 0, sizeof torque);
+  torques = error_count = buttons = clamping = calibration_checks = updates = 0;
+  frames = forces_outside_frame = 0;
+  pthread_mutex_unlock(&guard);
+}
 void fake_hd_fail(unsigned code) {
   pthread_mutex_lock(&guard);
   fail(code);
@@ -58,6 +85,13 @@ void fake_hd_counts(unsigned long out[6]) {
   out[5] = (unsigned long)updates;
   pthread_mutex_unlock(&guard);
 }
+/* mN m, of the last call; how many there were */
+int fake_hd_torque(double out[3]) {
+  pthread_mutex_lock(&guard);
+  memcpy(out, torque, sizeof torque);
+  pthread_mutex_unlock(&guard);
+  return torques;
+}
 void fake_hd_last_force(double out[3]) {
   pthread_mutex_lock(&guard);
   memcpy(out, last_force, sizeof last_force);
@@ -68,7 +102,7 @@ void fake_hd_last_force(double out[3]) {
 unsigned hdInitDevice(const char* name) {
   if (mode("licence"))
     return fail(0x0600), 0xFFFFFFFFu;
-  if (mode("dead"))
+  if (mode("dead") || loads > 1)
     return fail(0x0302), 0xFFFFFFFFu;
   if (mode("silent")) /* no handle, and no error either */
     return 0xFFFFFFFFu;
@@ -121,11 +155,18 @@ void hdGetDoublev(unsigned what, double* out) {
 }
 void hdGetIntegerv(unsigned what, int* out) {
   pthread_mutex_lock(&guard);
-  *out = what == 0x2000 ? buttons : 2;
+  *out = what == 0x2000 ? buttons : what == 0x2554 ? (mode("6dof") ? 6 : 3) : 2;
   pthread_mutex_unlock(&guard);
 }
 #ifndef FAKE_HD_INCOMPLETE
 void hdSetDoublev(unsigned what, const double* in) {
+  if (what == 0x2701) {
+    pthread_mutex_lock(&guard);
+    forces_outside_frame += !in_frame;
+    memcpy(torque, in, sizeof torque);
+    ++torques;
+    pthread_mutex_unlock(&guard);
+  }
   if (what != 0x2700)
     return;
   if (!in_frame)

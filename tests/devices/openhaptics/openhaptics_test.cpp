@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <string>
@@ -27,6 +28,10 @@ struct Fake {
     REQUIRE(library.symbol("fake_hd_press", press));
     REQUIRE(library.symbol("fake_hd_counts", counts_of));
     REQUIRE(library.symbol("fake_hd_last_force", force_of));
+    REQUIRE(library.symbol("fake_hd_torque", torque_of));
+    void (*reset)() = nullptr;
+    REQUIRE(library.symbol("fake_hd_reset", reset));
+    reset(); // the library stays loaded, with its state
   }
   std::array<unsigned long, 6> counts() const {
     std::array<unsigned long, 6> all{};
@@ -43,6 +48,7 @@ struct Fake {
   void (*press)(int) = nullptr;
   void (*counts_of)(unsigned long*) = nullptr;
   void (*force_of)(double*) = nullptr;
+  int (*torque_of)(double*) = nullptr;
 };
 
 /// The servo as the host hangs it into the device's own thread.
@@ -167,7 +173,7 @@ TEST_CASE("limits come from the device, else from the table, else the least of a
   const auto device = make();
   REQUIRE(device->open() == "");
   CHECK(device->caps().peak_force_n == doctest::Approx(3.3));
-  CHECK(device->caps().continuous_force_n == 0); // not known
+  CHECK(device->caps().continuous_force_n == doctest::Approx(0.88));
   CHECK(device->caps().stiffness_limit_n_per_m == doctest::Approx(700));
 }
 
@@ -224,16 +230,18 @@ TEST_CASE("warm motors are told; a speeding handle loses its force until none ha
   CHECK(device->trouble().find("warm") != std::string::npos);
   session.ask({0.5, 0, 0});
   session.after(20);
+  fake.fail(0x0200); // and a worse one
   fake.fail(0x0203);
   const haptic::Report report = session.after(20);
   CHECK((report.state.flags & State::kFault) != 0);
+  CHECK((report.state.flags & State::kMotorsHot) != 0);
   CHECK(report.latched);
   CHECK(device->trouble().find("motors 1") != std::string::npos);
   CHECK(fake.force() == haptic::Vec3{});
   session.after(300);
   CHECK((session.after(1).state.flags & State::kFault) == 0);
   CHECK(fake.counts()[3] == 1);
-  session.servo.exchange().actions.push(haptic::Action::kMotorsOn);
+  session.servo.exchange().motors.enable();
   session.ask({0.5, 0, 0});
   session.after(20);
   CHECK(fake.force().x == doctest::Approx(0.5));
@@ -269,4 +277,83 @@ TEST_CASE("a scheduler that does not start is refused") {
   const auto device = make();
   REQUIRE(device->open() == "");
   CHECK_FALSE(device->run([](void*) {}, nullptr));
+}
+
+TEST_CASE("the library is loaded once, whatever is listed, opened and closed") {
+  setenv("FAKE_HD", "", 1);
+  setenv("PHANTOM_LIBHD", FAKE_HD, 1);
+  const devices::Driver& driver = *devices::find_driver("openhaptics");
+  for (int round = 0; round < 3; ++round) {
+    CHECK(driver.obstacle() == "");
+    CHECK(driver.list().size() == 1);
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    CHECK(driver.list().at(0).identity.serial == "F-0042");
+    CHECK(driver.list().at(0).state == "open in this program");
+    device->close();
+    CHECK(driver.list().at(0).identity.serial == "");
+  }
+  CHECK(std::string(getenv("FAKE_HD_LOADS")) == "1");
+}
+
+TEST_CASE("an opening that waits between its tries is cancelled") {
+  const Fake fake("dead");
+  const auto device = make();
+  std::string sentence;
+  std::atomic<bool> opened{false};
+  std::thread opening([&] {
+    sentence = device->open();
+    opened = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (!opened) {
+    device->cancel();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  opening.join();
+  CHECK(sentence.find("cancelled") != std::string::npos);
+}
+
+TEST_CASE("a PHANTOM with six motors is sent torque inside frames, once it was asked for it") {
+  const Fake fake("6dof");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_torque_n_m == doctest::Approx(0.188));
+  double torque[3] = {};
+  {
+    Session session(*device);
+    session.after(300);
+    CHECK(fake.torque_of(torque) == 0);
+    session.servo.exchange().wrist.write({true, {{0.01, -0.02, 0.3}, 5}});
+    session.after(300);
+    CHECK(fake.torque_of(torque) > 0);
+    const haptic::Vec3 sent = haptic::Vec3{torque[0], torque[1], torque[2]} * 1e-3;
+    CHECK(norm(sent) == doctest::Approx(0.188)); // the device's peak
+    CHECK(sent.x > 0);
+    CHECK(sent.y < 0);
+    CHECK(fake.counts()[1] == 0);
+    CHECK(norm(session.after(1).wrist.torque_n_m) == doctest::Approx(0.188));
+    session.servo.exchange().wrist.write({false, {}});
+    session.after(20);
+    fake.torque_of(torque);
+    CHECK(torque[2] == 0);
+    session.servo.exchange().wrist.write({true, {{0, 0, 0.1}, 0}});
+    session.after(100);
+    fake.torque_of(torque);
+    CHECK(torque[2] != 0);
+  }
+  fake.torque_of(torque); // halted
+  CHECK(torque[2] == 0);
+}
+
+TEST_CASE("one with three motors is sent no torque whatever is asked") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(device->caps().peak_torque_n_m == 0);
+  Session session(*device);
+  session.servo.exchange().wrist.write({true, {{0, 0, 0.1}, 1}});
+  session.after(300);
+  double torque[3] = {};
+  CHECK(fake.torque_of(torque) == 0);
 }

@@ -10,7 +10,7 @@ import pytest
 RULES = pathlib.Path(os.environ["TACTUS_SOURCE"]) / "packaging/udev/70-tactus.rules"
 MATCHES = ("ACTION", "KERNEL", "KERNELS", "SUBSYSTEM", r"ATTR\{[\w/]+\}", r"ATTRS\{[\w/]+\}",
            r"ENV\{\w+\}")
-TERM = re.compile(r'(?:(?:%s)(?:==|!=)"[^"]*"|TAG\+="uaccess"|GOTO="\w+"|LABEL="\w+")$'
+TERM = re.compile(r'(?:(?:%s)(?:==|!=)"[^"]*"|TAG\+="uaccess"|GROUP="(?:plugdev|dialout|input)"|MODE="0660"|GOTO="\w+"|LABEL="\w+")$'
                   % "|".join(MATCHES))
 
 
@@ -30,6 +30,18 @@ def test_what_is_jumped_to_is_there_and_each_rule_matches_before_it_acts():
     for line in lines():
         if "TAG+=" in line:
             assert "==" in line and line.endswith('TAG+="uaccess"')
+
+
+def test_every_device_has_a_group_for_those_who_do_not_sit_at_the_computer():
+    """uaccess gives nothing over ssh or without a screen."""
+    for line in lines():
+        if "TAG+=" not in line:
+            continue
+        group = re.search(r'GROUP="(\w+)", MODE="0660", TAG', line)
+        assert group, line
+        expected = ("dialout" if "tty" in line else
+                    "input" if 'SUBSYSTEM=="input"' in line else "plugdev")
+        assert group.group(1) == expected, line
 
 
 def test_the_devices_of_the_documentation_are_in():

@@ -50,13 +50,17 @@ struct Rig {
         std::max(next + std::chrono::milliseconds(1), Clock::now() - std::chrono::milliseconds(3));
     std::this_thread::sleep_until(next);
     ++tick.index;
-    tick.time_s = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+    tick.time_s = now_s();
     const bool well = falcon.read(tick, state);
     well_s = well ? tick.time_s : well_s;
     gap_s = tick.time_s - well_s;
     failed_reads += !well;
     failed_writes += !falcon.write(force);
     return well;
+  }
+  [[nodiscard]] static double now_s() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
   }
   void run(int ticks, const tactus::haptic::Vec3& force = {}) {
     for (int i = 0; i < ticks; ++i)

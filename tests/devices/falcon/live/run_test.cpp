@@ -100,17 +100,18 @@ TEST_CASE("homed flags that fall take the force away until the grip has been mov
   CHECK(rig.home());
 }
 
-TEST_CASE("encoders that stand still under force are a fault, and moving again clears it") {
+TEST_CASE("encoders that stand still under a newton are a fault, and moving again clears it") {
   Rig rig;
   rig.control.ask("still");
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
-  rig.run(700, {2.5, 0, 0});
+  rig.run(700, {1, 0, 0});
   rig.control.ask("freeze 1");
   const auto faulty = [&] { return (rig.state.flags & State::kFault) != 0; };
   CHECK_FALSE(faulty());
-  REQUIRE(rig.until(faulty, 6000, {2.5, 0, 0}));
+  REQUIRE(rig.until(faulty, 40000, {1, 0, 0}));
   CHECK(rig.says("stand still"));
+  CHECK(rig.until([&] { return rig.saw("motor0=0") && rig.saw("motor1=0"); }, 500, {1, 0, 0}));
   SUBCASE("moving again") {
     rig.control.ask("freeze 0");
     CHECK(rig.until([&] { return !faulty(); }, 2000));
@@ -163,4 +164,100 @@ TEST_CASE("forces that are no numbers reach no motor") {
   for (int i = 0; i < 3; ++i)
     CHECK(rig.control.value("largest" + std::to_string(i)) <= 4096);
   CHECK(rig.failed_writes == 0);
+}
+
+TEST_CASE("a servo that stalls leaves no force in the motors") {
+  Rig rig;
+  rig.control.ask("still");
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(700, {0, 0, 3});
+  REQUIRE(rig.control.value("motor0") != 0);
+  bool none = false; // nobody reads or writes any more
+  for (int i = 0; i < 500 && !none; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    none = rig.saw("motor0=0") && rig.saw("motor1=0") && rig.saw("motor2=0");
+  }
+  CHECK(none);
+  CHECK(rig.until([&] { return rig.control.value("motor0") != 0; }, 5000, {0, 0, 3}));
+}
+
+TEST_CASE("one wild answer is not believed, and changes neither position nor force") {
+  Rig rig;
+  rig.control.ask("still");
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(700);
+  const tactus::haptic::Vec3 rest = rig.state.position;
+  double farthest = 0;
+  bool homed = true, flagged = false;
+  for (int i = 0; i < 20; ++i) {
+    rig.control.ask("wild 1");
+    for (int tick = 0; tick < 20; ++tick) {
+      rig.step();
+      farthest = std::max(farthest, norm(rig.state.position - rest));
+      homed = homed && rig.homed();
+      flagged = flagged || (rig.state.flags & State::kUnreachable) != 0;
+    }
+  }
+  CHECK(farthest < 1e-3); // 1000 counts are some 35 mm
+  CHECK(homed);
+  CHECK_FALSE(flagged);
+}
+
+TEST_CASE("angles that the arms cannot have take the force away at that tick") {
+  Rig rig;
+  rig.control.ask("still");
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.run(700, {0, 0, 2});
+  const tactus::haptic::Vec3 last = rig.state.position;
+  const auto unreachable = [&] { return (rig.state.flags & State::kUnreachable) != 0; };
+  rig.control.ask("pose -2500 2500 -2500");
+  REQUIRE(rig.until(unreachable, 5000, {0, 0, 2}));
+  CHECK(norm(rig.state.position - last) < 1e-3);
+  // This tick's order already had no force: after it none has been sent that had one.
+  bool none = false;
+  for (int i = 0; i < 500 && !none; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    none = rig.saw("motor0=0") && rig.saw("motor1=0") && rig.saw("motor2=0");
+  }
+  CHECK(none);
+  const long frames = rig.control.value("frames");
+  rig.run(200, {0, 0, 2});
+  CHECK(rig.control.value("frames") > frames);
+  CHECK(rig.saw("motor2=0"));
+  CHECK(unreachable());
+  CHECK(rig.says("cannot have"));
+  rig.control.ask("pose");
+  REQUIRE(rig.until([&] { return !unreachable(); }));
+  CHECK(rig.falcon.trouble().empty());
+}
+
+TEST_CASE("a Falcon homes although its angles make no sense before") {
+  Rig rig;
+  rig.control.ask("pose -2500 2500 -2500");
+  rig.control.ask("forget");
+  REQUIRE(rig.open() == "");
+  rig.step();
+  CHECK_FALSE(rig.homed());
+  CHECK(rig.says("not homed"));
+  REQUIRE(rig.home());
+  rig.control.ask("buttons 3");
+  CHECK(rig.until([&] { return rig.state.buttons == 3; }));
+  rig.control.ask("buttons 0");
+  rig.control.ask("pose");
+  CHECK(rig.until([&] { return (rig.state.flags & State::kUnreachable) == 0; }));
+}
+
+TEST_CASE("a line that falls silent at an unreachable pose is silent") {
+  Rig rig;
+  REQUIRE(rig.open() == "");
+  REQUIRE(rig.home());
+  rig.control.ask("pose -2500 2500 -2500");
+  REQUIRE(rig.until([&] { return (rig.state.flags & State::kUnreachable) != 0; }));
+  rig.control.ask("stall 2000");
+  CHECK(rig.until([&] { return rig.says("does not answer") && rig.gap_s > 0; }, 1500));
+  rig.control.ask("pose");
+  rig.control.ask("stall 0");
 }

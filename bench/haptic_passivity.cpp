@@ -1,0 +1,171 @@
+// Does the passivity controller ever make things worse? A sampled wall, with the controller and
+// without, over stiffness, rate, encoder, latency, velocity and hand; docs/phantom.md shows the
+// worst rows.
+//
+//   bench_haptic_passivity [--quick] [--csv FILE]
+//
+// prints, for each latency: of the cases that are stable without the controller, how often its
+// force rms is above 1.1 times that without, and the worst; of the flights that gain energy without
+// it, how often they still do, and the worst; and the largest change of force over the slew limit.
+#include "tests/core/haptic/sampled_wall.hpp"
+
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace tactus::haptic::test;
+using Scene = WallCase::Scene;
+using Velocity = WallCase::Velocity;
+
+constexpr double kSameForce_n = 2e-3; // an rms below this is rest, whatever the ratio
+constexpr double kMaxForceRatio = 1.1, kMaxExitEnergy = 1.005;
+
+const char* name_of(Velocity velocity) {
+  constexpr const char* names[] = {"ideal", "estimated", "noisy", "difference"};
+  return names[static_cast<int>(velocity)];
+}
+
+std::string describe(const WallCase& c) {
+  char text[200];
+  std::snprintf(text, sizeof text, "%g N/m, %g Hz, encoder %g mm, velocity %s, ",
+                c.stiffness_n_per_m, c.rate_hz, c.encoder_m * 1e3, name_of(c.velocity));
+  std::string line = text;
+  switch (c.scene) {
+  case Scene::kFlight:
+    std::snprintf(text, sizeof text, "free at %g m/s", c.value);
+    break;
+  case Scene::kPush:
+    std::snprintf(text, sizeof text, "free, pushed by %g N", c.value);
+    break;
+  case Scene::kSpring:
+  case Scene::kPerson:
+    std::snprintf(text, sizeof text, "%s %g N/m %g N s/m, %g mm in",
+                  c.scene == Scene::kSpring ? "hand" : "person", c.hand_n_per_m, c.hand_n_s_per_m,
+                  c.value * 1e3);
+    break;
+  }
+  return line + text;
+}
+
+struct Hand {
+  Scene scene;
+  double value, stiffness, damping;
+};
+constexpr Hand kHands[] = {
+    {Scene::kFlight, 0.05, 0, 0},      {Scene::kFlight, 0.2, 0, 0},
+    {Scene::kFlight, 0.5, 0, 0},       {Scene::kPush, 1, 0, 0},
+    {Scene::kPush, 0.2, 0, 0},         {Scene::kSpring, 0.005, 50, 0.5},
+    {Scene::kSpring, 0.005, 200, 0.5}, {Scene::kSpring, 0.005, 200, 2},
+    {Scene::kSpring, 0.005, 1000, 2},  {Scene::kSpring, 0.002, 1000, 0.5},
+    {Scene::kPerson, 0, 200, 2},       {Scene::kPerson, 0.002, 200, 2},
+};
+
+struct Tally {
+  long cases = 0, worse = 0;
+  double worst = 0;
+  std::string where = "-";
+  void add(double value, double limit, const std::string& row) {
+    ++cases;
+    worse += value > limit;
+    if (value > worst) {
+      worst = value;
+      where = row;
+    }
+  }
+};
+
+struct Sweep {
+  Tally force, exits;
+  double max_slew = 0, max_force = 0;
+};
+
+Sweep sweep(int latency, bool declared, bool quick, std::FILE* csv) {
+  const std::vector<double> stiffness =
+      quick ? std::vector<double>{50, 300, 1000, 4000}
+            : std::vector<double>{50, 100, 200, 300, 500, 1000, 2000, 3000, 4000};
+  const std::vector<double> rates =
+      quick ? std::vector<double>{500, 1000} : std::vector<double>{500, 1000, 2000, 4000};
+  const std::vector<double> encoders =
+      quick ? std::vector<double>{0, 3.4e-5} : std::vector<double>{0, 1e-5, 3.4e-5, 1e-4};
+  Sweep result;
+  for (const double k : stiffness)
+    for (const double rate : rates)
+      for (const double encoder : encoders)
+        for (const Velocity velocity :
+             {Velocity::kIdeal, Velocity::kEstimated, Velocity::kNoisy, Velocity::kDifference})
+          for (const Hand& hand : kHands) {
+            WallCase c;
+            c.stiffness_n_per_m = k;
+            c.rate_hz = rate;
+            c.encoder_m = encoder;
+            c.latency_ticks = latency;
+            c.declared = declared;
+            c.velocity = velocity;
+            c.scene = hand.scene;
+            c.value = hand.value;
+            c.hand_n_per_m = hand.stiffness;
+            c.hand_n_s_per_m = hand.damping;
+            const WallResult off = run_wall(c, false), on = run_wall(c, true);
+            result.max_slew = std::max(result.max_slew, on.max_slew);
+            result.max_force = std::max(result.max_force, on.max_force_n);
+            if (csv)
+              std::fprintf(csv, "%d,%d,\"%s\",%d,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", latency,
+                           declared, describe(c).c_str(), off.stable(), off.force_rms_n,
+                           on.force_rms_n, off.motion_m, on.motion_m, off.exit_energy,
+                           on.exit_energy);
+            if (c.scene == Scene::kFlight) {
+              if (off.exit_energy > 1)
+                result.exits.add(on.exit_energy, kMaxExitEnergy, describe(c));
+            } else if (off.stable()) {
+              result.force.add(on.force_rms_n <= kSameForce_n
+                                   ? 0.0
+                                   : on.force_rms_n / std::max(off.force_rms_n, 1e-9),
+                               kMaxForceRatio, describe(c));
+            }
+          }
+  return result;
+}
+
+} // namespace
+
+int main(int count, char** words) {
+  bool quick = false;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> csv{nullptr, &std::fclose};
+  for (int i = 1; i < count; ++i) {
+    if (std::strcmp(words[i], "--quick") == 0) {
+      quick = true;
+    } else if (std::strcmp(words[i], "--csv") == 0 && i + 1 < count) {
+      csv.reset(std::fopen(words[++i], "w"));
+      if (!csv) {
+        std::fprintf(stderr, "bench_haptic_passivity: %s cannot be written\n", words[i]);
+        return 1;
+      }
+    } else {
+      std::fprintf(stderr, "usage: bench_haptic_passivity [--quick] [--csv FILE]\n");
+      return 2;
+    }
+  }
+  if (csv)
+    std::fputs("latency_ticks,declared,case,stable_off,force_rms_off_n,force_rms_on_n,"
+               "motion_off_m,motion_on_m,exit_energy_off,exit_energy_on\n",
+               csv.get());
+  std::printf("| latency | stable without: force rms above 1.1 x | worst ratio | flights that gain "
+              "energy without: above 1.005 | worst energy | slew, limit | worst rows |\n"
+              "|---|---|---|---|---|---|---|\n");
+  for (const bool declared : {false, true})
+    for (int latency = declared ? 1 : 0; latency < 4; ++latency) {
+      const Sweep s = sweep(latency, declared, quick, csv.get());
+      std::printf(
+          "| %d%s | %ld of %ld | %.2f | %ld of %ld | %.3f | %.6f, %.4f N | %s; %s |\n", latency,
+          latency == 0 ? ""
+          : declared   ? " declared"
+                       : " not declared",
+          s.force.worse, s.force.cases, s.force.worst, s.exits.worse, s.exits.cases, s.exits.worst,
+          s.max_slew, s.max_force, s.force.where.c_str(), s.exits.where.c_str());
+      std::fflush(stdout);
+    }
+}

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace tactus::haptic {
+
+/// What the host wants of the motors, and whether the servo has done it: two states of one atomic
+/// word each, so that the newest request wins and nothing waits in a queue to act later. Any thread
+/// may request, and so may the handler of a signal.
+class MotorControl {
+public:
+  struct Request {
+    bool on = true;            ///< `motors 1`; else the force falls by the slew
+    bool stopped = false;      ///< `estop` was the last of estop and `motors 1`
+    bool paused = false;       ///< as off, but without a change of what the user asked for
+    std::uint32_t stops = 0;   ///< how often estop was requested
+    std::uint32_t enables = 0; ///< how often the motors were switched on
+    bool operator==(const Request&) const = default;
+  };
+
+  /// Motors on over the chain's enable time; ends an emergency stop and a device's failure.
+  void enable() noexcept {
+    change([](Request& r) { r.on = true, r.stopped = false, ++r.enables; });
+  }
+  void disable() noexcept {
+    change([](Request& r) { r.on = false; });
+  }
+  /// No force from the servo's next tick on, until enable().
+  void emergency_stop() noexcept {
+    change([](Request& r) { r.stopped = true, ++r.stops; });
+  }
+  /// Lets the force fall by the slew, or rise again, whatever else was requested.
+  void pause(bool paused) noexcept {
+    change([paused](Request& r) { r.paused = paused; });
+  }
+  [[nodiscard]] Request request() const noexcept {
+    return unpack(requested_.load(std::memory_order_acquire));
+  }
+  /// As another servo's, which this one replaces, not paused.
+  void take_over(const MotorControl& other) noexcept {
+    Request request = other.request();
+    request.paused = false;
+    requested_.store(pack(request), std::memory_order_release);
+  }
+
+  /// The servo's side: this request was in force when that force was written.
+  void confirm(const Request& request, bool zero_force) noexcept {
+    done_.store(pack(request) | (zero_force ? kZeroForce : 0), std::memory_order_release);
+  }
+  /// The newest request is in force and the last force written was zero.
+  [[nodiscard]] bool at_rest() const noexcept {
+    return done_.load(std::memory_order_acquire) ==
+           (requested_.load(std::memory_order_acquire) | kZeroForce);
+  }
+
+private:
+  using Word = std::uint64_t;
+  static_assert(std::atomic<Word>::is_always_lock_free); // for the handler of a signal
+  static constexpr Word kOn = 1, kStopped = 2, kPaused = 4, kZeroForce = 8;
+  static constexpr int kStopsShift = 4, kEnablesShift = 34;
+  static constexpr Word kCount = (Word{1} << 30) - 1;
+
+  [[nodiscard]] static constexpr Word pack(const Request& r) noexcept {
+    return (r.on ? kOn : 0) | (r.stopped ? kStopped : 0) | (r.paused ? kPaused : 0) |
+           (r.stops & kCount) << kStopsShift | (r.enables & kCount) << kEnablesShift;
+  }
+  [[nodiscard]] static constexpr Request unpack(Word word) noexcept {
+    return {(word & kOn) != 0, (word & kStopped) != 0, (word & kPaused) != 0,
+            static_cast<std::uint32_t>(word >> kStopsShift & kCount),
+            static_cast<std::uint32_t>(word >> kEnablesShift & kCount)};
+  }
+  template <class Change> void change(Change&& apply) noexcept {
+    Word before = requested_.load(std::memory_order_relaxed), after = 0;
+    do {
+      Request request = unpack(before);
+      apply(request);
+      after = pack(request);
+    } while (!requested_.compare_exchange_weak(before, after, std::memory_order_acq_rel,
+                                               std::memory_order_relaxed));
+  }
+
+  std::atomic<Word> requested_{pack({})}, done_{0};
+};
+
+} // namespace tactus::haptic

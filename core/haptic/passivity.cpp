@@ -1,0 +1,152 @@
+#include "core/haptic/passivity.hpp"
+
+#include <cmath>
+
+namespace tactus::haptic {
+namespace {
+
+constexpr double kMaxEnergy_j = 1e6;
+// The handle rests while it stays within its reading's error and this distance.
+constexpr double kRestRadius_m = 2e-5;
+// c of the bound c K T: six times what a spring without latency leaks, so that a debt can be paid
+// back and a latency of two ticks that nobody has declared is still covered.
+constexpr double kDampingPerLeak = 3;
+constexpr double kStiffnessMemory_s = 0.05;
+constexpr double kVelocityWindow_s = 2e-3;
+// Below this speed the energy is too small to matter and the velocity's direction is noise.
+constexpr double kMinBrakedSpeed_m_per_s = 1e-4;
+// A contact throws the handle back when it leaves faster than this, and than this share of the
+// fastest approach of the last kApproachMemory_s. A hand that presses and trembles does neither.
+constexpr double kMinThrow_m_per_s = 0.03;
+constexpr double kThrowShare = 0.25;
+constexpr double kApproachMemory_s = 0.2;
+
+double shortened(double value, double by) noexcept {
+  return std::copysign(std::max(std::abs(value) - by, 0.0), value);
+}
+
+} // namespace
+
+void PassivityController::observe(const PassivitySettings& settings, const Vec3& position_m,
+                                  const Vec3& written_n, double forgiven_j) noexcept {
+  if (!started_) {
+    started_ = true;
+    positions_.fill(position_m);
+    rest_position_ = position_m;
+  }
+  const Vec3 moved = position_m - at(positions_, tick_);
+  ++tick_;
+  at(positions_, tick_) = position_m;
+  at(forces_, tick_) = written_n;
+  const auto latency =
+      static_cast<std::size_t>(std::clamp(settings.latency_ticks, 0, kMaxLatency_ticks));
+  const Vec3& felt = at(forces_, tick_ + kHistory - latency);
+  energy_j_ = std::clamp(energy_j_ - dot(felt, moved) + forgiven_j, -kMaxEnergy_j, settings.tank_j);
+  position_changes_ += dot(moved, moved);
+
+  if (norm(position_m - rest_position_) > 2.0 * settings.position_noise_m + kRestRadius_m) {
+    rest_position_ = position_m;
+    rest_s_ = 0;
+  } else {
+    rest_s_ += settings.period_s;
+  }
+  if (rest_s_ >= kRest_s)
+    energy_j_ = std::max(energy_j_, 0.0);
+}
+
+/// What the handle has moved over the last kVelocityWindow_s beyond its reading's error, m.
+Vec3 PassivityController::displacement(const PassivitySettings& settings,
+                                       double& duration_s) noexcept {
+  const double ticks = std::clamp(std::floor(kVelocityWindow_s / settings.period_s + 0.5), 1.0,
+                                  static_cast<double>(kHistory - 1));
+  duration_s = ticks * settings.period_s;
+  const Vec3 moved =
+      at(positions_, tick_) - at(positions_, tick_ + kHistory - static_cast<std::size_t>(ticks));
+  const double noise = settings.position_noise_m;
+  return {shortened(moved.x, noise), shortened(moved.y, noise), shortened(moved.z, noise)};
+}
+
+/// Of the rendered world around the handle, N/m: changes of force over changes of position, root
+/// mean square over kStiffnessMemory_s. Exact for a spring, whatever the encoder's step.
+double PassivityController::stiffness(const PassivitySettings& settings,
+                                      const Vec3& wanted_n) noexcept {
+  const Vec3 change = wanted_n - wanted_;
+  wanted_ = wanted_n;
+  force_changes_ += dot(change, change);
+  const double result =
+      position_changes_ > 0.0 ? std::sqrt(force_changes_ / position_changes_) : 0.0;
+  const double kept = std::exp(-settings.period_s / kStiffnessMemory_s);
+  force_changes_ *= kept;
+  position_changes_ *= kept;
+  return std::isfinite(result) ? result : 0.0;
+}
+
+/// What to take from the contact's force so that a handle thrown back gets no more energy than is
+/// left, N. The speeds are along that force; outward is now, inward over the velocity's window.
+double PassivityController::release_cut(const PassivitySettings& settings, double contact_n,
+                                        double outward, double reading, double inward,
+                                        double stiffness) noexcept {
+  const double T = settings.period_s;
+  const double accelerated = std::max(outward - outward_, 0.0); // in one tick
+  outward_ = outward;
+  fastest_inward_ = std::max(fastest_inward_ * std::exp(-T / kApproachMemory_s), inward);
+  const int latency = std::clamp(settings.latency_ticks, 0, kMaxLatency_ticks);
+  const bool held_by_friction = stiffness * T * (0.5 + latency) <= settings.friction_n_s_per_m;
+  if (held_by_friction || !(contact_n > 0.0) ||
+      !(outward > kMinThrow_m_per_s + 2.0 * settings.position_noise_m / kVelocityWindow_s))
+    return 0.0;
+  // The speed when this force acts, and what the forces under way will have released by then; the
+  // reading's error may hide some of it.
+  const double hidden = 2.0 * settings.position_noise_m / kVelocityWindow_s;
+  const double now = hidden > 0.0 ? outward + hidden : std::max(outward, reading);
+  const double speed = now + accelerated * latency;
+  if (!(speed + accelerated > kThrowShare * fastest_inward_))
+    return 0.0;
+  double left_j = energy_j_;
+  for (int k = latency - 1, ahead = 1; k >= 0; --k, ++ahead)
+    left_j -= norm(at(forces_, tick_ + kHistory - static_cast<std::size_t>(k))) *
+              (now + accelerated * ahead) * T;
+  // The force releases speed (F T + F^2 / (2 slew)) while it is held and then falls.
+  const double slew = std::max(settings.slew_n_per_s, 1e-6);
+  const double affordable_n =
+      slew * (std::sqrt(T * T + 2.0 * std::max(left_j, 0.0) / (slew * speed)) - T);
+  return std::max(contact_n - affordable_n, 0.0);
+}
+
+Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& wanted_n,
+                                const Vec3& contact_n, const Vec3& velocity) noexcept {
+  const double T = settings.period_s;
+  const double stiffness_n_per_m = stiffness(settings, wanted_n);
+  double duration_s = T;
+  const Vec3 moved = displacement(settings, duration_s) * (1.0 / duration_s);
+  Vec3 agreed;
+  for (int axis = 0; axis < 3; ++axis)
+    if (moved[axis] * velocity[axis] > 0.0)
+      agreed[axis] =
+          std::copysign(std::min(std::abs(moved[axis]), std::abs(velocity[axis])), moved[axis]);
+  Vec3 force = wanted_n;
+  acted_ = false;
+
+  const double contact = norm(contact_n);
+  const Vec3 outwards = contact > 0.0 ? contact_n * (1.0 / contact) : Vec3{};
+  const double cut = release_cut(settings, contact, dot(agreed, outwards), dot(velocity, outwards),
+                                 -dot(moved, outwards), stiffness_n_per_m);
+  if (cut > 0.0) {
+    force -= outwards * cut;
+    acted_ = true;
+  }
+  const double speed = norm(agreed);
+  const double limit = settings.damping_limit_n_s_per_m * std::min(1.0, 1e-3 / T);
+  // A step of the encoder is an energy that nobody has given.
+  const double step = 2.0 * settings.position_noise_m;
+  const double debt_j = -energy_j_ - 0.5 * std::min(stiffness_n_per_m, limit / T) * step * step;
+  if (debt_j > 0.0 && speed > kMinBrakedSpeed_m_per_s) {
+    const double damping =
+        std::min({limit, kDampingPerLeak * stiffness_n_per_m * T, debt_j / (T * speed * speed)});
+    force -= agreed * damping;
+    acted_ = true;
+  }
+  return force;
+}
+
+} // namespace tactus::haptic

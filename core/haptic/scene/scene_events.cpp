@@ -1,0 +1,71 @@
+#include "core/haptic/scene/scene_model.hpp"
+
+/// Hits, contacts and releases.
+namespace tactus::haptic {
+
+void SceneModel::notice(const Tick& tick) noexcept {
+  using Kind = ContactEvent::Kind;
+  std::array<const Touch*, Scene::kMaxBodies> now{};
+  std::array<double, Scene::kMaxBodies> depth{};
+  for (const Touch& touch : touches_.all()) {
+    depth[touch.slot] = std::hypot(depth[touch.slot], touch.push_m);
+    if (!now[touch.slot] || touch.push_m > now[touch.slot]->push_m)
+      now[touch.slot] = &touch;
+  }
+  WorkLimit work(work_per_tick_ / 8);
+  for (std::size_t i = 0; i < count_; ++i) {
+    Slot& slot = slots_[i];
+    ContactEvent event;
+    event.key = slot.key;
+    event.time_s = tick.time_s;
+    if (now[i]) {
+      event.point = proxy_ - now[i]->normal * (Proxy::kSkin_m + tool_radius_m_);
+      event.normal = now[i]->normal;
+      slot.point = slot.pose.to_local(event.point);
+      slot.normal = slot.pose.rotation.inverse().turned(event.normal);
+    } else {
+      event.point = slot.pose.to_world(slot.point);
+      event.normal = slot.pose.rotation.turned(slot.normal);
+    }
+    if (now[i] && !slot.touching) {
+      const Vec3 v = velocity_before_ - velocity_of(slot, event.point, tick.period_s);
+      event.approach_m_per_s = -dot(v, event.normal);
+      event.slip_m_per_s = norm(without_component(v, event.normal));
+      if (slot.armed && slot.emerged_s < 0 && event.approach_m_per_s >= kMinHit_m_per_s)
+        events_.push(event);
+      slot.armed = slot.departed = false;
+      slot.reported_s = -1e9;
+    }
+    if (now[i] && tick.time_s - slot.reported_s >= kContactEvery_s - 1e-9) {
+      event.kind = Kind::kContact;
+      event.depth_m = depth[i];
+      event.force_n = body_force_[i];
+      events_.push(event);
+      slot.reported_s = tick.time_s;
+    }
+    // Only a complete search shows that the proxy is free of a body.
+    const bool touching = now[i] != nullptr || (slot.touching && !complete_);
+    if (!touching && slot.touching) {
+      event.kind = Kind::kRelease;
+      events_.push(event);
+      slot.released_s = tick.time_s;
+      slot.emerged_s = -1;
+    }
+    slot.touching = touching;
+    rearm(slot, tick, work);
+  }
+}
+
+/// The next contact is a hit only after a real departure: the tool has been kRearm_m away from the
+/// body since it was released, and that is kRearm_s ago. Either alone would count the chatter of a
+/// handle that trembles at the surface.
+void SceneModel::rearm(Slot& slot, const Tick& tick, WorkLimit& work) noexcept {
+  if (slot.touching || slot.armed)
+    return;
+  if (!slot.departed)
+    slot.departed =
+        is_farther(slot.body->shape, slot.pose.to_local(proxy_), tool_radius_m_ + kRearm_m, work);
+  slot.armed = slot.departed && tick.time_s - slot.released_s >= kRearm_s - 1e-9;
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,193 @@
+#include "core/haptic/scene/convex_crossing.hpp"
+#include "core/haptic/scene/triangle_mesh.hpp"
+
+/// What a point and a sphere meet in a mesh.
+namespace tactus::haptic {
+namespace {
+
+/// The signed volume that a motion from the origin sees in an edge. The same edge the
+/// other way round gives exactly the negative, whatever the rounding.
+double side(const Vec3& motion, const Vec3& a, const Vec3& b) noexcept {
+  return motion.x * (a.y * b.z - a.z * b.y) + motion.y * (a.z * b.x - a.x * b.z) +
+         motion.z * (a.x * b.y - a.y * b.x);
+}
+
+/// The point of a triangle nearest to p, by its Voronoi regions (Ericson, Real-Time Collision
+/// Detection, 2005, section 5.1.5).
+Vec3 nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0.0 && d2 <= 0.0)
+    return a;
+  const Vec3 bp = p - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0.0 && d4 <= d3)
+    return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0)
+    return a + ab * (d1 / (d1 - d3));
+  const Vec3 cp = p - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0.0 && d5 <= d6)
+    return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0)
+    return a + ac * (d2 / (d2 - d6));
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
+    return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  const double sum = va + vb + vc;
+  return a + ab * (vb / sum) + ac * (vc / sum);
+}
+
+} // namespace
+
+/// Leaves that a sphere (radius 0: a point) may reach on its straight motion before `limit`, a
+/// fraction that the visitor lowers as it finds triangles: the nearer child first, so that most of
+/// the tree is never seen.
+template <class Visit>
+void TriangleMesh::traverse(const Vec3& from, const Vec3& to, double radius, const double& limit,
+                            WorkLimit& work, const Visit& visit) const noexcept {
+  if (nodes_.empty())
+    return;
+  const Segment segment(from, to);
+  const double length = radius > 0.0 ? norm(to - from) : 0.0;
+  struct Waiting {
+    std::uint32_t node;
+    double entry, squared_distance; ///< fraction; m^2 from where the motion begins
+  };
+  const auto wait_for = [&](std::uint32_t node) {
+    const Bounds bounds = nodes_[node].bounds();
+    if (radius == 0.0)
+      return Waiting{node, segment.entry(bounds, 0.0, limit), 0.0};
+    // A sphere reaches less than the box grown by its radius, which has corners.
+    const double reach = (radius + limit * length) * (1.0 + 1e-12);
+    const double squared = squared_distance(bounds, from);
+    return Waiting{node,
+                   squared > reach * reach ? Segment::kNever : segment.entry(bounds, radius, limit),
+                   squared};
+  };
+  // Many boxes lie within one radius of a sphere, all entered at 0: of these the nearest first.
+  const auto later = [](const Waiting& a, const Waiting& b) {
+    return a.entry > b.entry || (a.entry == b.entry && a.squared_distance > b.squared_distance);
+  };
+  std::array<Waiting, kMaxDepth + 2> stack;
+  std::size_t count = 0;
+  work.spend(kNodeWork);
+  stack[count++] = wait_for(0);
+  while (count > 0) {
+    const Waiting next = stack[--count];
+    if (next.entry > limit)
+      continue;
+    const Node& node = nodes_[next.node];
+    if (node.count > 0) {
+      for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
+        if (!work.spend(kTriangleWork))
+          return;
+        else
+          visit(t);
+      continue;
+    }
+    if (!work.spend(kNodeWork))
+      return;
+    Waiting near = wait_for(node.first), far = wait_for(node.first + 1);
+    if (later(near, far))
+      std::swap(near, far);
+    if (far.entry != Segment::kNever)
+      stack[count++] = far;
+    if (near.entry != Segment::kNever)
+      stack[count++] = near;
+  }
+}
+
+std::optional<Crossing> TriangleMesh::crossing(const Vec3& from, const Vec3& to,
+                                               WorkLimit& work) const noexcept {
+  const Vec3 motion = to - from;
+  double fraction = 1.0;
+  std::optional<Crossing> first;
+  std::uint32_t triangle = 0;
+  traverse(from, to, 0.0, fraction, work, [&](std::uint32_t t) {
+    const Corners at = corners_of(t);
+    const Vec3 a = at.a - from, b = at.b - from, c = at.c - from;
+    const double u = side(motion, a, b), v = side(motion, b, c), w = side(motion, c, a);
+    if (!((u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)))
+      return;
+    Vec3 normal = cross(b - a, c - a);
+    const double slope = dot(motion, normal), height = dot(a, normal);
+    if (slope == 0.0) // along the surface
+      return;
+    const double here = height / slope;
+    if (!(here >= 0.0 && here <= fraction) || (first && here == fraction && t < triangle))
+      return;
+    if (slope > 0.0)
+      normal = -normal;
+    fraction = here;
+    triangle = t;
+    first = Crossing{here, normal * (1.0 / norm(normal))};
+  });
+  return first;
+}
+
+std::optional<Crossing> TriangleMesh::crossing(double radius, const Vec3& from, const Vec3& to,
+                                               WorkLimit& work) const noexcept {
+  double fraction = 1.0;
+  std::optional<Crossing> first;
+  std::uint32_t triangle = 0;
+  traverse(from, to, radius, fraction, work, [&](std::uint32_t t) {
+    const Corners at = corners_of(t);
+    const auto found = convex_crossing(
+        radius, from, to, fraction,
+        [&](const Vec3& p) { return nearest_on_triangle(p, at.a, at.b, at.c); }, work);
+    if (!found || (first && found->fraction == fraction && t < triangle))
+      return;
+    fraction = found->fraction;
+    triangle = t;
+    first = found;
+  });
+  return first;
+}
+
+std::optional<TriangleMesh::Nearest> TriangleMesh::nearest(const Vec3& p, double limit,
+                                                           WorkLimit& work) const noexcept {
+  std::optional<Nearest> best;
+  if (nodes_.empty())
+    return best;
+  double squared_limit = limit * limit;
+  struct Waiting {
+    std::uint32_t node;
+    double squared;
+  };
+  std::array<Waiting, kMaxDepth + 2> stack;
+  std::size_t count = 0;
+  stack[count++] = {0, squared_distance(bounds_, p)};
+  while (count > 0) {
+    const Waiting next = stack[--count];
+    if (next.squared >= squared_limit)
+      continue;
+    const Node& node = nodes_[next.node];
+    if (!work.spend(kNodeWork + kTriangleWork * static_cast<int>(node.count)))
+      return best;
+    for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
+      const Corners at = corners_of(t);
+      const Vec3 point = nearest_on_triangle(p, at.a, at.b, at.c);
+      const double squared = dot(p - point, p - point);
+      if (squared >= squared_limit)
+        continue;
+      squared_limit = squared;
+      const Vec3 area = cross(at.b - at.a, at.c - at.a);
+      best = Nearest{point, std::sqrt(squared), area * (1.0 / norm(area))};
+    }
+    if (node.count > 0)
+      continue;
+    Waiting near{node.first, 0}, far{node.first + 1, 0};
+    near.squared = squared_distance(nodes_[near.node].bounds(), p);
+    far.squared = squared_distance(nodes_[far.node].bounds(), p);
+    if (far.squared < near.squared)
+      std::swap(near, far);
+    stack[count++] = far;
+    stack[count++] = near;
+  }
+  return best;
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "externals/phantom/device_worker.hpp"
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+
+namespace tactus::phantom {
+
+struct DeviceWorker::Task {
+  enum class Kind { kOpen, kRun, kClose, kReopen, kList };
+  Kind kind;
+  const devices::Driver* driver = nullptr;
+  Device device{};
+  Session session{};
+  std::uint64_t ticket = 0;
+  double period_s = 0;
+};
+
+/// What a worker and its thread share; and, below, what the thread does.
+struct DeviceWorker::State {
+  mutable std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Task> tasks;
+  std::deque<Answer> answers;
+  std::uint64_t ticket = 0; ///< the newest that was asked for
+  bool ending = false;      ///< no new task
+  bool has_thread = false, working = false;
+  // the call of a driver that is under way
+  std::string call;   ///< what it does; empty: none
+  Device called;      ///< by it, if it is an opening
+  double since_s = 0; ///< when it began, or when its opening became unwanted; 0: it is wanted
+  std::unique_ptr<DriverUse> use;
+
+  std::mutex ready_mutex; ///< held while `ready` is called, which takes no time
+  std::function<void()> ready;
+
+  void drop_ticket();
+  void cancel_unwanted();
+
+  // the thread's side
+  void work();
+
+private:
+  void carry_out(Task& task);
+  void answer(Answer answer);
+  [[nodiscard]] bool wanted(std::uint64_t asked) const;
+  void begin_call(std::string what, Device opened);
+  void end_call();
+  [[nodiscard]] std::string try_open(const Task& task);
+  void announce(const Task& task);
+  void open(const Task& task);
+  void run(const Task& task);
+  [[nodiscard]] bool end(Task& task);
+  void reopen(Task& task);
+  void list();
+};
+
+} // namespace tactus::phantom

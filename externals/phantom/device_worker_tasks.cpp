@@ -1,0 +1,247 @@
+#include "externals/phantom/device_worker_state.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+/// The thread's side of the worker, where a driver's call may take its time.
+namespace tactus::phantom {
+namespace {
+
+constexpr double kFirstPause_s = 0.25, kMaxPause_s = 4;
+constexpr double kFall_s = 0.2; // for the force to fall by its slew
+constexpr double kOneHour_s = 3600;
+
+} // namespace
+
+/// With the lock held.
+void DeviceWorker::State::drop_ticket() {
+  ticket = ~std::uint64_t{0};
+  if (called && since_s == 0)
+    since_s = devices::ServoThread::now_s();
+  if (use && (called || ending))
+    use->leave();
+  changed.notify_all();
+}
+
+void DeviceWorker::State::cancel_unwanted() {
+  Device opened;
+  {
+    const std::scoped_lock lock(mutex);
+    if (since_s > 0)
+      opened = called;
+  }
+  if (opened)
+    opened->cancel();
+}
+
+bool DeviceWorker::State::wanted(std::uint64_t asked) const {
+  const std::scoped_lock lock(mutex);
+  return !ending && ticket == asked;
+}
+
+void DeviceWorker::State::begin_call(std::string what, Device opened) {
+  const std::scoped_lock lock(mutex);
+  since_s = opened && ticket != ~std::uint64_t{0} ? 0 : devices::ServoThread::now_s();
+  call = std::move(what);
+  called = std::move(opened);
+}
+
+void DeviceWorker::State::end_call() {
+  const std::scoped_lock lock(mutex);
+  call.clear();
+  called.reset();
+  since_s = 0;
+}
+
+void DeviceWorker::State::answer(Answer answer) {
+  {
+    const std::scoped_lock lock(mutex);
+    answers.push_back(std::move(answer));
+  }
+  const std::scoped_lock lock(ready_mutex);
+  if (ready)
+    ready();
+}
+
+void DeviceWorker::State::work() {
+  for (;;) {
+    std::unique_lock lock(mutex);
+    working = false;
+    changed.wait(lock, [this] { return ending || !tasks.empty(); });
+    if (tasks.empty()) {
+      // Devices that opened and that nobody came for.
+      const std::deque<Answer> left = std::move(answers);
+      answers.clear();
+      lock.unlock();
+      for (const Answer& one : left)
+        if (one.kind == Answer::Kind::kOpened) {
+          begin_call("closing the device", nullptr);
+          one.device->close();
+          end_call();
+        }
+      lock.lock();
+      use.reset();
+      has_thread = false;
+      changed.notify_all();
+      return;
+    }
+    working = true;
+    Task task = std::move(tasks.front());
+    tasks.pop_front();
+    lock.unlock();
+    carry_out(task);
+  }
+}
+
+void DeviceWorker::State::carry_out(Task& task) {
+  switch (task.kind) {
+  case Task::Kind::kOpen:
+    return open(task);
+  case Task::Kind::kRun:
+    return run(task);
+  case Task::Kind::kClose: {
+    Answer closed{Answer::Kind::kClosed, task.ticket, task.device};
+    closed.released = end(task);
+    return answer(std::move(closed));
+  }
+  case Task::Kind::kReopen:
+    return reopen(task);
+  case Task::Kind::kList:
+    return list();
+  }
+}
+
+/// Empty when the device is open and its driver in use; else why not.
+std::string DeviceWorker::State::try_open(const Task& task) {
+  std::string refusal;
+  auto entered = DriverUse::enter(
+      *task.driver, [&] { return wanted(task.ticket); }, refusal);
+  if (!entered)
+    return refusal;
+  const bool shared = entered->shared();
+  {
+    const std::scoped_lock lock(mutex);
+    use = std::move(entered);
+  }
+  begin_call(std::string(task.driver->name) + ": opening the device", task.device);
+  // What the driver says of its libraries may load them, which disturbs a device that runs.
+  refusal = shared ? std::string() : task.driver->obstacle();
+  if (refusal.empty())
+    refusal = task.device->open();
+  end_call();
+  const std::scoped_lock lock(mutex);
+  if (refusal.empty())
+    use->opened(task.device->identity());
+  else
+    use.reset();
+  return refusal;
+}
+
+/// An open device, unless nobody wants it any more.
+void DeviceWorker::State::announce(const Task& task) {
+  bool asked_for = false;
+  {
+    const std::scoped_lock lock(mutex);
+    asked_for = !ending && ticket == task.ticket;
+    if (asked_for)
+      answers.push_back({Answer::Kind::kOpened, task.ticket, task.device});
+  }
+  if (!asked_for) {
+    Task close{Task::Kind::kClose, task.driver, task.device};
+    static_cast<void>(end(close));
+    return;
+  }
+  const std::scoped_lock lock(ready_mutex);
+  if (ready)
+    ready();
+}
+
+void DeviceWorker::State::open(const Task& task) {
+  if (!wanted(task.ticket))
+    return;
+  std::string refusal = try_open(task);
+  if (refusal.empty())
+    return announce(task);
+  answer({Answer::Kind::kRefused, task.ticket, task.device, std::move(refusal)});
+}
+
+void DeviceWorker::State::run(const Task& task) {
+  if (!wanted(task.ticket))
+    return;
+  const Session& session = task.session;
+  begin_call("starting the device's servo", nullptr);
+  session.rig->guard.set_driven(true);
+  std::string refusal =
+      session.runner->start(session.rig->servo, *session.rig->device, task.period_s, session.rig);
+  end_call();
+  const bool runs = refusal.empty();
+  answer({runs ? Answer::Kind::kRunning : Answer::Kind::kNotRunning, task.ticket,
+          session.rig->device, std::move(refusal)});
+}
+
+/// Whether the device took the zero force. As long as a call hangs nothing else is tried: the
+/// device is closed when it returns.
+bool DeviceWorker::State::end(Task& task) {
+  const std::string name = task.driver ? std::string(task.driver->name) + ": " : std::string();
+  begin_call(name + "closing the device", nullptr);
+  {
+    const std::scoped_lock lock(mutex);
+    if (use)
+      use->leave();
+  }
+  bool released = true;
+  if (const Session& session = task.session; session.runner) {
+    const double give_up_s = devices::ServoThread::now_s() + kFall_s;
+    while (session.runner->running() && !session.rig->servo.exchange().motors.at_rest() &&
+           devices::ServoThread::now_s() < give_up_s)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (!session.runner->stop(kOneHour_s)) {
+    }
+    session.rig->guard.set_driven(false);
+    released = session.runner->released();
+  }
+  task.device->close();
+  end_call();
+  const std::scoped_lock lock(mutex);
+  use.reset();
+  return released;
+}
+
+void DeviceWorker::State::reopen(Task& task) {
+  static_cast<void>(end(task));
+  std::string last;
+  for (double pause_s = kFirstPause_s;; pause_s = std::min(2 * pause_s, kMaxPause_s)) {
+    {
+      std::unique_lock lock(mutex);
+      changed.wait_for(lock, std::chrono::duration<double>(pause_s),
+                       [&] { return ending || ticket != task.ticket; });
+      if (ending || ticket != task.ticket)
+        return;
+    }
+    std::string refusal = try_open(task);
+    if (refusal.empty())
+      return announce(task);
+    if (refusal == last)
+      continue;
+    last = refusal;
+    answer({Answer::Kind::kTrouble, task.ticket, task.device, std::move(refusal)});
+  }
+}
+
+void DeviceWorker::State::list() {
+  Answer all;
+  all.kind = Answer::Kind::kListed;
+  for (const devices::Driver* driver : devices::drivers()) {
+    begin_call(std::string(driver->name) + ": listing devices", nullptr);
+    DriverUse::Listed listed = DriverUse::list(*driver);
+    end_call();
+    if (listed.obstacle.empty())
+      std::move(listed.found.begin(), listed.found.end(), std::back_inserter(all.found));
+    else
+      all.obstacles.emplace_back(driver->name, std::move(listed.obstacle));
+  }
+  answer(std::move(all));
+}
+
+} // namespace tactus::phantom

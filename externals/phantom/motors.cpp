@@ -1,0 +1,63 @@
+#include "externals/phantom/estop_latches.hpp"
+#include "externals/phantom/phantom.hpp"
+#include "externals/phantom/tags.hpp"
+
+#include <algorithm>
+
+/// `motors` and `estop`. Both are states of the servo's MotorControl; a stop is remembered for the
+/// object's name and its device, too, so that it holds for the object that comes after it.
+namespace tactus {
+
+using namespace phantom;
+
+void Phantom::set_motors() noexcept {
+  if (!on(kMotors))
+    return exchange().motors.disable();
+  exchange().motors.enable();
+  for (const std::string& key : estop_keys_)
+    release_estop(key);
+  estop_keys_.clear();
+}
+
+void Phantom::on_estop(Host& host) {
+  exchange().motors.emergency_stop();
+  latch_stop();
+  estop_told_ = false;
+  send_estop(host);
+}
+
+/// Remembers that the stop holds for this name and this device.
+void Phantom::latch_stop() noexcept {
+  const auto latch = [this](std::string key) {
+    latch_estop(key);
+    if (std::find(estop_keys_.begin(), estop_keys_.end(), key) == estop_keys_.end())
+      estop_keys_.push_back(std::move(key));
+  };
+  if (name_ != "-")
+    latch(name_key(name_));
+  if (driver_ && open())
+    latch(device_key(driver_->name, device_->identity().serial));
+}
+
+/// The stop that an earlier object of this name or device was told.
+void Phantom::inherit_stop(const std::string& key, Host& host) {
+  if (!estop_latched(key))
+    return;
+  if (!exchange().motors.request().stopped)
+    host.log("the estop of an earlier phantom holds for this one, by its name or its device: send "
+             "motors 1 to have force");
+  exchange().motors.emergency_stop();
+  estop_keys_.push_back(key);
+  send_estop(host);
+}
+
+void Phantom::send_estop(Host& host) {
+  const bool stopped = exchange().motors.request().stopped;
+  if (stopped == estop_told_)
+    return;
+  estop_told_ = stopped;
+  if (reported_[kStatus])
+    host.info({"status", "estop", stopped ? 1.0 : 0.0});
+}
+
+} // namespace tactus

@@ -1,0 +1,100 @@
+#include "externals/phantom/phantom.hpp"
+#include "externals/phantom/tags.hpp"
+
+/// What is wrong with a real device: said to the patch by `trouble DRIVER SENTENCE`, and once in
+/// the host's window. Everything here runs in the host's thread, not in the servo's.
+namespace tactus {
+
+using namespace phantom;
+
+namespace {
+
+constexpr double kAskEvery_ms = 50;
+constexpr double kLasting_ms = 100;   // before a trouble is told: a host may stall for some ms
+constexpr double kWellAfter_ms = 500; // without trouble, before that is told
+
+} // namespace
+
+/// What the device says of itself, when it changes.
+void Phantom::watch_device(Host& host) {
+  if (!has_report_ || !open())
+    return;
+  using haptic::State;
+  const haptic::Report& report = exchange().reports.latest();
+  const std::uint32_t now = report.state.flags;
+  const std::uint32_t changed = now ^ flags_;
+  flags_ = now;
+  constexpr std::pair<std::uint32_t, std::string_view> kWatched[] = {
+      {State::kHomed, "homed"}, {State::kMotorsHot, "hot"}, {State::kForceLimited, "limited"}};
+  for (const auto& [flag, word] : kWatched)
+    if ((changed & flag) && reported_[kStatus])
+      host.info({"status", word, (now & flag) ? 1.0 : 0.0});
+  if (report.faults != faults_) {
+    faults_ = report.faults;
+    return report.fault == haptic::Fault::kReported ? fail(host) : lose(host);
+  }
+  watch_trouble(host);
+}
+
+/// The device does not answer any more: it is closed and looked for until it returns.
+void Phantom::lose(Host& host) {
+  const std::string said = device_->trouble();
+  rig_->signals->place(haptic::SignalLink::Time::kNone, 0, {});
+  link_ = Link::kLost;
+  values_[kMotors] = 0;
+  exchange().motors.disable();
+  host.error(std::string(driver_name()) +
+             ": the device does not answer any more; check its cable and power. It is opened again "
+             "when it returns, with its motors off until motors 1" +
+             (said.empty() ? "" : " (" + said + ")"));
+  if (!said.empty())
+    send_trouble(trouble_ = said, host);
+  send_status("lost", host);
+  const std::string refusal = worker(host).reopen(*driver_, {rig_, runner_}, device_, ++ticket_);
+  renew_rig(host);
+  host.wake_in(kWatchWorker, 0);
+  if (!refusal.empty())
+    closed(refusal, host);
+}
+
+/// The device says that it has failed; it still answers.
+void Phantom::fail(Host& host) {
+  exchange().motors.emergency_stop();
+  latch_stop();
+  const std::string said = device_->trouble();
+  host.error("the device has failed and its motors are off until motors 1: " +
+             (said.empty() ? std::string(driver_name()) + ": check it first" : said));
+  if (!said.empty())
+    send_trouble(trouble_ = said, host);
+  if (reported_[kStatus])
+    host.info({"status", "fault", 1.0});
+  send_estop(host);
+}
+
+/// An empty sentence: nothing is wrong any more.
+void Phantom::send_trouble(std::string_view sentence, Host& host) const {
+  if (reported_[kError])
+    host.info({"trouble", driver_name(), sentence.empty() ? "-" : sentence});
+}
+
+void Phantom::watch_trouble(Host& host) {
+  const double now_ms = host.now_ms();
+  if (now_ms - trouble_asked_ms_ < kAskEvery_ms)
+    return;
+  trouble_asked_ms_ = now_ms;
+  std::string said = device_->trouble();
+  if (said != heard_trouble_) {
+    heard_trouble_ = std::move(said);
+    trouble_ms_ = now_ms;
+  }
+  const double lasts_ms = now_ms - trouble_ms_;
+  if (heard_trouble_ == trouble_ ||
+      lasts_ms < (heard_trouble_.empty() ? kWellAfter_ms : kLasting_ms))
+    return;
+  trouble_ = heard_trouble_;
+  send_trouble(trouble_, host);
+  if (!trouble_.empty())
+    host.log(trouble_);
+}
+
+} // namespace tactus

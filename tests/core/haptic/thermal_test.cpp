@@ -1,0 +1,145 @@
+#include "core/haptic/servo.hpp"
+#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/thermal.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+using namespace tactus::haptic;
+
+namespace {
+
+/// A Touch: 3.3 N at the peak, 0.88 N for ever.
+struct Touch final : Backend {
+  std::string open() override { return {}; }
+  void close() noexcept override {}
+  Caps caps() const noexcept override {
+    Caps caps;
+    caps.peak_force_n = 3.3;
+    caps.continuous_force_n = 0.88;
+    return caps;
+  }
+  bool read(const Tick&, State& state) noexcept override {
+    state.flags = State::kHomed | (warm ? State::kMotorsHot : 0u);
+    return true;
+  }
+  bool write(const Vec3& force_n) noexcept override {
+    forces.push_back(norm(force_n));
+    return true;
+  }
+  bool warm = false;
+  std::vector<double> forces;
+};
+
+/// The device's forces while a patch asks for so much, one a millisecond.
+void ask(Servo& servo, std::uint64_t& tick, double force_n, double seconds) {
+  for (const auto end = tick + static_cast<std::uint64_t>(seconds * 1e3); tick < end; ++tick) {
+    Command command;
+    command.force_n = {force_n, 0, 0};
+    command.number = tick + 1;
+    command.heartbeat_s = static_cast<double>(tick) * 1e-3;
+    servo.exchange().commands.write(command);
+    servo.step({tick, static_cast<double>(tick) * 1e-3, 1e-3});
+  }
+}
+
+void attach(Touch& device, Servo& servo) {
+  ServoSettings settings;
+  settings.chain.force_limit_n = 3.3;
+  servo.exchange().settings.write(settings);
+  servo.attach(device);
+}
+
+} // namespace
+
+TEST_CASE("the heat follows the squared force with one time constant") {
+  ThermalLimit motors;
+  const ThermalSettings settings{1e-3, 8, 1};
+  for (int tick = 0; tick < 30000; ++tick)
+    motors.advance(settings, 2, false);
+  CHECK(motors.heat_n2() == doctest::Approx(4 * (1 - std::exp(-1.0))).epsilon(1e-9));
+}
+
+TEST_CASE("a force that is asked for without end settles below the continuous rating") {
+  for (const double asked_n : {1.0, 2.0, 3.3}) {
+    Touch device;
+    Servo servo;
+    attach(device, servo);
+    std::uint64_t tick = 0;
+    ask(servo, tick, asked_n, 180);
+    double sum = 0, largest_step = 0;
+    for (std::size_t i = 1; i < device.forces.size(); ++i) {
+      if (i + 60000 > device.forces.size())
+        sum += device.forces[i] * 1.0 / 60000;
+      largest_step = std::max(largest_step, device.forces[i - 1] - device.forces[i]);
+    }
+    CAPTURE(asked_n);
+    MESSAGE("asked for " << asked_n << " N: " << sum << " N in the third minute; largest fall "
+                         << largest_step * 1e3 << " N/s");
+    CHECK(sum < 0.88);
+    CHECK(sum > 0.8);                                      // no more is taken than must be
+    CHECK(largest_step < 3e-3);                            // a ramp of 3 N/s at the most
+    CHECK(device.forces[200] == doctest::Approx(asked_n)); // a short push has all of it
+    CHECK(servo.chain().sparing);
+  }
+}
+
+TEST_CASE("pushes with pauses, below the rating in the mean, are left alone") {
+  Touch device;
+  Servo servo;
+  attach(device, servo);
+  std::uint64_t tick = 0;
+  for (int push = 0; push < 60; ++push) { // 2 N for 0.1 s of each 2 s: 0.45 N rms
+    ask(servo, tick, 2, 0.1);
+    CHECK(device.forces.back() == doctest::Approx(2));
+    ask(servo, tick, 0, 1.9);
+  }
+  CHECK_FALSE(servo.chain().sparing);
+}
+
+TEST_CASE("a device without a figure, or whose figure is its peak, is never spared") {
+  for (const double rated : {0.0, 8.0}) {
+    ThermalLimit motors;
+    const ThermalSettings settings{1e-3, 8, rated};
+    for (int tick = 0; tick < 300000; ++tick)
+      motors.advance(settings, 8, false);
+    CHECK(motors.ceiling_n(settings) == doctest::Approx(8));
+  }
+}
+
+TEST_CASE("a device that calls its motors warm gets less force within a second, by a ramp") {
+  Touch device;
+  Servo servo;
+  attach(device, servo);
+  std::uint64_t tick = 0;
+  ask(servo, tick, 1, 0.5);
+  CHECK(device.forces.back() == doctest::Approx(1));
+  device.warm = true;
+  const std::size_t before = device.forces.size();
+  ask(servo, tick, 1, 1.5);
+  CHECK(device.forces.back() == doctest::Approx(0.44).epsilon(1e-6)); // half the rating
+  for (std::size_t i = before; i < device.forces.size(); ++i)
+    REQUIRE(device.forces[i - 1] - device.forces[i] < 4e-3);
+  CHECK(servo.chain().sparing);
+  device.warm = false;
+  ask(servo, tick, 1, 11);
+  CHECK(device.forces.back() > 0.85);
+}
+
+TEST_CASE("whatever the figures, the ceiling is finite and never above the peak") {
+  for (const double peak : {0.0, 1e-3, 8.0})
+    for (const double rated : {0.0, 1e-6, 1.0, 1e3})
+      for (const double force : {0.0, 8.0, 1e6}) {
+        ThermalLimit motors;
+        const ThermalSettings settings{1e-3, peak, rated};
+        for (int tick = 0; tick < 2000; ++tick) {
+          motors.advance(settings, force, tick % 2 == 0);
+          const double ceiling = motors.ceiling_n(settings);
+          REQUIRE(std::isfinite(ceiling));
+          REQUIRE(ceiling >= 0);
+          REQUIRE(ceiling <= peak);
+        }
+      }
+}

@@ -1,0 +1,112 @@
+"""What is wrong with a device reaches the patch: `trouble DRIVER SENTENCE` on the info outlet, one
+error line for a failure, and a list that leaves a device that runs alone."""
+
+import re
+import time
+
+from live_pd import Live, Patch, falcon_patch, falcon_world
+from test_hang_live import hang, vendors_world
+
+
+def lines(live, pattern):
+    return re.findall(pattern, live.read().replace("\\", ""), re.M)
+
+
+def test_a_device_that_does_not_open_says_why_once(tmp_path):
+    with Live(tmp_path, Patch("openhaptics"), environment={"PHANTOM_LIBHD": "/nowhere/HD"}) as live:
+        live.wait_for_patch()
+        live.tell_phantom("open")
+        live.wait_for(r"^info: status closed openhaptics")
+        (said,) = lines(live, r"^info: trouble openhaptics (.*)$")
+        (error,) = lines(live, r"^error: phantom: (.*)$")
+        assert said == error and "/nowhere/HD" in said
+        live.end()
+
+
+def test_what_a_device_wants_of_its_user_is_told_once(tmp_path):
+    world = dict(vendors_world(tmp_path), FAKE_HD="inkwell")
+    with Live(tmp_path, Patch("openhaptics"), environment=world) as live:
+        live.wait_for_patch()
+        live.tell_phantom("open")
+        live.wait_for(r"^info: status homed 0")
+        live.wait_for(r"^info: trouble openhaptics .*inkwell")
+        time.sleep(1)  # twenty times as long as between two looks
+        assert len(lines(live, r"^info: trouble .*inkwell")) == 1
+        assert len(lines(live, r"phantom: openhaptics: the device is not calibrated")) == 1
+        assert not lines(live, r"^error")
+        live.end()
+
+
+def test_hot_motors_and_a_failure_are_told_while_the_device_is_open(tmp_path):
+    world = vendors_world(tmp_path)
+    with Live(tmp_path, Patch("openhaptics"), environment=world) as live:
+        live.wait_for_patch()
+        live.tell_phantom("open")
+        live.wait_for(r"^info: status sched driver")
+        hang(tmp_path, "warm")
+        live.wait_for(r"^info: status hot 1")
+        live.wait_for(r"^info: trouble openhaptics .*motors\\? are\\? warm")
+        assert not lines(live, r"^error")  # it still works
+        hang(tmp_path)
+        live.wait_for(r"^info: status hot 0")
+        live.wait_for(r"^info: trouble openhaptics -$")
+
+        hang(tmp_path, "fast")
+        live.wait_for(r"^info: status fault 1")
+        live.wait_for(r"^info: status estop 1")
+        (error,) = lines(live, r"^error: phantom: (.*)$")
+        assert error == ("the device has failed and its motors are off until motors 1: openhaptics: "
+                         "the handle moved too fast and the device switched the force off: hold "
+                         "it, then send motors 1")
+        assert len(lines(live, r"^info: trouble openhaptics .*moved too fast")) == 1
+        live.tell_phantom("motors 1")
+        live.wait_for(r"^info: status estop 0")
+        live.end()
+
+
+def test_a_lost_device_says_why_and_what_keeps_it_away(tmp_path):
+    with Live(tmp_path, falcon_patch(tmp_path), falcon_world(tmp_path, "--loaded")) as live:
+        live.wait_for(r"^info: status homed 1")
+        live.tell_double("unplug")
+        live.wait_for(r"^info: status lost falcon")
+        live.wait_for(r"^info: trouble falcon .*(left\\? the\\? bus|does\\? not\\? answer)")
+        live.wait_for(r"^info: trouble falcon no\\? Falcon")  # once, though it is tried again
+        live.tell_double("plug")
+        live.wait_for(r"^info: status open falcon", 2)
+        live.wait_for(r"^info: trouble falcon -$")
+        assert len(lines(live, r"^info: trouble falcon no Falcon")) == 1
+        assert len(lines(live, r"^error: .*does not answer any more.*\(the Falcon")) >= 1
+        live.end()
+
+
+def test_reports_of_errors_can_be_switched_off(tmp_path):
+    with Live(tmp_path, Patch("openhaptics"),
+              environment={"PHANTOM_LIBHD": "/nowhere/HD"}) as live:
+        live.wait_for_patch()
+        live.tell_phantom("report error 0")
+        live.tell_phantom("open")
+        live.wait_for(r"^info: status closed openhaptics")
+        assert not lines(live, r"^info: trouble")
+        assert len(lines(live, r"^error: phantom: .*/nowhere/HD")) == 1
+        live.end()
+
+
+def test_a_list_leaves_a_device_that_runs_alone(tmp_path):
+    """The double's count of devices would hang: nobody may ask for it."""
+    with Live(tmp_path, Patch("dhd"), environment=vendors_world(tmp_path)) as live:
+        live.wait_for_patch()
+        live.tell_phantom("devices")
+        live.wait_for(r"^info: device dhd 0 Force\S* \S+ - ready|^info: device dhd 0 .* ready")
+        live.tell_phantom("open")
+        live.wait_for(r"^info: status sched")
+        hang(tmp_path, "dhdGetDeviceCount")
+        live.tell_phantom("devices")
+        live.wait_for(r"^info: device dhd 0 .* open", 2)  # when it opened, and now
+        live.wait_for(r"^info: device sim", 2)
+        live.tell_phantom("close")
+        live.wait_for(r"^info: status closed dhd")
+        hang(tmp_path)
+        live.tell_phantom("devices")
+        live.wait_for(r"^info: device dhd 0 .* ready", 2)
+        live.end()
+
