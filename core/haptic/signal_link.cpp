@@ -38,6 +38,14 @@ double SignalLink::next_vibration() noexcept {
   return last_vibration_;
 }
 
+/// What does not fit is not counted, so that both sides' counts stay equal.
+void SignalLink::send_network() noexcept {
+  if (network_)
+    for (const NetworkSample& sample : network_->samples())
+      sent_samples_ += network_samples_.push(sample);
+  found_.network_samples = sent_samples_;
+}
+
 Vec3 SignalLink::force(const Tick& tick, const State& state) noexcept {
   found_.time_s = tick.time_s;
   found_.position = state.position;
@@ -45,8 +53,12 @@ Vec3 SignalLink::force(const Tick& tick, const State& state) noexcept {
   found_.touching = scene_ && !scene_->touches().empty();
   switch (time_.load(std::memory_order_acquire)) {
   case Time::kLogical:
-    return stepping_ ? force_now_ + vibration(vibration_now_, gated_now_) : Vec3{};
+    if (!stepping_)
+      return {};
+    send_network();
+    return force_now_ + vibration(vibration_now_, gated_now_);
   case Time::kWall: {
+    send_network();
     samples_.push(found_);
     forces_.read();
     const Force& heard = forces_.latest();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/haptic/mailbox.hpp"
+#include "core/haptic/network/network_model.hpp"
 #include "core/haptic/ring.hpp"
 #include "core/haptic/scene/scene_model.hpp"
 #include "core/haptic/servo.hpp"
@@ -28,6 +29,7 @@ public:
     Vec3 position{}; ///< m
     Vec3 velocity{}; ///< m/s
     bool touching = false;
+    std::uint64_t network_samples = 0; ///< of the network, that were sent up to this tick
   };
   /// Whoever owns the servo, for audio that steps it.
   struct Stepper {
@@ -45,6 +47,8 @@ public:
   void set_workspace(const Workspace& workspace) noexcept { workspaces_.write(workspace); }
   /// The scene whose contact gates and directs the vibration.
   void watch(const SceneModel& scene) noexcept { scene_ = &scene; }
+  /// The network whose pickups are played. It must be asked for its force before this is.
+  void listen(const NetworkModel& network) noexcept { network_ = &network; }
   /// Counts blocks, to see whether audio runs; and how long the longest lasted.
   [[nodiscard]] std::uint64_t blocks() const noexcept {
     return blocks_.load(std::memory_order_relaxed);
@@ -76,6 +80,13 @@ public:
   bool vibrate(double newton) noexcept { return vibrations_.push(newton); }
   void set_gate(bool gated) noexcept { gated_.store(gated, std::memory_order_relaxed); }
   [[nodiscard]] bool next(Sample& sample) noexcept { return samples_.pop(sample); }
+  /// The network's pickups in order, and how many have been taken since the link was made.
+  [[nodiscard]] bool next(NetworkSample& sample) noexcept {
+    const bool found = network_samples_.pop(sample);
+    taken_samples_ += found;
+    return found;
+  }
+  [[nodiscard]] std::uint64_t taken_samples() const noexcept { return taken_samples_; }
 
 private:
   static constexpr double kStale_s = 0.1; ///< a signal that has stopped is no force
@@ -83,6 +94,7 @@ private:
 
   [[nodiscard]] Vec3 vibration(double newton, bool gated) const noexcept;
   [[nodiscard]] double next_vibration() noexcept;
+  void send_network() noexcept;
 
   std::atomic<Time> time_{Time::kNone};
   std::atomic<double> rate_hz_{1000}, longest_block_s_{0};
@@ -90,10 +102,13 @@ private:
   std::atomic<bool> taken_{false}, gated_{true};
   Stepper stepper_{};
   const SceneModel* scene_ = nullptr;
+  const NetworkModel* network_ = nullptr;
   Mailbox<Workspace> workspaces_;
   Mailbox<Force> forces_;
   Ring<double, 1024> vibrations_;
   Ring<Sample, 1024> samples_;
+  Ring<NetworkSample, 32768> network_samples_;
+  std::uint64_t sent_samples_ = 0, taken_samples_ = 0; // the servo's and the audio's count
 
   // logical time: for the tick under way
   Vec3 force_now_{};

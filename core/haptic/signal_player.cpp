@@ -56,7 +56,38 @@ void SignalPlayer::end_block(double wall_s) noexcept {
 SignalPlayer::Outputs SignalPlayer::between(const Sample& a, const Sample& b,
                                             double share) const noexcept {
   const auto mix = [share](const Vec3& from, const Vec3& to) { return from + (to - from) * share; };
-  return {workspace_.normalised(mix(a.position, b.position)), mix(a.velocity, b.velocity)};
+  const auto from = static_cast<double>(a.network_samples);
+  const auto to = static_cast<double>(b.network_samples);
+  return {workspace_.normalised(mix(a.position, b.position)), mix(a.velocity, b.velocity),
+          network_at(from + (to - from) * share - 1)};
+}
+
+void SignalPlayer::take_network(std::uint64_t until) noexcept {
+  NetworkSample sample;
+  while (link_->taken_samples() < until && link_->next(sample))
+    network_[link_->taken_samples() % kNetworkHistory] = sample;
+}
+
+/// Samples are numbered from 1; before the first and after the last the nearest counts.
+NetworkSample SignalPlayer::network_sample(double number) const noexcept {
+  const auto last = static_cast<double>(link_->taken_samples());
+  if (last < 1)
+    return {};
+  return network_[static_cast<std::uint64_t>(std::clamp(number, 1.0, last)) % kNetworkHistory];
+}
+
+/// Lagrange's cubic through the four samples around that number.
+std::array<double, Network::kPickups> SignalPlayer::network_at(double number) const noexcept {
+  const double before = std::floor(number), t = number - before;
+  const double weights[] = {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2,
+                            -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
+  std::array<double, Network::kPickups> sum{};
+  for (int k = 0; k < 4; ++k) {
+    const NetworkSample sample = network_sample(before + k - 1);
+    for (std::size_t p = 0; p < sum.size(); ++p)
+      sum[p] += weights[k] * static_cast<double>(sample[p]);
+  }
+  return sum;
 }
 
 void SignalPlayer::step_due(const Inputs& inputs, double vibration_n) noexcept {
@@ -70,6 +101,7 @@ void SignalPlayer::step_due(const Inputs& inputs, double vibration_n) noexcept {
     }
     before_ = now_;
     now_ = link_->step(inputs.force_n, vibration_n, gated_);
+    take_network(now_.network_samples);
     if (!stepped_)
       before_ = now_;
     stepped_ = true;
@@ -82,7 +114,7 @@ void SignalPlayer::step_due(const Inputs& inputs, double vibration_n) noexcept {
 void SignalPlayer::collect() noexcept {
   Sample sample;
   for (std::size_t taken = 0; taken < kHistory && link_->next(sample); ++taken)
-    history_[written_++ % kHistory] = sample;
+    take_network((history_[written_++ % kHistory] = sample).network_samples);
   if (written_ == 0)
     return;
   if (newest(0).time_s != fed_s_) {

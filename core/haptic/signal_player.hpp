@@ -19,6 +19,9 @@ namespace tactus::haptic {
 /// Wall time: the last sample of a block is the force. Positions are played from a buffer,
 /// `delay_s` behind the newest, at a speed that follows the two clocks' difference. Where the host
 /// computes longer bursts of blocks than that delay covers, it grows by what they need.
+///
+/// The network's pickups are played beside the positions, one of their own samples later, by cubic
+/// interpolation between the steps at which they were read.
 class SignalPlayer {
 public:
   struct Inputs {
@@ -26,8 +29,9 @@ public:
     double vibration_n = 0;
   };
   struct Outputs {
-    Vec3 position; ///< 0..1 over the workspace
-    Vec3 velocity; ///< m/s
+    Vec3 position;                                   ///< 0..1 over the workspace
+    Vec3 velocity;                                   ///< m/s
+    std::array<double, Network::kPickups> network{}; ///< of the phantom's mass-spring network
   };
 
   void prepare(double sample_rate_hz) noexcept;
@@ -46,11 +50,15 @@ private:
   using Sample = SignalLink::Sample;
   static constexpr std::size_t kHistory = 1024;
   static constexpr int kMostTicksASample = 64;
+  static constexpr std::size_t kNetworkHistory = 32768;
 
   void restart(SignalLink::Time time, double rate_hz) noexcept;
   void step_due(const Inputs& inputs, double vibration_n) noexcept;
   void play(double vibration_n) noexcept;
   void collect() noexcept;
+  void take_network(std::uint64_t until) noexcept;
+  [[nodiscard]] NetworkSample network_sample(double number) const noexcept;
+  [[nodiscard]] std::array<double, Network::kPickups> network_at(double number) const noexcept;
   [[nodiscard]] double aim_s() const noexcept;
   [[nodiscard]] Outputs between(const Sample& a, const Sample& b, double share) const noexcept;
   [[nodiscard]] const Sample& newest(std::size_t age) const noexcept {
@@ -72,6 +80,7 @@ private:
 
   std::array<Sample, kHistory> history_{};
   std::uint64_t written_ = 0;
+  std::array<NetworkSample, kNetworkHistory> network_{}; // number n at n % kNetworkHistory
   double played_s_ = 0;
   double fed_s_ = 0, unfed_s_ = 0, longest_unfed_s_ = 0; // newest time; played since it came
   bool playing_ = false;

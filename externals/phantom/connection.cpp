@@ -245,6 +245,8 @@ void Phantom::renew_rig(Host& host) {
   fresh.statistics.read();
   fresh.wrist.write(wrist_);
   next->scene.publish(scene_.snapshot());
+  next->network.publish(network_book_.snapshot());
+  next->effects.set(effect_settings_);
   if (offered_) {
     host.offer(signal_link_name(name_), nullptr);
     offered_ = host.offer(signal_link_name(name_), next->signals);

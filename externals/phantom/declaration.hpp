@@ -81,6 +81,18 @@ inline constexpr std::array kMessages{
         "add name shape ... | mat name k b mu | move name x y z [ms] | del name|all | tool mm | "
         "k N/m | load file",
         2, 16, "bodies that the handle feels; mm, N/m, N s/m"},
+    Message{
+        "effect",
+        "constant fx fy fz | spring k x y z [N] | viscous b | inertia kg [k b] | friction N [k] "
+        "| texture N mm [dx dy dz] | relief mm mm [dx dy dz] | name off | off",
+        1, 6, "force effects, several at a time; N, N/m, N s/m, kg, mm"},
+    Message{
+        "network",
+        "string name n ... | membrane name nx ny ... | mass name kg x y z | anchor name [x y z] "
+        "| link name name k [b l0 pull|push] | load file | del name|all | touch mm [k b] | grab "
+        "name|nearest|off | pluck name fx fy fz ms | listen name axis ... | drag 1/s | gravity "
+        "gx gy gz | rate Hz | reset",
+        1, 16, "masses and springs that the hand feels and phantom~ plays: docs/network.md"},
     Message{"torques", "0|1", 1, 1, "1: torque and grip are sent to a device that has them"},
     Message{"torque", "tx ty tz", 3, 3, "on the handle, about x, y, z; N m"},
     Message{"grip", "N", 1, 1, "force of the gripper"},
@@ -118,6 +130,8 @@ enum MessageIndex : std::size_t {
   kInterp,
   kWatchdog,
   kScene,
+  kEffect,
+  kNetwork,
   kTorques,
   kTorque,
   kGrip,

@@ -1,4 +1,5 @@
 #include "core/words.hpp"
+#include "externals/phantom/effect_message.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/tags.hpp"
@@ -157,6 +158,8 @@ void Phantom::dump(Host& host) {
     host.info({"interp", chain.interpolation == Interpolation::kAuto ? "auto" : "off"});
   host.info({"watchdog", chain.hold_s * 1e3, chain.ramp_s * 1e3});
   scene_.dump(host);
+  dump_effects(effect_settings_, host);
+  network_book_.dump(host, period_s());
   if (!driver_)
     dump_hand(host);
 }

@@ -2,6 +2,8 @@
 
 #include "core/words.hpp"
 
+#include <algorithm>
+
 namespace tactus::phantom {
 
 std::string read_numbers(std::span<const Atom> words, std::span<const Range> ranges,
@@ -20,6 +22,14 @@ std::string read_numbers(std::span<const Atom> words, std::span<const Range> ran
     values[i] = words[i].number;
   }
   return {};
+}
+
+std::string read_some(std::span<const Atom> words, std::span<const Range> ranges,
+                      std::size_t fewest, double* values) {
+  if (words.size() > ranges.size())
+    return "takes " + std::to_string(ranges.size()) +
+           (ranges.size() == 1 ? " number" : " numbers") + " at most";
+  return read_numbers(words, ranges.first(std::max(words.size(), fewest)), values);
 }
 
 std::string expected(std::string_view message, const Atom& given, std::string_view choices) {

@@ -30,6 +30,11 @@ constexpr Range millimetres(std::string_view name) {
 [[nodiscard]] std::string read_numbers(std::span<const Atom> words, std::span<const Range> ranges,
                                        double* values);
 
+/// Reads as many numbers as there are words, but no fewer than that; the other values stay. A
+/// sentence when there are too many or too few, or one is outside.
+[[nodiscard]] std::string read_some(std::span<const Atom> words, std::span<const Range> ranges,
+                                    std::size_t fewest, double* values);
+
 /// "hand soft: expected free, rigid, spring or person"
 [[nodiscard]] std::string expected(std::string_view message, const Atom& given,
                                    std::string_view choices);

@@ -27,6 +27,7 @@ void Phantom::collect(Host& host) {
   for (int taken = 0; taken < 256 && rig_->scene.events().pop(contact); ++taken)
     send_contact(contact, host);
   rig_->scene.collect();
+  rig_->network.collect();
   watch_queues(host);
   send_estop(host);
   if (driver_)

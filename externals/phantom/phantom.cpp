@@ -124,9 +124,9 @@ void Phantom::attach() noexcept {
   rig_->scene.set_continuous_force(device().caps().continuous_force_n);
   if (driver_) {
     rig_->device = device_;
-    rig_->servo.attach(*device_, &rig_->scene, rig_->signals.get());
+    rig_->servo.attach(*device_, &rig_->local_models, &rig_->patch_models);
   } else {
-    rig_->servo.attach(simulated_, &rig_->scene, rig_->signals.get());
+    rig_->servo.attach(simulated_, &rig_->local_models, &rig_->patch_models);
   }
   faults_ = 0;
 }
@@ -143,6 +143,7 @@ void Phantom::begin(Host& host) {
   steps_ = outputs_ = 0;
   scheduling_told_ = false;
   if (open()) {
+    check_network(host);
     place_signals();
     if (wall_) {
       publish(devices::ServoThread::now_s());
@@ -219,6 +220,7 @@ void Phantom::tick(std::size_t timer, Host& host) {
     new_grids_ = false;
     origin_ms_ = output_origin_ms_ = host.now_ms();
     steps_ = outputs_ = 0;
+    check_network(host);
   }
   if (!open())
     return;
@@ -330,6 +332,10 @@ void Phantom::message(std::size_t index, Words arguments, Host& host) {
     return on_watchdog(arguments, host);
   case kScene:
     return on_scene(arguments, host);
+  case kEffect:
+    return on_effect(arguments, host);
+  case kNetwork:
+    return on_network(arguments, host);
   case kTorques:
     return on_torques(arguments, host);
   case kTorque:

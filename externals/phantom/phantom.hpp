@@ -1,11 +1,13 @@
 #pragma once
 
+#include "core/haptic/effects/effect_model.hpp"
 #include "core/haptic/simulated_device.hpp"
 #include "core/object.hpp"
 #include "devices/servo_thread.hpp"
 #include "externals/phantom/declaration.hpp"
 #include "externals/phantom/device_worker.hpp"
 #include "externals/phantom/live_connections.hpp"
+#include "externals/phantom/network_book.hpp"
 #include "externals/phantom/scene_book.hpp"
 #include "externals/phantom/servo_rig.hpp"
 #include "externals/phantom/trace.hpp"
@@ -150,6 +152,13 @@ private:
   void on_scene(Words, Host&);
   void warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host);
 
+  // network.cpp: the mass-spring network
+  void on_network(Words, Host&);
+  void check_network(Host&);
+
+  // effect_message.cpp: force effects by name
+  void on_effect(Words, Host&);
+
   // torque.cpp: torque and gripper force
   void on_torques(Words, Host&);
   void on_torque(Words, Host&);
@@ -173,6 +182,8 @@ private:
   std::string thread_refusal_{}; // why the simulated device's thread did not start again
   phantom::Trace trace_{};
   phantom::SceneBook scene_{};
+  phantom::NetworkBook network_book_{};
+  haptic::EffectSettings effect_settings_{};
 
   haptic::ServoSettings settings_{};
   haptic::SimulatedDevice::Settings simulation_{};

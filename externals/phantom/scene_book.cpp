@@ -3,6 +3,7 @@
 #include "core/words.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/scene_shape.hpp"
+#include "externals/phantom/text.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -16,10 +17,6 @@ namespace {
 constexpr double kLast = std::numeric_limits<double>::infinity();
 constexpr Range kStiffness{"k", "N/m", 0, 1e5};
 
-std::string text_of(const Atom& atom) {
-  return atom.is_word ? std::string(atom.word) : number_text(atom.number);
-}
-
 /// The number that text_of has written.
 double number_of(const std::string& text) {
   double number = 0;
@@ -29,27 +26,6 @@ double number_of(const std::string& text) {
 
 bool is_mesh(const haptic::Body& body) {
   return std::holds_alternative<haptic::MeshSurface>(body.shape);
-}
-
-/// The words of a line, numbers as numbers; a comment and a closing semicolon left out.
-std::vector<Atom> words_of(std::string_view line) {
-  std::vector<Atom> words;
-  constexpr std::string_view kBlanks = " \t\r,;";
-  line = line.substr(0, line.find('#'));
-  while (true) {
-    const std::size_t begin = line.find_first_not_of(kBlanks);
-    if (begin == std::string_view::npos)
-      return words;
-    line.remove_prefix(begin);
-    const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
-    double number = 0;
-    const auto read = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (read.ec == std::errc() && read.ptr == word.data() + word.size())
-      words.emplace_back(number);
-    else
-      words.emplace_back(word);
-    line.remove_prefix(word.size());
-  }
 }
 
 } // namespace

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "core/haptic/effects/effect_model.hpp"
+#include "core/haptic/local_models.hpp"
+#include "core/haptic/network/network_model.hpp"
 #include "core/haptic/scene/scene_model.hpp"
 #include "core/haptic/servo.hpp"
 #include "core/haptic/signal_link.hpp"
@@ -14,12 +17,21 @@ namespace tactus::phantom {
 /// another. Models that the servo runs belong here, not into the object.
 struct ServoRig {
   haptic::SceneModel scene{};
+  haptic::EffectModel effects{};
+  haptic::NetworkModel network{};
+  haptic::LocalModels<3> local_models{{&scene, &effects, &network}}; ///< passive by themselves
+  haptic::DrivenEffects driven_effects{effects};
   std::shared_ptr<haptic::SignalLink> signals = std::make_shared<haptic::SignalLink>();
-  std::shared_ptr<haptic::Backend> device{}; ///< a real one
+  haptic::LocalModels<2> patch_models{{signals.get(), &driven_effects}}; ///< the patch's wish
+  std::shared_ptr<haptic::Backend> device{};                             ///< a real one
   haptic::Servo servo{};
   TerminationGuard guard{servo.exchange().motors};
 
-  ServoRig() { signals->watch(scene); }
+  ServoRig() {
+    effects.watch(scene, local_models.force_of(0));
+    signals->watch(scene);
+    signals->listen(network);
+  }
 };
 
 } // namespace tactus::phantom

@@ -9,7 +9,7 @@
 namespace tactus::phantom_signal {
 
 inline constexpr std::array kParameters{
-    Parameter{"vel", "", 0, 0, 1, "1: velocities at the last three outlets"},
+    Parameter{"vel", "", 0, 0, 1, "1: velocities at the outlets vx, vy and vz"},
     Parameter{"delay", "ms", 3, 0, 100,
               "wall clock: how far behind the newest position the outlets play"},
     Parameter{"gate", "", 1, 0, 1,
@@ -37,6 +37,8 @@ inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "vx", "m/s", "with -vel 1: velocity to the right"},
     Port{Port::Kind::kSignal, "vy", "m/s", "velocity up"},
     Port{Port::Kind::kSignal, "vz", "m/s", "velocity towards the user"},
+    Port{Port::Kind::kSignal, "net1", "", "first pickup of the phantom's mass-spring network, SI"},
+    Port{Port::Kind::kSignal, "net2", "", "second pickup"},
 };
 inline constexpr std::array kArguments{CreationArgument{"name"}};
 

@@ -71,6 +71,8 @@ public:
         block.outputs[port][i] = static_cast<S>(out.position[axis]);
         block.outputs[port + 3][i] = static_cast<S>(velocities ? out.velocity[axis] : 0.0);
       }
+      for (std::size_t pickup = 0; pickup < out.network.size(); ++pickup)
+        block.outputs[6 + pickup][i] = static_cast<S>(out.network[pickup]);
     }
     player_.end_block(devices::ServoThread::now_s());
   }

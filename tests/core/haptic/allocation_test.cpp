@@ -1,3 +1,6 @@
+#include "core/haptic/effects/effect_model.hpp"
+#include "core/haptic/local_models.hpp"
+#include "core/haptic/network/shapes.hpp"
 #include "core/haptic/servo.hpp"
 #include "core/haptic/signal_player.hpp"
 #include "core/haptic/simulated_device.hpp"
@@ -114,4 +117,44 @@ TEST_CASE("a servo in a scene that is edited, stepped by audio, allocates and fr
     CHECK(frees == freed);
   }
   CHECK(stepping.tick >= 3900);
+}
+
+TEST_CASE("a servo with a network and all effects, both edited, allocates and frees nothing") {
+  SimulatedDevice device;
+  device.set({});
+  device.follow(CirclePath{{}, 0.03, 0.5});
+  SceneModel scene;
+  EffectModel effects;
+  NetworkModel network;
+  LocalModels<3> models{{&scene, &effects, &network}};
+  effects.watch(scene, models.force_of(0));
+  SignalLink link;
+  link.listen(network);
+  link.place(SignalLink::Time::kWall, 1000, {});
+  Servo servo;
+  servo.attach(device, &models, &link);
+  std::uint64_t tick = 0;
+  for (int edit = 0; edit < 20; ++edit) {
+    auto next = std::make_unique<Network>();
+    NetworkPart part = make_string({20 + edit, {-0.05, 0, 0}, {0.05, 0, 0}, 1e-3, 10, 1e-3, 0});
+    next->masses = part.masses;
+    next->links = part.links;
+    for (std::size_t i = 0; i < next->masses.size(); ++i)
+      next->masses[i].key = i + 1;
+    next->pickups[0].mass = 5;
+    network.publish(std::move(next));
+    EffectSettings settings;
+    settings.inertia = {0.1 * (edit + 1)};
+    settings.friction = {0.5};
+    settings.relief = {1e-4, 1e-3, {1, 0, 0}};
+    effects.set(settings);
+    const long before = allocations, freed = frees;
+    for (int n = 0; n < 100; ++n, ++tick) {
+      network.act({NetworkModel::Action::Kind::kPluck, 3, {0, 0, 1}, 1e-3});
+      network.act({NetworkModel::Action::Kind::kGrabNearest, 0, {}, 0});
+      servo.step({tick, static_cast<double>(tick) * 1e-3, 1e-3});
+    }
+    CHECK(allocations == before);
+    CHECK(frees == freed);
+  }
 }

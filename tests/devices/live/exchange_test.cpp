@@ -1,3 +1,6 @@
+#include "core/haptic/effects/effect_model.hpp"
+#include "core/haptic/local_models.hpp"
+#include "core/haptic/network/shapes.hpp"
 #include "core/haptic/signal_player.hpp"
 #include "core/haptic/simulated_device.hpp"
 #include "devices/servo_thread.hpp"
@@ -30,6 +33,17 @@ std::unique_ptr<const Scene> scene_of(int edit) {
   return scene;
 }
 
+std::unique_ptr<const Network> network_of(int edit) {
+  auto network = std::make_unique<Network>();
+  NetworkPart part = make_string({5 + edit % 7, {-0.03, 0, 0}, {0.03, 0, 0}, 1e-2, 5, 1e-3, 0});
+  network->masses = std::move(part.masses);
+  network->links = std::move(part.links);
+  for (std::size_t i = 0; i < network->masses.size(); ++i)
+    network->masses[i].key = i + 1;
+  network->pickups[0].mass = 2;
+  return network;
+}
+
 } // namespace
 
 TEST_CASE("host, servo and audio exchange without a lock and without a race") {
@@ -39,11 +53,16 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
   device.follow(CirclePath{{}, 0.02, 0.3});
   SceneModel scene;
   SignalLink link;
+  EffectModel effects;
+  NetworkModel network;
+  LocalModels<3> models{{&scene, &effects, &network}};
+  effects.watch(scene, models.force_of(0));
   link.watch(scene);
+  link.listen(network);
   link.set_workspace({});
   link.place(SignalLink::Time::kWall, 1000, {});
   Servo servo;
-  servo.attach(device, &scene, &link);
+  servo.attach(device, &models, &link);
   devices::ServoThread runner;
   REQUIRE(runner.start(servo, 1e-3) == "");
 
@@ -56,7 +75,7 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
     while (!ending) {
       player.begin_block(64);
       for (int i = 0; i < 64; ++i)
-        sum += player.process({{0.1, 0, 0}, 0.2}).position.x;
+        sum += player.process({{0.1, 0, 0}, 0.2}).network[0];
       player.end_block(devices::ServoThread::now_s());
       std::this_thread::sleep_for(std::chrono::microseconds(900));
     }
@@ -86,6 +105,12 @@ TEST_CASE("host, servo and audio exchange without a lock and without a race") {
     at_rest += exchange.motors.at_rest();
     exchange.tracing = round % 2 == 0;
     scene.publish(scene_of(round));
+    network.publish(network_of(round));
+    network.act({NetworkModel::Action::Kind::kPluck, 3, {0, 0, 0.1}, 1e-3});
+    EffectSettings felt;
+    felt.inertia = {0.01 * (1 + round % 9)};
+    felt.relief = {1e-4, 1e-3, {1, 0, 0}};
+    effects.set(felt);
     link.set_workspace({{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05 + 1e-6 * round}});
     exchange.reports.read();
     const std::uint64_t tick = exchange.reports.latest().tick.index;

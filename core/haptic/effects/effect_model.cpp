@@ -1,0 +1,107 @@
+#include "core/haptic/effects/effect_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus::haptic {
+namespace {
+constexpr double kMinDepth_m = 1e-9; // below, a contact's depth has no usable sign
+constexpr double kTwoPi = 2 * std::numbers::pi;
+} // namespace
+
+void EffectModel::begin() noexcept { started_ = has_mass_ = is_held_ = false; }
+
+Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
+  settings_.read();
+  const EffectSettings& now = settings_.latest();
+  const Vec3& x = state.position;
+  if (!started_)
+    position_ = x;
+  started_ = true;
+
+  driven_ = {};
+  if (now.constant)
+    driven_ += limited(now.constant->force_n, kMaxEffect_n);
+  if (now.spring)
+    driven_ += limited((now.spring->centre - x) * now.spring->stiffness,
+                       std::min(now.spring->max_n, kMaxEffect_n));
+
+  Vec3 sum{};
+  if (now.viscous)
+    sum -= limited(state.velocity * now.viscous->damping, kMaxEffect_n);
+  if (now.inertia)
+    sum += inertia(*now.inertia, tick, x);
+  if (now.friction)
+    sum += friction(*now.friction, x);
+  if (now.texture) {
+    const auto& texture = *now.texture;
+    const double turn = kTwoPi * dot(x, texture.direction) / texture.wavelength_m;
+    sum += limited(texture.direction * (texture.amplitude_n * std::sin(turn)), kMaxEffect_n);
+  }
+  if (now.relief)
+    sum += relief(*now.relief, x);
+  has_mass_ = now.inertia.has_value();
+  is_held_ = now.friction.has_value();
+  position_ = x;
+  return sum;
+}
+
+/// m u' = k (x - p) + b (v - u), p' = u by the backward Euler rule, with v the difference quotient
+/// of the positions: the discrete mass and its coupling are passive for any numbers (every step
+/// lowers m u^2/2 + k (x - p)^2/2 by at least what it gives), so only the hold of the coupling's
+/// force leaks, as for a spring k and a damper b. Below sqrt(k/m) the hand feels the mass m, above
+/// it k and b: the virtual coupling of Colgate, Stanley & Brown (IROS 1995).
+Vec3 EffectModel::inertia(const EffectSettings::Inertia& inertia, const Tick& tick,
+                          const Vec3& position) noexcept {
+  const double m = inertia.mass_kg, k = inertia.stiffness, b = inertia.damping;
+  const double period = tick.period_s;
+  const Vec3 velocity = (position - position_) * (1.0 / period);
+  if (!has_mass_) {
+    mass_position_ = position;
+    mass_velocity_ = {};
+  }
+  mass_velocity_ =
+      (mass_velocity_ * (m / period) + (position - mass_position_) * k + velocity * b) *
+      (1.0 / (m / period + k * period + b));
+  mass_position_ += mass_velocity_ * period;
+  const Vec3 force = (mass_position_ - position) * k + (mass_velocity_ - velocity) * b;
+  if (!is_finite(force) || !is_finite(mass_position_) || !is_finite(mass_velocity_)) {
+    mass_position_ = position;
+    mass_velocity_ = {};
+    return {};
+  }
+  return limited(force, kMaxEffect_n);
+}
+
+/// A spring to a point that is dragged along once it is stretched to F/k: Coulomb's friction with
+/// presliding, an associated plastic law and so passive.
+Vec3 EffectModel::friction(const EffectSettings::Friction& friction,
+                           const Vec3& position) noexcept {
+  if (!is_held_ || !is_finite(held_))
+    held_ = position;
+  held_ = position + limited(held_ - position, friction.force_n / friction.stiffness);
+  return limited((held_ - position) * friction.stiffness, kMaxEffect_n);
+}
+
+/// A surface whose height is h <= 0 instead of 0 pushes with k (d + h) instead of k d, along its
+/// tilted normal n - h' t: the gradient of k (d + h)^2/2, so that a closed way costs nothing. The
+/// lateral part is Robles-De-La-Torre & Hayward's force (Nature 412, 2001), by which shape is felt.
+Vec3 EffectModel::relief(const EffectSettings::Relief& relief,
+                         const Vec3& position) const noexcept {
+  if (!scene_ || !scene_force_ || scene_->touches().empty())
+    return {};
+  const Vec3& normal = scene_->touches()[0].normal;
+  const double depth = dot(scene_->proxy() - position, normal);
+  const double push = dot(*scene_force_, normal);
+  if (!(depth > kMinDepth_m) || !(push > 0))
+    return {};
+  const Vec3 along = relief.direction - normal * dot(relief.direction, normal);
+  const double turn = kTwoPi * dot(position, along) / relief.wavelength_m;
+  const double height = 0.5 * relief.depth_m * (std::cos(turn) - 1);
+  const double slope = -0.5 * relief.depth_m * kTwoPi / relief.wavelength_m * std::sin(turn);
+  const double carved = push * std::max(0.0, depth + height) / depth;
+  return limited(normal * (carved - push) - along * (carved * slope), kMaxEffect_n);
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,111 @@
+#pragma once
+
+#include "core/haptic/mailbox.hpp"
+#include "core/haptic/scene/scene_model.hpp"
+#include "core/haptic/servo.hpp"
+
+#include <optional>
+
+/// Force effects that a host switches on and off by name. docs/effects.md has the equations.
+namespace tactus::haptic {
+
+/// What is felt now; an effect without a value is off. Stiffnesses N/m, damping N s/m.
+struct EffectSettings {
+  struct Constant {
+    Vec3 force_n{};
+  };
+  /// F = k (c - x), no longer than max_n.
+  struct Spring {
+    double stiffness = 0;
+    Vec3 centre{}; ///< m
+    double max_n = 40;
+  };
+  /// F = -b v.
+  struct Viscous {
+    double damping = 0;
+  };
+  /// A mass that hangs on the handle by a spring and a damper.
+  struct Inertia {
+    double mass_kg = 0;
+    double stiffness = 300, damping = 1;
+  };
+  /// Coulomb's friction F, which a spring of that stiffness builds up before it slips.
+  struct Friction {
+    double force_n = 0;
+    double stiffness = 500;
+  };
+  /// F = A sin(2 pi s/lambda) e, s the position along e: a grating in free space.
+  struct Texture {
+    double amplitude_n = 0, wavelength_m = 1e-3;
+    Vec3 direction{1, 0, 0}; ///< e, of unit length
+  };
+  /// Grooves h(s) = H (cos(2 pi s/lambda) - 1)/2 in every surface of the scene that is touched.
+  struct Relief {
+    double depth_m = 0, wavelength_m = 1e-3;
+    Vec3 direction{1, 0, 0};
+  };
+
+  std::optional<Constant> constant{};
+  std::optional<Spring> spring{};
+  std::optional<Viscous> viscous{};
+  std::optional<Inertia> inertia{};
+  std::optional<Friction> friction{};
+  std::optional<Texture> texture{};
+  std::optional<Relief> relief{};
+};
+
+/// The effects inside the servo. force() is the sum of those that are passive by themselves:
+/// viscous, inertia, friction, texture and relief. driven() is that of constant and spring, which
+/// put energy into the hand when they are switched on, and so count as the patch's own wish.
+///
+/// Bounded work, no allocation; each effect is at most kMaxEffect_n long.
+class EffectModel final : public LocalModel {
+public:
+  static constexpr double kMaxEffect_n = 40;
+
+  // the host's side
+  void set(const EffectSettings& settings) noexcept { settings_.write(settings); }
+  /// The scene that relief is carved into, and where its force of this tick is found. Both must be
+  /// asked for their force before this is.
+  void watch(const SceneModel& scene, const Vec3& scene_force_n) noexcept {
+    scene_ = &scene;
+    scene_force_ = &scene_force_n;
+  }
+
+  // the servo's side
+  void begin() noexcept override;
+  [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
+  [[nodiscard]] const Vec3& driven() const noexcept { return driven_; }
+
+private:
+  [[nodiscard]] Vec3 inertia(const EffectSettings::Inertia&, const Tick&,
+                             const Vec3& position) noexcept;
+  [[nodiscard]] Vec3 friction(const EffectSettings::Friction&, const Vec3& position) noexcept;
+  [[nodiscard]] Vec3 relief(const EffectSettings::Relief&, const Vec3& position) const noexcept;
+
+  Mailbox<EffectSettings> settings_;
+  const SceneModel* scene_ = nullptr;
+  const Vec3* scene_force_ = nullptr;
+
+  Vec3 driven_{};
+  Vec3 position_{}; // of the handle at the last tick
+  bool started_ = false;
+  Vec3 mass_position_{}, mass_velocity_{};
+  bool has_mass_ = false;
+  Vec3 held_{}; // where friction's spring is anchored
+  bool is_held_ = false;
+};
+
+/// driven() of an EffectModel that has been asked in the same tick.
+class DrivenEffects final : public LocalModel {
+public:
+  explicit DrivenEffects(const EffectModel& effects) noexcept : effects_(effects) {}
+  [[nodiscard]] Vec3 force(const Tick&, const State&) noexcept override {
+    return effects_.driven();
+  }
+
+private:
+  const EffectModel& effects_;
+};
+
+} // namespace tactus::haptic

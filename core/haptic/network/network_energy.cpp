@@ -1,0 +1,111 @@
+#include "core/haptic/network/network_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+/// What keeps a network passive.
+namespace tactus::haptic {
+namespace {
+// Energy that goes and comes back within this time is the scheme's; what is gone longer is lost.
+constexpr double kMemory_s = 0.05;
+constexpr double kRounding = 1e-9; // of the elastic and kinetic energy
+} // namespace
+
+/// With x_n = x_(n+1) - h v, for a link of vectors d and lengths L at both instants
+///   k/2 (d_n . d_(n+1) - l0 (L_n + L_(n+1)) + l0^2),
+/// which the scheme conserves, together with v^T M v/2, for links that stay straight or have no
+/// rest length. Gravity: -m g . (x_n + x_(n+1))/2.
+double NetworkModel::energy_j() const noexcept {
+  if (!network_)
+    return 0;
+  const double h = step_s_;
+  double energy = handle_energy_j();
+  for (std::size_t i = 0; i < count_; ++i)
+    if (inverse_mass_[i] > 0) {
+      const Vec3 v = velocity(i);
+      energy += mass_[i] * (0.5 * dot(v, v) - dot(network_->gravity, position(i) - v * (0.5 * h)));
+    }
+  for (const NetworkLink& link : network_->links) {
+    const Vec3 now = position(link.b) - position(link.a);
+    const Vec3 before = now - (velocity(link.b) - velocity(link.a)) * h;
+    const double l0 = link.rest_length_m;
+    const double half = 0.5 * link.stiffness_n_per_m;
+    if (link.kind == NetworkLink::Kind::kSpring && l0 == 0) {
+      energy += half * dot(now, before);
+      continue;
+    }
+    const double length = std::sqrt(dot(now, now)), length_before = std::sqrt(dot(before, before));
+    const auto loaded = [&link, l0](double l) {
+      return link.kind == NetworkLink::Kind::kSpring ||
+             (link.kind == NetworkLink::Kind::kPull ? l > l0 : l < l0);
+    };
+    if (loaded(length) && loaded(length_before))
+      energy += half * (dot(now, before) - l0 * (length + length_before) + l0 * l0);
+  }
+  return energy;
+}
+
+/// A spring of the handle's: k/2 e_n . e_(n+1), and F |e| - F^2/(2k) beyond its largest force F.
+double NetworkModel::yielding_energy_j(double stiffness, double product, double extent) noexcept {
+  return stiffness * extent <= kMaxHandle_n
+             ? 0.5 * stiffness * product
+             : kMaxHandle_n * (extent - 0.5 * kMaxHandle_n / stiffness);
+}
+
+double NetworkModel::handle_energy_j() const noexcept {
+  const double h = step_s_;
+  const Vec3 handle_before = handle_ - handle_velocity_ * h;
+  const NetworkTouch& touch = network_->touch;
+  double energy = 0;
+  for (std::size_t c = 0; c < candidate_count_; ++c) {
+    const std::size_t i = candidates_[c];
+    const Vec3 before = position(i) - velocity(i) * h;
+    const double now = touch.radius_m - norm(position(i) - handle_);
+    const double then = touch.radius_m - norm(before - handle_before);
+    if (now > 0 && then > 0)
+      energy += yielding_energy_j(touch_gain_[i] * touch.stiffness_n_per_m, now * then, now);
+  }
+  if (grabbed_ != kNobody) {
+    const Vec3 now = handle_ - position(grabbed_mass_);
+    const Vec3 then = handle_before - (position(grabbed_mass_) - velocity(grabbed_mass_) * h);
+    energy += yielding_energy_j(network_->grab.stiffness_n_per_m, dot(now, then), norm(now));
+  }
+  return energy;
+}
+
+/// The energy changes by F . (v- + v+)/2 h.
+double NetworkModel::work_of_plucks() const noexcept {
+  double work = 0;
+  for (const Pluck& pluck : plucks_)
+    if (pluck.key != kNobody)
+      work += dot(pluck.force_n, pluck.velocity_before + velocity(pluck.mass));
+  return 0.5 * step_s_ * work;
+}
+
+/// budget + work >= energy at every tick, so that the sum of all energy that comes out is never
+/// more than what came in. Energy that is lost stays in the budget for kMemory_s: the scheme's own
+/// error goes up and down within a swing, and must not be taken for gain each time that it goes up.
+void NetworkModel::keep_passive(double work_j, double period_s) noexcept {
+  const double energy = energy_j(), available = budget_j_ + work_j;
+  double kinetic = 0;
+  for (std::size_t i = 0; i < count_; ++i)
+    if (inverse_mass_[i] > 0)
+      kinetic += 0.5 * mass_[i] * dot(velocity(i), velocity(i));
+  if (!std::isfinite(energy) || !std::isfinite(available)) {
+    reset();
+    return;
+  }
+  const double excess = energy - available;
+  if (excess <= kRounding * (std::abs(energy) + kinetic)) {
+    const double kept = std::exp(-period_s / kMemory_s);
+    budget_j_ = std::min(available, energy + std::max(-excess, 0.0) * kept);
+    return;
+  }
+  ++scaled_ticks_;
+  budget_j_ = available;
+  const double scale = kinetic > excess ? std::sqrt((kinetic - excess) / kinetic) : 0.0;
+  for (std::size_t i = 0; i < count_; ++i)
+    vx_[i] *= scale, vy_[i] *= scale, vz_[i] *= scale;
+}
+
+} // namespace tactus::haptic

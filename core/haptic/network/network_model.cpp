@@ -1,0 +1,185 @@
+#include "core/haptic/network/network_model.hpp"
+
+#include "core/haptic/network/stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+/// Networks and orders from the host; network_step.cpp has the stepping.
+namespace tactus::haptic {
+namespace {
+constexpr int kMaxActions = 16; // a tick; the rest wait for the next
+}
+
+NetworkModel::~NetworkModel() {
+  collect();
+  delete pending_.load();
+  delete published_;
+}
+
+void NetworkModel::publish(std::unique_ptr<const Network> network) {
+  const double max_step_s = max_stable_step(*network).step_s;
+  auto published = std::make_unique<const Published>(Published{std::move(network), max_step_s});
+  delete pending_.exchange(published.release(), std::memory_order_acq_rel);
+  collect();
+}
+
+void NetworkModel::collect() noexcept {
+  const Published* done = nullptr;
+  while (retired_.pop(done))
+    delete done;
+}
+
+void NetworkModel::begin() noexcept {
+  started_ = has_budget_ = false;
+  grabbed_ = kNobody;
+  sample_count_ = 0;
+  touch_gain_.fill(-1);
+}
+
+/// Keys grow along both lists, so that one walk finds the masses that stay.
+void NetworkModel::take_network() noexcept {
+  if (!pending_.load(std::memory_order_relaxed) || (published_ && !retired_.push(published_)))
+    return;
+  published_ = pending_.exchange(nullptr, std::memory_order_acq_rel);
+  network_ = published_->network.get();
+
+  const std::size_t count = std::min(network_->masses.size(), kPoints);
+  Row x{}, y{}, z{}, vx{}, vy{}, vz{}, gain{};
+  for (std::size_t i = 0, old = 0; i < count; ++i) {
+    const NetworkMass& mass = network_->masses[i];
+    while (old < count_ && keys_[old] < mass.key)
+      ++old;
+    const bool kept = old < count_ && keys_[old] == mass.key;
+    x[i] = kept ? x_[old] : mass.position.x;
+    y[i] = kept ? y_[old] : mass.position.y;
+    z[i] = kept ? z_[old] : mass.position.z;
+    gain[i] = kept ? touch_gain_[old] : -1;
+    if (kept && !mass.fixed) {
+      vx[i] = vx_[old];
+      vy[i] = vy_[old];
+      vz[i] = vz_[old];
+    }
+  }
+  x_ = x, y_ = y, z_ = z;
+  vx_ = vx, vy_ = vy, vz_ = vz;
+  touch_gain_ = gain;
+  count_ = count;
+  has_budget_ = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const NetworkMass& mass = network_->masses[i];
+    keys_[i] = mass.key;
+    mass_[i] = mass.mass_kg;
+    inverse_mass_[i] = mass.fixed ? 0.0 : 1.0 / mass.mass_kg;
+    fx_[i] = fy_[i] = fz_[i] = 0;
+  }
+  grabbed_mass_ = find(grabbed_);
+  if (grabbed_mass_ == NetworkPickup::kNone)
+    grabbed_ = kNobody;
+  for (Pluck& pluck : plucks_) {
+    pluck.mass = find(pluck.key);
+    if (pluck.mass == NetworkPickup::kNone)
+      pluck.key = kNobody;
+  }
+}
+
+std::size_t NetworkModel::find(std::uint64_t key) const noexcept {
+  const auto end = keys_.begin() + static_cast<std::ptrdiff_t>(count_);
+  const auto found = std::lower_bound(keys_.begin(), end, key);
+  return found != end && *found == key ? static_cast<std::size_t>(found - keys_.begin())
+                                       : NetworkPickup::kNone;
+}
+
+void NetworkModel::take_actions(const Vec3& handle) noexcept {
+  Action action;
+  for (int taken = 0; taken < kMaxActions && actions_.pop(action); ++taken)
+    obey(action, handle);
+}
+
+void NetworkModel::obey(const Action& action, const Vec3& handle) noexcept {
+  using Kind = Action::Kind;
+  const auto movable = [this](std::size_t i) { return i < count_ && inverse_mass_[i] > 0; };
+  switch (action.kind) {
+  case Kind::kPluck: {
+    const std::size_t mass = find(action.key);
+    if (!movable(mass))
+      return;
+    // The force is scaled to whole steps, so that the impulse is what was asked for.
+    const double duration_s = action.duration_s > 0 ? std::min(action.duration_s, 100.0) : 0.0;
+    const double steps = std::max(1.0, std::floor(duration_s / step_s_ + 0.5));
+    Pluck* free = std::find_if(plucks_.begin(), plucks_.end(),
+                               [](const Pluck& pluck) { return pluck.key == kNobody; });
+    if (free == plucks_.end())
+      free = plucks_.begin();
+    *free = {action.key, mass,
+             limited(action.force_n, kMaxPluck_n) * (duration_s / (steps * step_s_)),
+             steps * step_s_};
+    return;
+  }
+  case Kind::kGrab:
+  case Kind::kGrabNearest: {
+    std::size_t nearest = action.kind == Kind::kGrab ? find(action.key) : NetworkPickup::kNone;
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; action.kind == Kind::kGrabNearest && i < count_; ++i) {
+      const double distance = norm(position(i) - handle);
+      if (movable(i) && distance < best) {
+        best = distance;
+        nearest = i;
+      }
+    }
+    if (!movable(nearest))
+      return;
+    grabbed_mass_ = nearest;
+    grabbed_ = keys_[nearest];
+    has_budget_ = false; // the spring may begin stretched
+    return;
+  }
+  case Kind::kRelease:
+    grabbed_ = kNobody;
+    return;
+  case Kind::kReset:
+    reset();
+    return;
+  }
+}
+
+void NetworkModel::reset() noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Vec3& rest = network_->masses[i].position;
+    x_[i] = rest.x, y_[i] = rest.y, z_[i] = rest.z;
+    vx_[i] = vy_[i] = vz_[i] = 0;
+    fx_[i] = fy_[i] = fz_[i] = 0;
+  }
+  grabbed_ = kNobody;
+  plucks_ = {};
+  has_budget_ = false;
+}
+
+/// Also without denormals, which would make later ticks slow.
+void NetworkModel::keep_bounded() noexcept {
+  constexpr double kTiny = 1e-30;
+  const auto bound = [](double& value, double largest) {
+    value = std::abs(value) < kTiny ? 0.0 : std::clamp(value, -largest, largest);
+  };
+  for (std::size_t i = 0; i < count_; ++i) {
+    for (Row* row : {&x_, &y_, &z_})
+      bound((*row)[i], kMaxPosition_m);
+    for (Row* row : {&vx_, &vy_, &vz_})
+      bound((*row)[i], kMaxSpeed_m_per_s);
+  }
+}
+
+Vec3 NetworkModel::position(std::size_t mass) const noexcept {
+  return {x_[mass], y_[mass], z_[mass]};
+}
+
+Vec3 NetworkModel::velocity(std::size_t mass) const noexcept {
+  return {vx_[mass], vy_[mass], vz_[mass]};
+}
+
+Vec3 NetworkModel::force_on(std::size_t mass) const noexcept {
+  return {fx_[mass], fy_[mass], fz_[mass]};
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,211 @@
+#include "core/haptic/network/network_model.hpp"
+#include "core/haptic/network/stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+/// How a network moves within a servo tick.
+namespace tactus::haptic {
+namespace {
+constexpr double kMinLength2_m2 = 1e-24; // a link without length has no direction, and no force
+constexpr double kTouchMargin_m = 1e-3;
+constexpr double kMaxHandlePosition_m = 10;
+constexpr double kMaxForce_n = 1e3;
+} // namespace
+
+static_assert(kMaxStepsPerTick <= 1024, "NetworkModel's samples hold a tick");
+
+Vec3 NetworkModel::force(const Tick& tick, const State& state) noexcept {
+  take_network();
+  sample_count_ = 0;
+  const Vec3 goal = limited(state.position, kMaxHandlePosition_m);
+  if (!started_) {
+    handle_ = goal;
+    handle_velocity_ = {};
+    started_ = true;
+  }
+  if (!network_ || !(tick.period_s > 0))
+    return {};
+  const auto [steps, stride] = steps_per_tick(*network_, published_->max_step_s, tick.period_s);
+  if (steps == 0)
+    return {};
+  step_s_ = tick.period_s / steps;
+  const Vec3 start = handle_, velocity = (goal - start) * (1.0 / tick.period_s);
+  find_candidates(start, goal, tick.period_s);
+  take_actions(start);
+  if (!has_budget_)
+    budget_j_ = energy_j();
+  has_budget_ = true;
+
+  Vec3 given{};
+  double work_j = 0;
+  for (int step = 0; step < steps; ++step) {
+    apply_links();
+    const NetworkSample heard = read_pickups();
+    NetworkSample& mean = samples_[static_cast<std::size_t>(step / stride)];
+    for (std::size_t p = 0; p < heard.size(); ++p)
+      mean[p] = (step % stride == 0 ? 0.0f : mean[p]) + heard[p] / static_cast<float>(stride);
+    const Vec3 handle = start + (goal - start) * (static_cast<double>(step) / steps);
+    const Vec3 force = apply_handle(handle, velocity);
+    given += force;
+    // The energy with the handle's springs changes by F . (x_h+ - x_h-)/2.
+    work_j += dot(force, step == 0 ? (velocity + handle_velocity_) * 0.5 : velocity) * step_s_;
+    apply_plucks();
+    integrate();
+    work_j += work_of_plucks();
+    end_plucks();
+  }
+  sample_count_ = static_cast<std::size_t>(steps / stride);
+  handle_ = goal;
+  handle_velocity_ = velocity;
+  keep_bounded();
+  keep_passive(work_j, tick.period_s);
+  return limited(given * (-1.0 / steps), kMaxForce_n);
+}
+
+/// The masses that the sphere about the handle can meet in this tick.
+void NetworkModel::find_candidates(const Vec3& from, const Vec3& to, double period_s) noexcept {
+  candidate_count_ = 0;
+  const NetworkTouch& touch = network_->touch;
+  if (!(touch.stiffness_n_per_m > 0) || !(touch.radius_m > 0))
+    return;
+  const Vec3 middle = (from + to) * 0.5;
+  const double reach = touch.radius_m + 0.5 * norm(to - from) + kTouchMargin_m;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Vec3 away = position(i) - middle, v = this->velocity(i);
+    const double travel = 2 * period_s * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
+    double& gain = touch_gain_[i];
+    if (gain < 1) {
+      gain = gain >= 0 ? std::min(1.0, gain + period_s / kEmerging_s)
+             : norm(position(i) - from) < touch.radius_m ? 0
+                                                         : 1;
+      has_budget_ = false; // a spring that grows puts energy in
+    }
+    if (inverse_mass_[i] > 0 && dot(away, away) < (reach + travel) * (reach + travel))
+      candidates_[candidate_count_++] = static_cast<std::uint16_t>(i);
+  }
+}
+
+void NetworkModel::apply_links() noexcept {
+  std::fill_n(fx_.begin(), count_, 0.0);
+  std::fill_n(fy_.begin(), count_, 0.0);
+  std::fill_n(fz_.begin(), count_, 0.0);
+  for (const NetworkLink& link : network_->links) {
+    const std::size_t a = link.a, b = link.b;
+    const double dx = x_[b] - x_[a], dy = y_[b] - y_[a], dz = z_[b] - z_[a];
+    const double wx = vx_[b] - vx_[a], wy = vy_[b] - vy_[a], wz = vz_[b] - vz_[a];
+    const double bt = link.transverse_damping_n_s_per_m;
+    double along = link.stiffness_n_per_m; // force = along d + bt w
+    const double bn = link.damping_n_s_per_m - bt;
+    // Without a rest length and with equal dampings the link is linear: no direction is needed.
+    if (link.rest_length_m > 0 || bn != 0 || link.kind != NetworkLink::Kind::kSpring) {
+      const double length2 = std::max(dx * dx + dy * dy + dz * dz, kMinLength2_m2);
+      const double inverse = 1.0 / std::sqrt(length2);
+      const double stretch = 1.0 - link.rest_length_m * inverse; // of the length
+      if ((link.kind == NetworkLink::Kind::kPull && stretch < 0) ||
+          (link.kind == NetworkLink::Kind::kPush && stretch > 0))
+        continue;
+      along = along * stretch + bn * (wx * dx + wy * dy + wz * dz) * inverse * inverse;
+    }
+    const double gx = along * dx + bt * wx, gy = along * dy + bt * wy, gz = along * dz + bt * wz;
+    fx_[a] += gx, fy_[a] += gy, fz_[a] += gz;
+    fx_[b] -= gx, fy_[b] -= gy, fz_[b] -= gz;
+  }
+}
+
+void NetworkModel::push_on(std::size_t mass, const Vec3& force) noexcept {
+  fx_[mass] += force.x, fy_[mass] += force.y, fz_[mass] += force.z;
+}
+
+/// Sphere and grabbing spring; returns the force on all masses together.
+Vec3 NetworkModel::apply_handle(const Vec3& handle, const Vec3& handle_velocity) noexcept {
+  Vec3 sum{};
+  const NetworkTouch& touch = network_->touch;
+  for (std::size_t c = 0; c < candidate_count_; ++c) {
+    const std::size_t i = candidates_[c];
+    const Vec3 away = position(i) - handle;
+    const double length2 = dot(away, away);
+    if (length2 >= touch.radius_m * touch.radius_m || length2 < kMinLength2_m2)
+      continue;
+    const double length = std::sqrt(length2);
+    const Vec3 normal = away * (1.0 / length);
+    const double leaving = dot(velocity(i) - handle_velocity, normal);
+    const double push =
+        std::min(touch_gain_[i] * (touch.stiffness_n_per_m * (touch.radius_m - length) -
+                                   touch.damping_n_s_per_m * leaving),
+                 kMaxHandle_n);
+    if (push <= 0)
+      continue;
+    const Vec3 force = normal * push;
+    push_on(i, force);
+    sum += force;
+  }
+  if (grabbed_ != kNobody) {
+    const NetworkGrab& grab = network_->grab;
+    const std::size_t i = grabbed_mass_;
+    const Vec3 force = limited((handle - position(i)) * grab.stiffness_n_per_m +
+                                   (handle_velocity - velocity(i)) * grab.damping_n_s_per_m,
+                               kMaxHandle_n);
+    push_on(i, force);
+    sum += force;
+  }
+  return sum;
+}
+
+void NetworkModel::apply_plucks() noexcept {
+  for (Pluck& pluck : plucks_)
+    if (pluck.key != kNobody) {
+      push_on(pluck.mass, pluck.force_n);
+      pluck.velocity_before = velocity(pluck.mass);
+    }
+}
+
+void NetworkModel::end_plucks() noexcept {
+  for (Pluck& pluck : plucks_) {
+    pluck.left_s -= step_s_;
+    if (pluck.left_s < 0.5 * step_s_)
+      pluck.key = kNobody;
+  }
+}
+
+void NetworkModel::integrate() noexcept {
+  const double h = step_s_, kept = 1.0 - h * network_->drag_per_s;
+  const Vec3 fall = network_->gravity * h;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double moves = inverse_mass_[i] > 0 ? 1.0 : 0.0;
+    vx_[i] = vx_[i] * kept + h * fx_[i] * inverse_mass_[i] + fall.x * moves;
+    vy_[i] = vy_[i] * kept + h * fy_[i] * inverse_mass_[i] + fall.y * moves;
+    vz_[i] = vz_[i] * kept + h * fz_[i] * inverse_mass_[i] + fall.z * moves;
+    x_[i] += h * vx_[i];
+    y_[i] += h * vy_[i];
+    z_[i] += h * vz_[i];
+  }
+}
+
+/// At the beginning of a step: the links' forces there, and the velocity half a step before.
+NetworkSample NetworkModel::read_pickups() const noexcept {
+  NetworkSample sample{};
+  for (std::size_t p = 0; p < sample.size(); ++p) {
+    const NetworkPickup& pickup = network_->pickups[p];
+    const std::size_t i = pickup.mass;
+    if (i >= count_)
+      continue;
+    using Quantity = NetworkPickup::Quantity;
+    double value = 0;
+    switch (pickup.quantity) {
+    case Quantity::kVelocity:
+      value = velocity(i)[pickup.axis];
+      break;
+    case Quantity::kDisplacement:
+      value = (position(i) - network_->masses[i].position)[pickup.axis];
+      break;
+    case Quantity::kForce:
+      value = force_on(i)[pickup.axis];
+      break;
+    }
+    sample[p] = static_cast<float>(value);
+  }
+  return sample;
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,65 @@
+#include "core/words.hpp"
+#include "externals/phantom/numbers.hpp"
+#include "externals/phantom/phantom.hpp"
+
+/// [phantom]'s mass-spring network.
+namespace tactus {
+
+using namespace phantom;
+using Action = haptic::NetworkModel::Action;
+
+void Phantom::on_network(Words words, Host& host) {
+  if (!is(words[0], "pluck") && !is(words[0], "reset")) {
+    const double before_hz = network_book_.stepping(period_s()).rate_hz;
+    if (const std::string refusal = network_book_.obey(words, host, period_s()); !refusal.empty())
+      return host.error(refusal);
+    rig_->network.publish(network_book_.snapshot());
+    const auto stepping = network_book_.stepping(period_s());
+    if (!stepping.reason.empty() && stepping.rate_hz != before_hz)
+      host.log("network: stepped at " + number_text(stepping.rate_hz) + " Hz: " + stepping.reason);
+    const haptic::Network& network = network_book_.network();
+    if (is(words[0], "touch"))
+      warn_of_stiffness("network touch", network.touch.stiffness_n_per_m, host);
+    if (!is(words[0], "grab"))
+      return;
+    warn_of_stiffness("network grab", network.grab.stiffness_n_per_m, host);
+  }
+  Action action;
+  if (is(words[0], "pluck")) {
+    constexpr Range ranges[] = {{"fx", "N", -100, 100},
+                                {"fy", "N", -100, 100},
+                                {"fz", "N", -100, 100},
+                                {"time", "ms", 0, 10000}};
+    double v[4] = {};
+    if (words.size() != 6)
+      return host.error("network pluck: expected a mass, fx fy fz in N and ms");
+    const NetworkBook::Found found = network_book_.movable(words[1]);
+    std::string refusal = found.refusal;
+    if (refusal.empty())
+      refusal = read_numbers(words.subspan(2), ranges, v);
+    if (!refusal.empty())
+      return host.error("network pluck: " + refusal);
+    action = {Action::Kind::kPluck, found.key, {v[0], v[1], v[2]}, v[3] * 1e-3};
+  } else if (is(words[0], "grab")) {
+    if (is(words[1], "off"))
+      action.kind = Action::Kind::kRelease;
+    else if (is(words[1], "nearest"))
+      action.kind = Action::Kind::kGrabNearest;
+    else
+      action = {Action::Kind::kGrab, network_book_.movable(words[1]).key, {}, 0};
+  }
+  if (!rig_->network.act(action))
+    host.error(
+        "network " + std::string(words[0].word) +
+        ": 64 orders wait for the servo already, which does not run; expected an open device");
+}
+
+/// Another length of the servo's ticks may ask for more steps than one can have.
+void Phantom::check_network(Host& host) {
+  const auto stepping = network_book_.stepping(period_s());
+  if (!(stepping.rate_hz > 0))
+    host.error("network: it rests, since at " + number_text(1 / period_s()) + " ticks a second " +
+               stepping.reason);
+}
+
+} // namespace tactus
