@@ -75,15 +75,20 @@ PassivitySettings passivity_of(const ChainSettings& settings) noexcept {
 }
 
 /// A patch that guides the hand does work on purpose: what its own forces put in is forgiven up to
-/// allowance_w, so that guidance is not braked away while a contact's energy still is.
+/// allowance_w, so that guidance is not braked away while a contact's energy still is. What the
+/// hand gives back to them is taken from what was forgiven: a constant push on a handle that swings
+/// does no work in the mean and must earn no credit.
 void observe(ChainState& state, const ChainSettings& settings, const Vec3& position,
              double elapsed_s) noexcept {
   const Vec3 displacement = position - state.position;
-  const double forgiven_j =
-      std::min({dot(state.asked, displacement), dot(state.written, displacement),
-                settings.allowance_w * elapsed_s});
-  state.passivity.observe(passivity_of(settings), position, state.written,
-                          std::max(forgiven_j, 0.0));
+  const double asked_j = dot(state.asked, displacement);
+  const double forgiven_j = asked_j < 0.0
+                                ? std::max(asked_j, -state.forgiven_j)
+                                : std::max(std::min({asked_j, dot(state.written, displacement),
+                                                     settings.allowance_w * elapsed_s}),
+                                           0.0);
+  state.forgiven_j = std::min(state.forgiven_j + forgiven_j, settings.tank_j);
+  state.passivity.observe(passivity_of(settings), position, state.written, forgiven_j);
   state.energy_j = state.passivity.energy_j();
   state.lowest_energy_j = std::min(state.lowest_energy_j, state.energy_j);
 }

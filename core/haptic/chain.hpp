@@ -86,6 +86,7 @@ struct ChainState {
   Vec3 position{};
   PassivityController passivity{};
   double energy_j = 0, lowest_energy_j = 0; // the controller's
+  double forgiven_j = 0;                    // of the patch's work, not given back yet
   ThermalLimit thermal{};
   bool sparing = false; ///< the motors' heat lowers the force limit now
   ChainCounters counters{};

@@ -135,7 +135,12 @@ Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& w
     force -= outwards * cut;
     acted_ = true;
   }
-  const double speed = norm(agreed);
+  // The leak is along the force; across it a damper would only add force. When there is none, the
+  // debt is that of the last.
+  if (const double length = norm(wanted_n); length > 0.0)
+    direction_ = wanted_n * (1.0 / length);
+  const Vec3 along = direction_ * dot(agreed, direction_);
+  const double speed = norm(along);
   const double limit = settings.damping_limit_n_s_per_m * std::min(1.0, 1e-3 / T);
   // A step of the encoder is an energy that nobody has given.
   const double step = 2.0 * settings.position_noise_m;
@@ -143,7 +148,7 @@ Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& w
   if (debt_j > 0.0 && speed > kMinBrakedSpeed_m_per_s) {
     const double damping =
         std::min({limit, kDampingPerLeak * stiffness_n_per_m * T, debt_j / (T * speed * speed)});
-    force -= agreed * damping;
+    force -= along * damping;
     acted_ = true;
   }
   return force;

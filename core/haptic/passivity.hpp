@@ -32,8 +32,8 @@ struct PassivitySettings {
 /// 1. A damper b = min((-E - K q^2/2)/(T u^2), c K T, b_device), q an encoder's step. A sampled
 /// spring of stiffness K leaks
 ///    K T (1/2 + L) u^2 watts, so no more damping than a multiple of K T is ever needed: K is
-///    measured as the ratio of changes of force to changes of position. u is the velocity on which
-///    the device's reading and the displacement over the last 2 ms agree.
+///    measured as the ratio of changes of force to changes of position. u is the velocity along the
+///    force, as far as the device's reading and the displacement over the last 2 ms agree on it.
 /// 2. Where the device's own friction cannot hold the spring, K T (1/2 + L) > B (Colgate), a
 ///    contact that throws the handle back may release no more than is left: its force is lowered,
 ///    to nothing at the least, early enough that the slew limit lets it fall in time.
@@ -72,7 +72,7 @@ private:
   double energy_j_ = 0;
   Vec3 rest_position_{};
   double rest_s_ = 0;
-  Vec3 wanted_{};
+  Vec3 wanted_{}, direction_{}; // the last force, and where the last one that was not zero pointed
   double force_changes_ = 0, position_changes_ = 0; // leaky sums of squares, N^2 and m^2
   double fastest_inward_ = 0, outward_ = 0;         // m/s, along the contact's force
   bool started_ = false, acted_ = false;

@@ -1,3 +1,4 @@
+#include "tests/core/haptic/approx.hpp"
 #include "tests/core/haptic/sampled_wall.hpp"
 #include "tests/sanitized.hpp"
 
@@ -142,8 +143,8 @@ TEST_CASE("a constant push on a wall within Colgate's limit rests at F/K") {
   MESSAGE("K 500: off p-p " << off.peak_to_peak_m * 1e3 << " mm about " << off.middle_m * 1e3
                             << "; on " << on.peak_to_peak_m * 1e3 << " about "
                             << on.middle_m * 1e3);
-  CHECK(off.middle_m == doctest::Approx(2e-3).epsilon(0.01));
-  CHECK(on.middle_m == doctest::Approx(2e-3).epsilon(0.01));
+  CHECK(off.middle_m == approx(2e-3).epsilon(0.01));
+  CHECK(on.middle_m == approx(2e-3).epsilon(0.01));
   CHECK(on.peak_to_peak_m <= off.peak_to_peak_m);
 }
 
@@ -191,7 +192,7 @@ TEST_CASE("more slots of damping raise the stable stiffness") {
     high = std::max(high, rig.x());
   }
   CHECK(high - low < 1e-6);
-  CHECK(high == doctest::Approx(1.0 / 5000).epsilon(1e-3));
+  CHECK(high == approx(1.0 / 5000).epsilon(1e-3));
 }
 
 TEST_CASE("guidance by a patch reaches the hand, with an allowance and without") {
@@ -214,8 +215,8 @@ TEST_CASE("guidance by a patch reaches the hand, with an allowance and without")
     }
     return device.position().x;
   };
-  CHECK(guided(0) == doctest::Approx(5e-3).epsilon(1e-3));
-  CHECK(guided(0.05) == doctest::Approx(5e-3).epsilon(1e-3));
+  CHECK(guided(0) == approx(5e-3).epsilon(1e-3));
+  CHECK(guided(0.05) == approx(5e-3).epsilon(1e-3));
 }
 
 TEST_CASE("a stiff wall that a patch renders a tick late stays tame with the default allowance") {
@@ -391,7 +392,7 @@ TEST_CASE("a soft wall gives a flying handle its energy back") {
   const WallResult on = run_wall(c, true);
   MESSAGE("200 N/m at 0.2 m/s: leaves with " << on.exit_energy << " of its energy, theory "
                                              << theory);
-  CHECK(on.exit_energy == doctest::Approx(theory).epsilon(0.1));
+  CHECK(on.exit_energy == approx(theory).epsilon(0.1));
 }
 
 TEST_CASE("a debt is forgotten when the handle has rested, and not before") {
@@ -399,10 +400,10 @@ TEST_CASE("a debt is forgotten when the handle has rested, and not before") {
   PassivitySettings settings;
   controller.observe(settings, {}, {1, 0, 0}, 0);
   controller.observe(settings, {1e-3, 0, 0}, {1, 0, 0}, 0); // 1 N along 1 mm: 1 mJ given away
-  CHECK(controller.energy_j() == doctest::Approx(-1e-3));
+  CHECK(controller.energy_j() == approx(-1e-3).epsilon(1e-9));
   for (int tick = 0; tick < 49; ++tick)
     controller.observe(settings, {1e-3, 0, 0}, {}, 0);
-  CHECK(controller.energy_j() == doctest::Approx(-1e-3));
+  CHECK(controller.energy_j() == approx(-1e-3).epsilon(1e-9));
   controller.observe(settings, {1e-3, 0, 0}, {}, 0);
   controller.observe(settings, {1e-3, 0, 0}, {}, 0);
   CHECK(controller.energy_j() == 0);
@@ -410,7 +411,7 @@ TEST_CASE("a debt is forgotten when the handle has rested, and not before") {
   PassivityController moving;
   for (int tick = 0; tick < 200; ++tick)
     moving.observe(settings, {tick * 1e-4, 0, 0}, {tick == 0 ? 0.0 : 1.0, 0, 0}, 0);
-  CHECK(moving.energy_j() == doctest::Approx(-199e-4).epsilon(0.01));
+  CHECK(moving.energy_j() == approx(-199e-4).epsilon(0.01));
 }
 
 TEST_CASE("the damper is no stronger than the device's limit and than the wall's leak asks for") {
@@ -427,6 +428,6 @@ TEST_CASE("the damper is no stronger than the device's limit and than the wall's
       force = controller.limit(settings, wanted, {}, {0.1, 0, 0}) - wanted;
     }
     const double damping = -force.x / 0.1;
-    CHECK(damping == doctest::Approx(std::min(4.0, 3 * stiffness * 1e-3)).epsilon(0.01));
+    CHECK(damping == approx(std::min(4.0, 3 * stiffness * 1e-3)).epsilon(0.01));
   }
 }

@@ -1,6 +1,7 @@
 #include "core/haptic/servo.hpp"
 #include "core/haptic/simulated_device.hpp"
 #include "core/haptic/thermal.hpp"
+#include "tests/core/haptic/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,6 +9,7 @@
 #include <vector>
 
 using namespace tactus::haptic;
+using tactus::haptic::test::approx;
 
 namespace {
 
@@ -59,7 +61,7 @@ TEST_CASE("the heat follows the squared force with one time constant") {
   const ThermalSettings settings{1e-3, 8, 1};
   for (int tick = 0; tick < 30000; ++tick)
     motors.advance(settings, 2, false);
-  CHECK(motors.heat_n2() == doctest::Approx(4 * (1 - std::exp(-1.0))).epsilon(1e-9));
+  CHECK(motors.heat_n2() == approx(4 * (1 - std::exp(-1.0))).epsilon(1e-9));
 }
 
 TEST_CASE("a force that is asked for without end settles below the continuous rating") {
@@ -79,9 +81,9 @@ TEST_CASE("a force that is asked for without end settles below the continuous ra
     MESSAGE("asked for " << asked_n << " N: " << sum << " N in the third minute; largest fall "
                          << largest_step * 1e3 << " N/s");
     CHECK(sum < 0.88);
-    CHECK(sum > 0.8);                                      // no more is taken than must be
-    CHECK(largest_step < 3e-3);                            // a ramp of 3 N/s at the most
-    CHECK(device.forces[200] == doctest::Approx(asked_n)); // a short push has all of it
+    CHECK(sum > 0.8);                             // no more is taken than must be
+    CHECK(largest_step < 3e-3);                   // a ramp of 3 N/s at the most
+    CHECK(device.forces[200] == approx(asked_n)); // a short push has all of it
     CHECK(servo.chain().sparing);
   }
 }
@@ -93,7 +95,7 @@ TEST_CASE("pushes with pauses, below the rating in the mean, are left alone") {
   std::uint64_t tick = 0;
   for (int push = 0; push < 60; ++push) { // 2 N for 0.1 s of each 2 s: 0.45 N rms
     ask(servo, tick, 2, 0.1);
-    CHECK(device.forces.back() == doctest::Approx(2));
+    CHECK(device.forces.back() == approx(2));
     ask(servo, tick, 0, 1.9);
   }
   CHECK_FALSE(servo.chain().sparing);
@@ -105,7 +107,7 @@ TEST_CASE("a device without a figure, or whose figure is its peak, is never spar
     const ThermalSettings settings{1e-3, 8, rated};
     for (int tick = 0; tick < 300000; ++tick)
       motors.advance(settings, 8, false);
-    CHECK(motors.ceiling_n(settings) == doctest::Approx(8));
+    CHECK(motors.ceiling_n(settings) == approx(8));
   }
 }
 
@@ -115,11 +117,11 @@ TEST_CASE("a device that calls its motors warm gets less force within a second, 
   attach(device, servo);
   std::uint64_t tick = 0;
   ask(servo, tick, 1, 0.5);
-  CHECK(device.forces.back() == doctest::Approx(1));
+  CHECK(device.forces.back() == approx(1));
   device.warm = true;
   const std::size_t before = device.forces.size();
   ask(servo, tick, 1, 1.5);
-  CHECK(device.forces.back() == doctest::Approx(0.44).epsilon(1e-6)); // half the rating
+  CHECK(device.forces.back() == approx(0.44).epsilon(1e-6)); // half the rating
   for (std::size_t i = before; i < device.forces.size(); ++i)
     REQUIRE(device.forces[i - 1] - device.forces[i] < 4e-3);
   CHECK(servo.chain().sparing);
