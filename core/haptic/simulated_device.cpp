@@ -41,6 +41,7 @@ Caps SimulatedDevice::caps() const noexcept {
   caps.peak_force_n = caps.continuous_force_n = kPeak_n;
   caps.damping_limit_n_s_per_m = kDampingPerMass_hz * settings_.mass_kg;
   caps.friction_n_s_per_m = settings_.viscous_n_s_per_m;
+  caps.latency_ticks = settings_.latency_ticks;
   caps.workspace_min = settings_.workspace.min;
   caps.workspace_max = settings_.workspace.max;
   caps.position_noise_m = 0.5 * settings_.resolution_m + settings_.noise_m;
@@ -63,10 +64,15 @@ bool SimulatedDevice::read(const Tick& tick, State& state) noexcept {
     position_ = hand.position;
     velocity_ = hand.velocity;
   }
-  state.position = {measured(position_.x), measured(position_.y), measured(position_.z)};
-  state.velocity = velocity_;
-  state.buttons = buttons_ | hand.buttons;
-  state.flags = State::kHomed;
+  State& now = readings_[reads_ % readings_.size()];
+  now = {};
+  now.position = {measured(position_.x), measured(position_.y), measured(position_.z)};
+  now.velocity = velocity_;
+  now.buttons = buttons_ | hand.buttons;
+  const auto latency =
+      static_cast<std::size_t>(std::clamp(settings_.latency_ticks, 0, kMaxLatency_ticks));
+  state = readings_[(reads_ - std::min(reads_, latency)) % readings_.size()];
+  ++reads_;
   return true;
 }
 

@@ -6,6 +6,9 @@
 #include "core/haptic/workspace.hpp"
 #include "core/haptic/zero_order_hold.hpp"
 
+#include <array>
+#include <cstddef>
+
 namespace tactus::haptic {
 
 /// A handle with mass and viscous friction, held by a simulated hand:
@@ -15,6 +18,8 @@ namespace tactus::haptic {
 /// the workspace a hard stop (20 kN/m, critically damped) pushes back and never pulls.
 class SimulatedDevice final : public Backend {
 public:
+  static constexpr int kMaxLatency_ticks = 8;
+
   struct Settings {
     double mass_kg = 0.1;
     double viscous_n_s_per_m = 0.5;
@@ -24,6 +29,7 @@ public:
     double resolution_m = 0; ///< of the position reading; 0 is exact
     double noise_m = 0;      ///< evenly spread within plus or minus this
     std::uint64_t seed = 1;  ///< of the reading's noise
+    int latency_ticks = 0;   ///< of the readings, 0..kMaxLatency_ticks
     HandSettings hand{};
   };
 
@@ -61,6 +67,8 @@ private:
   double stop_damping_ = 0;
   Vec3 position_{}, velocity_{}, force_{};
   std::uint32_t buttons_ = 0;
+  std::array<State, kMaxLatency_ticks + 1> readings_{}; ///< the newest, by the count of reads
+  std::size_t reads_ = 0;
   std::uint64_t index_ = 0;
   bool started_ = false;
   Random random_{1};

@@ -32,6 +32,7 @@ inline constexpr std::array kParameters{
     Parameter{"resolution", "mm", 0, 0, 10, "simulated: encoder step; 0 is exact"},
     Parameter{"noise", "mm", 0, 0, 10, "simulated: reading noise, plus or minus"},
     Parameter{"seed", "", 1, 0, 16777216, "simulated: of noise, tremor and wander"},
+    Parameter{"latency", "ticks", 0, 0, 8, "simulated: from the handle to its reading"},
 };
 enum ParameterIndex : std::size_t {
   kRate,
@@ -54,6 +55,7 @@ enum ParameterIndex : std::size_t {
   kResolution,
   kNoise,
   kSeed,
+  kLatency,
   kParameterCount
 };
 static_assert(kParameters.size() == kParameterCount);

@@ -103,10 +103,15 @@ void Phantom::settle_device() noexcept {
   simulation_.resolution_m = values_[kResolution] * 1e-3;
   simulation_.noise_m = values_[kNoise] * 1e-3;
   simulation_.seed = simulation_.hand.seed = static_cast<std::uint64_t>(values_[kSeed]);
+  simulation_.latency_ticks = static_cast<int>(values_[kLatency]);
   with_simulation([this] {
-    const double before = simulated_.caps().position_noise_m;
+    const haptic::Caps before = simulated_.caps();
     simulated_.set(simulation_);
-    if (!driver_ && simulated_.caps().position_noise_m != before)
+    const haptic::Caps now = simulated_.caps();
+    if (!driver_ && (now.position_noise_m != before.position_noise_m ||
+                     now.damping_limit_n_s_per_m != before.damping_limit_n_s_per_m ||
+                     now.friction_n_s_per_m != before.friction_n_s_per_m ||
+                     now.latency_ticks != before.latency_ticks))
       rig_->servo.refresh_caps();
   });
 }

@@ -38,7 +38,7 @@ struct WallCase {
   };
   double stiffness_n_per_m = 500, rate_hz = 1000, encoder_m = 0;
   int latency_ticks = 0;
-  bool declared = false; ///< the device says its latency
+  bool declared = false; ///< the device says its latency; else one tick is assumed
   Velocity velocity = Velocity::kIdeal;
   Scene scene = Scene::kPush;
   double value = 1, hand_n_per_m = 200, hand_n_s_per_m = 2;
@@ -100,7 +100,7 @@ public:
     Caps caps = device_.caps();
     caps.has_velocity = case_.velocity != WallCase::Velocity::kEstimated;
     caps.position_noise_m = 0.5 * case_.encoder_m;
-    caps.latency_ticks = case_.declared ? case_.latency_ticks : 0;
+    caps.latency_ticks = case_.declared ? case_.latency_ticks : Caps{}.latency_ticks;
     return caps;
   }
   bool read(const Tick& tick, State& state) noexcept override {

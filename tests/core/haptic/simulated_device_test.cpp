@@ -397,3 +397,29 @@ TEST_CASE("absurd forces and settings leave the simulated handle finite") {
     }
   }
 }
+
+TEST_CASE("a latency gives each reading that many ticks later, and the device declares it") {
+  SimulatedDevice device;
+  SimulatedDevice::Settings settings;
+  settings.hand.hold = HandSettings::Hold::kRigid;
+  settings.latency_ticks = 3;
+  device.set(settings);
+  device.follow(LinePath{{0, 0, 0}, {0.02, 0, 0}, 1});
+  SimulatedDevice prompt;
+  settings.latency_ticks = 0;
+  prompt.set(settings);
+  prompt.follow(LinePath{{0, 0, 0}, {0.02, 0, 0}, 1});
+  CHECK(device.caps().latency_ticks == 3);
+  CHECK(prompt.caps().latency_ticks == 0);
+  std::vector<State> without;
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    const Tick tick{k, static_cast<double>(k) * 1e-3, 1e-3};
+    State late, now;
+    REQUIRE(device.read(tick, late));
+    REQUIRE(prompt.read(tick, now));
+    without.push_back(now);
+    const State& expected = without[k < 3 ? 0 : k - 3];
+    CHECK(late.position == expected.position);
+    CHECK(late.velocity == expected.velocity);
+  }
+}
