@@ -106,10 +106,13 @@ double PassivityController::release_cut(const PassivitySettings& settings, doubl
   for (int k = latency - 1, ahead = 1; k >= 0; --k, ++ahead)
     left_j -= norm(at(forces_, tick_ + kHistory - static_cast<std::size_t>(k))) *
               (now + accelerated * ahead) * T;
-  // The force releases speed (F T + F^2 / (2 slew)) while it is held and then falls.
+  // The force releases speed (F T + F^2 / (2 slew)) while it is held and then falls, the handle
+  // gaining speed all the while: by a quarter of what the acceleration of now would give it, in the
+  // mean of a force that falls to zero.
   const double slew = std::max(settings.slew_n_per_s, 1e-6);
+  const double mean_speed = speed + 0.25 * accelerated * contact_n / (slew * T);
   const double affordable_n =
-      slew * (std::sqrt(T * T + 2.0 * std::max(left_j, 0.0) / (slew * speed)) - T);
+      slew * (std::sqrt(T * T + 2.0 * std::max(left_j, 0.0) / (slew * mean_speed)) - T);
   return std::max(contact_n - affordable_n, 0.0);
 }
 

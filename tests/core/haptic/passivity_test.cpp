@@ -422,20 +422,155 @@ TEST_CASE("a debt is forgotten when the handle has rested, and not before") {
   CHECK(moving.energy_j() == approx(-199e-4).epsilon(0.01));
 }
 
-TEST_CASE("the damper is no stronger than the device's limit and than the wall's leak asks for") {
+namespace {
+
+/// Drives a controller along a line: the handle moves at that velocity, a tick after the other, at
+/// a contact whose force is -K x along x, with a debt or a credit given at first.
+struct ControllerRig {
+  PassivityController controller;
   PassivitySettings settings;
-  settings.damping_limit_n_s_per_m = 4;
-  for (const double stiffness : {100.0, 1e5}) { // c K T = 0.3, beyond the limit
-    PassivityController controller;
-    Vec3 force;
-    double x = 0;
-    for (int tick = 0; tick < 100; ++tick) {
-      x += 1e-4;
-      const Vec3 wanted{-stiffness * x, 0, 0};
-      controller.observe(settings, {x, 0, 0}, {tick == 50 ? 100.0 : 0.0, 0, 0}, 0); // a large debt
-      force = controller.limit(settings, wanted, {}, {0.1, 0, 0}) - wanted;
+  Vec3 position{};
+
+  void give(double energy_j) { // to the observer, by a force of that energy over 1 m
+    controller.observe(settings, position, {}, energy_j);
+  }
+  Vec3 step(const Vec3& velocity, const Vec3& reading, const Vec3& wanted, const Vec3& contact) {
+    position += velocity * settings.period_s;
+    controller.observe(settings, position, {}, 0);
+    return controller.limit(settings, wanted, contact, reading);
+  }
+};
+
+} // namespace
+
+TEST_CASE("the damper is no stronger than the device's limit and than the wall's leak asks for") {
+  for (const double period_s : {1e-3, 2e-3})
+    for (const double stiffness : {100.0, 1e5}) { // c K T = 0.3 or 0.6, and beyond the limit
+      ControllerRig rig;
+      rig.settings.period_s = period_s;
+      rig.settings.damping_limit_n_s_per_m = 4;
+      rig.give(-1); // a large debt
+      Vec3 force, wanted;
+      for (int tick = 0; tick < 100; ++tick) {
+        wanted = {-stiffness * (rig.position.x + 0.1 * period_s), 0, 0};
+        force = rig.step({0.1, 0, 0}, {0.1, 0, 0}, wanted, {}) - wanted;
+      }
+      // At half the rate the device renders half the damping.
+      const double limit = 4 * std::min(1.0, 1e-3 / period_s);
+      CHECK(-force.x / 0.1 == approx(std::min(limit, 3 * stiffness * period_s)).epsilon(0.01));
     }
-    const double damping = -force.x / 0.1;
-    CHECK(damping == approx(std::min(4.0, 3 * stiffness * 1e-3)).epsilon(0.01));
+}
+
+TEST_CASE("the damper takes no more than the debt, less what a step of the encoder seems to give") {
+  for (const double noise_m : {0.0, 5e-5}) {
+    ControllerRig rig;
+    rig.settings.damping_limit_n_s_per_m = 20;
+    rig.settings.position_noise_m = noise_m;
+    rig.give(-1e-5);
+    Vec3 force, wanted;
+    for (int tick = 0; tick < 100; ++tick) {
+      wanted = {-1e4 * rig.position.x - 1e4 * 0.2e-3, 0, 0};
+      force = rig.step({0.2, 0, 0}, {0.2, 0, 0}, wanted, {}) - wanted;
+    }
+    // u is the displacement over 2 ms less the reading's error. A step q = 0.1 mm at K = 1e4 N/m is
+    // worth K q^2/2 = 5e-5 J, more than the debt.
+    if (noise_m > 0)
+      CHECK(force.x == 0);
+    else
+      CHECK(-force.x == approx(1e-5 / (1e-3 * 0.2)).epsilon(0.01));
+  }
+}
+
+TEST_CASE(
+    "the damper acts on the velocity that reading and displacement agree on, along the force") {
+  const auto brake = [](const Vec3& velocity, const Vec3& reading) {
+    ControllerRig rig;
+    rig.settings.damping_limit_n_s_per_m = 2;
+    rig.give(-1);
+    Vec3 force, wanted;
+    for (int tick = 0; tick < 50; ++tick) {
+      wanted = {-1e5 * (rig.position.x + velocity.x * 1e-3), 0, 0};
+      force = rig.step(velocity, reading, wanted, {}) - wanted;
+    }
+    return force;
+  };
+  CHECK(brake({0.1, 0, 0}, {0.1, 0, 0}).x == approx(-0.2).epsilon(1e-6));
+  CHECK(brake({0.1, 0, 0}, {0.05, 0, 0}).x == approx(-0.1).epsilon(1e-6)); // the smaller
+  CHECK(brake({0.1, 0, 0}, {-0.1, 0, 0}).x == 0);                          // noise, one of them
+  const Vec3 oblique = brake({0.1, 0.3, -0.2}, {0.1, 0.3, -0.2});
+  CHECK(oblique.x == approx(-0.2).epsilon(1e-6));
+  CHECK(oblique.y == 0); // across the force nothing leaks
+  CHECK(oblique.z == 0);
+}
+
+TEST_CASE("a contact that throws the handle back may release what is left, and then no more") {
+  // Approach at 0.4 m/s, back at some speed against 5 N, with some energy left; nothing else moves.
+  const auto left_over = [](double back, double energy_j, double friction, double slew) {
+    ControllerRig rig;
+    rig.settings.tank_j = 1;
+    rig.settings.damping_limit_n_s_per_m = 1e-9;
+    rig.settings.friction_n_s_per_m = friction;
+    rig.settings.slew_n_per_s = slew;
+    Vec3 force;
+    const auto go = [&](double v, int ticks) {
+      for (int tick = 0; tick < ticks; ++tick) {
+        const Vec3 contact{-1000 * (rig.position.x + v * 1e-3) - 5, 0, 0};
+        force = rig.step({v, 0, 0}, {v, 0, 0}, contact, contact);
+      }
+    };
+    go(0.4, 10);
+    go(-back, 10);
+    rig.give(energy_j);
+    const Vec3 contact{-5, 0, 0};
+    return -rig.step({-back, 0, 0}, {-back, 0, 0}, contact, contact).x;
+  };
+  // Thrown at 0.2 m/s: F T + F^2/(2 slew) = E/v.
+  const double slew = 2000, T = 1e-3, v = 0.2, energy_j = 1e-3;
+  const double affordable = slew * (std::sqrt(T * T + 2 * energy_j / (slew * v)) - T);
+  REQUIRE(affordable < 5);
+  CHECK(left_over(v, energy_j, 0, slew) == approx(affordable).epsilon(1e-6));
+  CHECK(left_over(v, energy_j, 0, 1e9) == approx(5)); // at once: 5 mJ could be paid in one tick
+  CHECK(left_over(v, 0, 0, slew) == 0);
+  CHECK(left_over(v, 0.1, 0, slew) == approx(5));
+  CHECK(left_over(v, 0, 10, slew) == approx(5));   // friction holds a spring of 1000 N/m
+  CHECK(left_over(0.08, 0, 0, slew) == approx(5)); // less than a quarter of the approach
+  CHECK(left_over(0.02, 0, 0, slew) == approx(5)); // too slow to matter
+}
+
+TEST_CASE(
+    "the chain takes from a contact no more than its share, and brakes with the motors' gain") {
+  ChainSettings settings;
+  settings.slew_n_per_s = 1e9;
+  settings.force_limit_n = 2;
+  settings.device.latency_ticks = 0;
+  ChainState state;
+  double x = 0, t = 0;
+  const auto tick = [&](double velocity, const Vec3& local) {
+    x += velocity * 1e-3;
+    ChainInput input;
+    input.time_s = input.heartbeat_s = t += 1e-3;
+    input.position = {x, 0, 0};
+    input.velocity = {velocity, 0, 0};
+    input.local_force = local;
+    return step(state, settings, input).x;
+  };
+  // 20 N are asked for and 2 N written; thrown back with nothing left the contact gives nothing,
+  // and does not pull.
+  for (int n = 0; n < 20; ++n)
+    tick(0.4, {-1e4 * x, 0, 0});
+  for (int n = 0; n < 40; ++n) {
+    const double force = tick(-0.3, {-20 - 1e3 * x, 0, 0});
+    REQUIRE(force >= -2);
+    REQUIRE(force <= 2);
+    if (state.energy_j < -1e-4 && n > 20)
+      REQUIRE(force >= 0); // a brake against the motion, or nothing
+    if (state.energy_j < -1e-4 && n > 20)
+      REQUIRE(force < 2);
+  }
+  // Without motors there is no brake either, whatever the debt.
+  motors(state, false);
+  for (int n = 0; n < 10; ++n) {
+    state.passivity.observe({}, {x, 0, 0}, {}, -1);
+    CHECK(tick(-0.3, {-20 - 1e3 * x, 0, 0}) == 0);
   }
 }

@@ -88,6 +88,23 @@ TEST_CASE("a force that is asked for without end settles below the continuous ra
   }
 }
 
+TEST_CASE("the rating holds without the passivity controller, and no new connection cools motors") {
+  Touch device;
+  Servo servo;
+  ServoSettings settings;
+  settings.chain.force_limit_n = 3.3;
+  settings.chain.passivity = false;
+  servo.exchange().settings.write(settings);
+  servo.attach(device);
+  std::uint64_t tick = 0;
+  ask(servo, tick, 3.3, 60);
+  CHECK(device.forces.back() < 0.88);
+  servo.detach();
+  servo.attach(device);
+  ask(servo, tick, 3.3, 1);
+  CHECK(device.forces.back() < 0.88);
+}
+
 TEST_CASE("pushes with pauses, below the rating in the mean, are left alone") {
   Touch device;
   Servo servo;
