@@ -162,9 +162,8 @@ int main(int count, char** words) {
   for (const bool declared : {false, true})
     for (int latency = 0; latency < 4; ++latency) {
       const Sweep s = sweep(latency, declared, quick, csv.get());
-      const std::string name = std::to_string(latency) + (latency == 0 ? ""
-                                                          : declared   ? ", declared"
-                                                                       : ", not declared");
+      const std::string name =
+          std::to_string(latency) + (declared ? ", declared" : ", not declared");
       std::printf("| %s | %ld of %ld | %.2f | %ld of %ld | %.2f | %.6f of it | %.6f N |\n",
                   name.c_str(), s.force.worse, s.force.cases, s.force.worst, s.exits.worse,
                   s.exits.cases, s.exits.worst, s.max_slew, s.max_force);

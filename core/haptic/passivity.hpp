@@ -35,8 +35,9 @@ struct PassivitySettings {
 ///    measured as the ratio of changes of force to changes of position. u is the velocity along the
 ///    force, as far as the device's reading and the displacement over the last 2 ms agree on it.
 /// 2. Where the device's own friction cannot hold the spring, K T (1/2 + L) > B (Colgate), a
-///    contact that throws the handle back may release no more than is left: its force is lowered,
-///    to nothing at the least, early enough that the slew limit lets it fall in time.
+///    contact of at most 0.1 s that throws the handle back may release no more than is left: its
+///    force is lowered, to nothing at the least, early enough that the slew limit lets it fall in
+///    time.
 class PassivityController {
 public:
   static constexpr double kRest_s = 0.05;
@@ -75,6 +76,7 @@ private:
   Vec3 wanted_{}, direction_{}; // the last force, and where the last one that was not zero pointed
   double force_changes_ = 0, position_changes_ = 0; // leaky sums of squares, N^2 and m^2
   double fastest_inward_ = 0, outward_ = 0;         // m/s, along the contact's force
+  double contact_s_ = 0;                            // since it began
   bool started_ = false, acted_ = false;
 };
 
