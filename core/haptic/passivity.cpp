@@ -13,13 +13,8 @@ constexpr double kRestRadius_m = 2e-5;
 constexpr double kDampingPerLeak = 3;
 constexpr double kStiffnessMemory_s = 0.05;
 constexpr double kVelocityWindow_s = 2e-3;
-// Below this speed the energy is too small to matter and the velocity's direction is noise.
+// Below this speed the velocity's direction is noise.
 constexpr double kMinBrakedSpeed_m_per_s = 1e-4;
-// A contact throws the handle back when it leaves faster than this, and than this share of the
-// fastest approach of the last kApproachMemory_s. A hand that presses and trembles does neither.
-constexpr double kMinThrow_m_per_s = 0.03;
-constexpr double kThrowShare = 0.25;
-constexpr double kApproachMemory_s = 0.2;
 // A bounce lasts pi sqrt(M/K), 70 ms for 0.1 kg on 200 N/m; a handle that stays in contact longer
 // is held there, and swings against the hand.
 constexpr double kMaxBounce_s = 0.1;
@@ -85,27 +80,22 @@ double PassivityController::stiffness(const PassivitySettings& settings,
 }
 
 /// What to take from the contact's force so that a handle thrown back gets no more energy than is
-/// left, N. The speeds are along that force; outward is now, inward over the velocity's window.
+/// left, N. The speeds are along that force: as agreed, and as read.
 double PassivityController::release_cut(const PassivitySettings& settings, double contact_n,
-                                        double outward, double reading, double inward,
-                                        double stiffness) noexcept {
+                                        double outward, double reading, double stiffness) noexcept {
   const double T = settings.period_s;
   const double accelerated = std::max(outward - outward_, 0.0); // in one tick
   outward_ = outward;
   contact_s_ = contact_n > 0.0 ? contact_s_ + T : 0.0;
-  fastest_inward_ = std::max(fastest_inward_ * std::exp(-T / kApproachMemory_s), inward);
   const int latency = std::clamp(settings.latency_ticks, 0, kMaxLatency_ticks);
-  const double hidden =
-      2.0 * settings.position_noise_m / kVelocityWindow_s; // by the reading's error
+  const double error = settings.position_noise_m / kVelocityWindow_s; // of a speed, m/s
   const bool held_by_friction = stiffness * T * (0.5 + latency) <= settings.friction_n_s_per_m;
   if (held_by_friction || !(contact_n > 0.0) || contact_s_ > kMaxBounce_s ||
-      !(outward > kMinThrow_m_per_s + (1 + latency) * hidden))
+      !(outward > kMinBrakedSpeed_m_per_s + error))
     return 0.0;
   // The speed when this force acts, and what the forces under way will have released by then.
-  const double now = hidden > 0.0 ? outward + hidden : std::max(outward, reading);
+  const double now = error > 0.0 ? outward + 2.0 * error : std::max(outward, reading);
   const double speed = now + accelerated * latency;
-  if (!(speed + accelerated > kThrowShare * fastest_inward_))
-    return 0.0;
   double left_j = energy_j_;
   for (int k = latency - 1, ahead = 1; k >= 0; --k, ++ahead)
     left_j -= norm(at(forces_, tick_ + kHistory - static_cast<std::size_t>(k))) *
@@ -137,7 +127,7 @@ Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& w
   const double contact = norm(contact_n);
   const Vec3 outwards = contact > 0.0 ? contact_n * (1.0 / contact) : Vec3{};
   const double cut = release_cut(settings, contact, dot(agreed, outwards), dot(velocity, outwards),
-                                 -dot(moved, outwards), stiffness_n_per_m);
+                                 stiffness_n_per_m);
   if (cut > 0.0) {
     force -= outwards * cut;
     acted_ = true;

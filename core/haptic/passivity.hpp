@@ -65,8 +65,7 @@ private:
   [[nodiscard]] Vec3 displacement(const PassivitySettings& settings, double& duration_s) noexcept;
   [[nodiscard]] double stiffness(const PassivitySettings& settings, const Vec3& wanted_n) noexcept;
   [[nodiscard]] double release_cut(const PassivitySettings& settings, double contact_n,
-                                   double outward, double reading, double inward,
-                                   double stiffness) noexcept;
+                                   double outward, double reading, double stiffness) noexcept;
 
   std::array<Vec3, kHistory> positions_{}, forces_{};
   std::size_t tick_ = 0;
@@ -75,7 +74,7 @@ private:
   double rest_s_ = 0;
   Vec3 wanted_{}, direction_{}; // the last force, and where the last one that was not zero pointed
   double force_changes_ = 0, position_changes_ = 0; // leaky sums of squares, N^2 and m^2
-  double fastest_inward_ = 0, outward_ = 0;         // m/s, along the contact's force
+  double outward_ = 0;                              // m/s, along the contact's force
   double contact_s_ = 0;                            // since it began
   bool started_ = false, acted_ = false;
 };
