@@ -24,10 +24,12 @@ Vec3 SceneModel::force(const Tick& tick, const State& state) noexcept {
     touches_.count = 0;
     started_ = true;
   }
-  // Half of the work is kept for the contact, so that it goes on while everything moves.
-  WorkLimit moving(work_per_tick_ / 2);
-  emerge(tick, moving);
+  // Half of the work is kept for the contact, so that it goes on while everything moves, and half
+  // of the rest for motions, so that bodies move while others appear.
+  WorkLimit appearing(work_per_tick_ / 4);
+  emerge(tick, appearing);
   look_around(goal);
+  WorkLimit moving(work_per_tick_ / 4 + std::max<std::int64_t>(appearing.left(), 0));
   carry(moving);
   WorkLimit work(work_per_tick_ / 2 + std::max<std::int64_t>(moving.left(), 0));
   if (near_count_ == 0) {

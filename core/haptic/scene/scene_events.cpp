@@ -52,6 +52,7 @@ void SceneModel::notice(const Tick& tick) noexcept {
       slot.emerged_s = -1;
     }
     slot.touching = touching;
+    slot.force_n = norm(body_force_[i]);
     rearm(slot, tick, work);
   }
 }

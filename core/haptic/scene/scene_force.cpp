@@ -46,26 +46,30 @@ Vec3 SceneModel::limit_emerging(const Tick& tick) noexcept {
   std::array<std::size_t, 3> slot_of{};
   std::array<bool, 3> cut{};
   std::size_t count = 0;
+  double before = 0;
   Vec3 sum;
   for (const Touch& touch : touches_.all()) {
     const Slot& slot = slots_[touch.slot];
     const auto end = slot_of.begin() + static_cast<std::ptrdiff_t>(count);
     if (slot.emerged_s < 0 || std::find(slot_of.begin(), end, touch.slot) != end)
       continue;
-    const double risen = kEmerging_n_per_s * std::max(tick.time_s - slot.emerged_s, 0.0);
+    const double risen =
+        slot.emerged_n + kEmerging_n_per_s * std::max(tick.time_s - slot.emerged_s, 0.0);
+    const double allowed = std::min(risen, std::max(limit, slot.emerged_n));
     Vec3& force = body_force_[touch.slot];
-    cut[count] = norm(force) > std::min(risen, limit);
-    force = limited(force, std::min(risen, limit));
+    cut[count] = norm(force) > allowed;
+    force = limited(force, allowed);
+    before += slot.emerged_n;
     slot_of[count++] = touch.slot;
     sum += force;
   }
-  const double total = norm(sum);
+  const double total = norm(sum), total_limit = std::max(limit, before);
   for (std::size_t i = 0; i < count; ++i)
-    if (total > limit)
-      body_force_[slot_of[i]] = body_force_[slot_of[i]] * (limit / total);
+    if (total > total_limit)
+      body_force_[slot_of[i]] = body_force_[slot_of[i]] * (total_limit / total);
     else if (!cut[i])
       slots_[slot_of[i]].emerged_s = -1;
-  return limited(sum, limit);
+  return limited(sum, total_limit);
 }
 
 Vec3 SceneModel::velocity_of(const Slot& slot, const Vec3& point, double period_s) const noexcept {

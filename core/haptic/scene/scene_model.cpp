@@ -46,6 +46,8 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
 
   // A tool that grows may overlap what it did not reach before.
   const bool grows = scene_->tool_radius_m > tool_radius_m_;
+  // One that shrinks has left the faces on which the proxy rested: friction holds nothing there.
+  const bool shrinks = scene_->tool_radius_m < tool_radius_m_;
   tool_radius_m_ = scene_->tool_radius_m;
   std::array<Slot, Scene::kMaxBodies> next{};
   std::array<bool, Scene::kMaxBodies> kept{};
@@ -83,7 +85,7 @@ void SceneModel::take_scene(const Tick& tick) noexcept {
     }
   std::size_t held = 0;
   for (const Touch& touch : touches_.all())
-    if (kept[touch.slot]) {
+    if (kept[touch.slot] && !shrinks) {
       touches_.touch[held] = touch;
       touches_.touch[held++].slot = new_index[touch.slot];
     }
@@ -114,23 +116,29 @@ void SceneModel::glide(Slot& slot) noexcept {
 /// stays, and does not feel those that it overlaps from inside.
 void SceneModel::emerge(const Tick& tick, WorkLimit& work) noexcept {
   constexpr int kRounds = 8, kExitWork = 10;
-  bool moved = false;
+  const std::size_t first = std::exchange(first_emerging_, 0);
+  bool moved = false, tested = false;
   for (int round = 0; round < kRounds && (round == 0 || moved); ++round) {
     moved = false;
-    for (std::size_t i = 0; i < count_; ++i) {
+    for (std::size_t n = 0; n < count_; ++n) {
+      const std::size_t i = (first + n) % count_;
       Slot& slot = slots_[i];
       if (round == 0 && !slot.fresh)
         continue;
       work.spend(kExitWork);
       const auto out =
           nearest_exit(slot.body->shape, tool_radius_m_, slot.pose.to_local(proxy_), work);
-      if (work.exhausted())
-        return; // what is still fresh comes first in the next tick
+      if (work.exhausted()) { // one that exceeds the work by itself does not keep others waiting
+        first_emerging_ = tested ? i : i + 1;
+        return;
+      }
+      tested = true;
       slot.fresh = false;
       if (!out)
         continue;
       proxy_ = slot.pose.to_world(out->point + out->normal * Proxy::kSkin_m);
       slot.emerged_s = tick.time_s;
+      slot.emerged_n = slot.touching ? slot.force_n : 0.0;
       moved = true;
     }
   }

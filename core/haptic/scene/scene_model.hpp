@@ -74,6 +74,8 @@ private:
     bool departed = true; ///< has been kRearm_m away since the last contact
     double released_s = -1e9, reported_s = -1e9;
     double emerged_s = -1;  ///< when it appeared around the handle; negative: it did not
+    double emerged_n = 0;   ///< what it gave before: a tool that grows keeps its force
+    double force_n = 0;     ///< what it gave in the last tick
     Vec3 point{}, normal{}; ///< of the last contact, in the body's frame
 
     [[nodiscard]] bool moved() const noexcept { return !(pose == before); }
@@ -115,6 +117,7 @@ private:
   std::array<std::size_t, Scene::kMaxBodies> near_index_{}; ///< of a slot; kNobody: it is not near
   std::size_t near_count_ = 0;
   std::size_t first_carried_ = 0;                    ///< whose motion had to wait comes first
+  std::size_t first_emerging_ = 0;                   ///< whose exit had to wait comes first
   std::array<Vec3, Scene::kMaxBodies> body_force_{}; ///< each body's part of the force, N
 
   Vec3 proxy_{}, velocity_before_{};

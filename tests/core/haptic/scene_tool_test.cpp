@@ -1,4 +1,5 @@
 #include "core/dsp/random.hpp"
+#include "tests/core/haptic/approx.hpp"
 #include "tests/core/haptic/meshes.hpp"
 #include "tests/core/haptic/scene_rig.hpp"
 
@@ -9,6 +10,7 @@
 // A tool of finite radius: a sphere about the handle.
 
 using namespace tactus::haptic;
+using test::approx;
 using test::SceneRig;
 using Kind = ContactEvent::Kind;
 
@@ -308,4 +310,48 @@ TEST_CASE("a tool that grows, or starts in a body or a mesh, is led out gently")
   CHECK(rig.count(Kind::kHit) == 0);
   CHECK(norm(rig.stroke({0, 13, 0}, {0, 20, 0})) == 0);
   CHECK(norm(rig.stroke({0, 20, 0}, {0, 15, 0}) - Vec3{0, 4, 0}) < 1e-6);
+}
+
+TEST_CASE("a tool that shrinks rests on the body, or leaves it, also with friction") {
+  SceneRig rig;
+  rig.add(Plane{}, {}, {500, 0, 0.5});
+  with_tool(rig, 10);
+  rig.stroke({0, 0, 15}, {0, 0, 8});
+  CHECK(rig.touch({0, 0, 8}).z == approx(1).epsilon(1e-6)); // 2 mm
+  with_tool(rig, 9);
+  rig.touch({0, 0, 8});
+  CHECK(rig.touch({0, 0, 8}).z == approx(0.5).epsilon(1e-6)); // 1 mm
+  with_tool(rig, 7.5);
+  CHECK(rig.touch({0, 0, 8}).z == 0);
+  CHECK(rig.count(Kind::kRelease) == 1);
+}
+
+TEST_CASE("a tool that grows while it presses goes on with the force of before") {
+  SceneRig rig;
+  rig.add(Plane{}, {}, {500, 0, 0});
+  with_tool(rig, 5);
+  rig.stroke({0, 0, 15}, {0, 0, 0});
+  CHECK(rig.touch({0, 0, 0}).z == approx(2.5).epsilon(1e-6));
+  with_tool(rig, 6);
+  for (int n = 0; n < 30; ++n)
+    CHECK(rig.touch({0, 0, 0}).z == approx(2.5).epsilon(1e-6)); // above 1 N: no more than before
+  rig.stroke({0, 0, 0}, {0, 0, 3}); // asks for less than that: a body like any other
+  CHECK(rig.stroke({0, 0, 3}, {0, 0, 0}).z == approx(3).epsilon(1e-6));
+}
+
+TEST_CASE("a body whose exit takes more work than a tick has does not keep the others waiting") {
+  SceneRig rig(160);
+  Raw fan{{{0, 0, 0}}, {}};
+  constexpr std::uint32_t kSlivers = 1000;
+  for (std::uint32_t i = 0; i < kSlivers; ++i) {
+    const double a = 2 * kPi * i / kSlivers;
+    fan.corners.push_back({0.05 * std::cos(a), 0.05 * std::sin(a), 0});
+    fan.triangles.push_back({0, 1 + i, 1 + (i + 1) % kSlivers});
+  }
+  rig.add(fan.surface());
+  rig.add(Sphere{0.01}, {{0, 0, 0.003}, {}});
+  with_tool(rig, 4);
+  for (int n = 0; n < 3; ++n)
+    rig.touch({0, 0, 0.5});
+  CHECK(norm(rig.model.proxy() - Vec3{0, 0, 0.003}) >= 0.014);
 }
