@@ -38,12 +38,22 @@ void NetworkModel::begin() noexcept {
   touch_gain_.fill(-1);
 }
 
+/// A sphere that has grown pushes a mass that it touched on with the force of before.
+double NetworkModel::gain_of_grown(double before_m, std::size_t mass) const noexcept {
+  const double distance = norm(position(mass) - handle_);
+  return touch_gain_[mass] >= 0 && distance < before_m
+             ? touch_gain_[mass] * (before_m - distance) / (network_->touch.radius_m - distance)
+             : -1;
+}
+
 /// Keys grow along both lists, so that one walk finds the masses that stay.
 void NetworkModel::take_network() noexcept {
   if (!pending_.load(std::memory_order_relaxed) || (published_ && !retired_.push(published_)))
     return;
+  const double radius_m = network_ ? network_->touch.radius_m : 0.0;
   published_ = pending_.exchange(nullptr, std::memory_order_acq_rel);
   network_ = published_->network.get();
+  const bool grows = network_->touch.radius_m > radius_m;
 
   const std::size_t count = std::min(network_->masses.size(), kPoints);
   Row x{}, y{}, z{}, vx{}, vy{}, vz{}, gain{};
@@ -55,7 +65,7 @@ void NetworkModel::take_network() noexcept {
     x[i] = kept ? x_[old] : mass.position.x;
     y[i] = kept ? y_[old] : mass.position.y;
     z[i] = kept ? z_[old] : mass.position.z;
-    gain[i] = kept ? touch_gain_[old] : -1;
+    gain[i] = !kept ? -1 : grows ? gain_of_grown(radius_m, old) : touch_gain_[old];
     if (kept && !mass.fixed) {
       vx[i] = vx_[old];
       vy[i] = vy_[old];
@@ -131,8 +141,9 @@ void NetworkModel::obey(const Action& action, const Vec3& handle) noexcept {
     if (!movable(nearest))
       return;
     grabbed_mass_ = nearest;
+    if (grabbed_ != keys_[nearest])
+      grab_gain_ = 0;
     grabbed_ = keys_[nearest];
-    has_budget_ = false; // the spring may begin stretched
     return;
   }
   case Kind::kRelease:

@@ -34,8 +34,9 @@ public:
   static constexpr double kMaxHandle_n = 40;  ///< the handle's spring to a mass yields beyond
   static constexpr double kMaxPluck_n = 1000; ///< longer forces are shortened
 
-  /// A mass that appears within the sphere about the handle, or is there when a device is opened,
-  /// is pushed by a force that grows for this long.
+  /// A mass that appears within the sphere about the handle, or is there when a device is opened or
+  /// the sphere grows, is pushed by a force that grows for this long; so does that of a spring that
+  /// grabs a mass.
   static constexpr double kEmerging_s = 0.1;
 
   struct Action {
@@ -99,11 +100,13 @@ private:
   };
 
   void take_network() noexcept;
+  [[nodiscard]] double gain_of_grown(double before_m, std::size_t mass) const noexcept;
   void take_actions(const Vec3& handle) noexcept;
   void obey(const Action& action, const Vec3& handle) noexcept;
   [[nodiscard]] std::size_t find(std::uint64_t key) const noexcept;
   void reset() noexcept;
   void find_candidates(const Vec3& from, const Vec3& to, double period_s) noexcept;
+  void raise_gains(double period_s) noexcept;
   void apply_links() noexcept;
   [[nodiscard]] Vec3 apply_handle(const Vec3& handle, const Vec3& velocity) noexcept;
   void apply_plucks() noexcept;
@@ -135,6 +138,7 @@ private:
   bool started_ = false;
   std::uint64_t grabbed_ = kNobody;
   std::size_t grabbed_mass_ = 0;
+  double grab_gain_ = 0; // 0..1 while the spring takes hold
   std::array<std::uint16_t, kPoints> candidates_{};
   std::size_t candidate_count_ = 0;
   std::array<Pluck, kMaxPlucks> plucks_{};

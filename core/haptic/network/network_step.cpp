@@ -33,6 +33,9 @@ Vec3 NetworkModel::force(const Tick& tick, const State& state) noexcept {
   const Vec3 start = handle_, velocity = (goal - start) * (1.0 / tick.period_s);
   find_candidates(start, goal, tick.period_s);
   take_actions(start);
+  const double before_j = handle_energy_j();
+  raise_gains(tick.period_s);
+  budget_j_ += handle_energy_j() - before_j; // springs that grow put energy in
   if (!has_budget_)
     budget_j_ = energy_j();
   has_budget_ = true;
@@ -74,16 +77,25 @@ void NetworkModel::find_candidates(const Vec3& from, const Vec3& to, double peri
   for (std::size_t i = 0; i < count_; ++i) {
     const Vec3 away = position(i) - middle, v = this->velocity(i);
     const double travel = 2 * period_s * (std::abs(v.x) + std::abs(v.y) + std::abs(v.z));
-    double& gain = touch_gain_[i];
-    if (gain < 1) {
-      gain = gain >= 0 ? std::min(1.0, gain + period_s / kEmerging_s)
-             : norm(position(i) - from) < touch.radius_m ? 0
-                                                         : 1;
-      has_budget_ = false; // a spring that grows puts energy in
-    }
     if (inverse_mass_[i] > 0 && dot(away, away) < (reach + travel) * (reach + travel))
       candidates_[candidate_count_++] = static_cast<std::uint16_t>(i);
   }
+}
+
+/// The handle's springs take hold within kEmerging_s, but for masses that come into the sphere by
+/// themselves.
+void NetworkModel::raise_gains(double period_s) noexcept {
+  const double rise = period_s / kEmerging_s;
+  if (network_->touch.stiffness_n_per_m > 0 && network_->touch.radius_m > 0)
+    for (std::size_t i = 0; i < count_; ++i) {
+      double& gain = touch_gain_[i];
+      if (gain < 0)
+        gain = norm(position(i) - handle_) < network_->touch.radius_m ? 0 : 1;
+      else
+        gain = std::min(1.0, gain + rise);
+    }
+  if (grabbed_ != kNobody)
+    grab_gain_ = std::min(1.0, grab_gain_ + rise);
 }
 
 void NetworkModel::apply_links() noexcept {
@@ -143,8 +155,9 @@ Vec3 NetworkModel::apply_handle(const Vec3& handle, const Vec3& handle_velocity)
   if (grabbed_ != kNobody) {
     const NetworkGrab& grab = network_->grab;
     const std::size_t i = grabbed_mass_;
-    const Vec3 force = limited((handle - position(i)) * grab.stiffness_n_per_m +
-                                   (handle_velocity - velocity(i)) * grab.damping_n_s_per_m,
+    const Vec3 force = limited(((handle - position(i)) * grab.stiffness_n_per_m +
+                                (handle_velocity - velocity(i)) * grab.damping_n_s_per_m) *
+                                   grab_gain_,
                                kMaxHandle_n);
     push_on(i, force);
     sum += force;

@@ -380,3 +380,44 @@ TEST_CASE("a network at rest holds no denormal numbers, which would slow its tic
     CHECK(rig.model.velocity(i).z == 0);
   }
 }
+
+TEST_CASE("a sphere that grows pushes masses with a force that goes on from the one before") {
+  NetworkRig rig;
+  rig.network.touch = {0.005, 400, 0.1};
+  for (int i = 0; i < 9; ++i)
+    rig.mass(1e4, {2e-3 * i - 8e-3, 0, 0.01}); // heavy: they hardly move
+  const std::size_t touched = rig.mass(1e4, {0, 0, -0.003});
+  rig.publish();
+  const Vec3 before = rig.tick_for(0.2, {});
+  CHECK(before.z == approx(0.8).epsilon(0.01)); // 400 N/m of 2 mm
+  rig.network.touch.radius_m = 0.05;
+  rig.publish();
+  Vec3 last = before;
+  for (int n = 0; n < 101; ++n) {
+    const Vec3 now = rig.tick({});
+    // 400 N/m of 47 mm, and nine times as much, within 0.1 s
+    CHECK(norm(now - last) < 2 * 10 * 400 * 0.047 * rig.period_s / NetworkModel::kEmerging_s);
+    last = now;
+  }
+  double theory = 0; // by the positions that there are
+  for (std::size_t i = 0; i < touched; ++i) {
+    const Vec3 p = rig.model.position(i);
+    theory += 400 * (0.05 - norm(p)) * p.z / norm(p);
+  }
+  theory -= 400 * (0.05 - norm(rig.model.position(touched)));
+  CHECK(rig.tick({}).z == approx(-theory).epsilon(0.01));
+}
+
+TEST_CASE("a spring that grabs a far mass takes hold within a tenth of a second") {
+  NetworkRig rig;
+  rig.network.grab = {400, 0};
+  const std::size_t far = rig.mass(1e4, {0.08, 0, 0});
+  rig.publish();
+  rig.tick({});
+  const NetworkModel::Action grab{NetworkModel::Action::Kind::kGrab, rig.key(far), {}, 0};
+  rig.model.act(grab);
+  for (int n = 1; n <= 100; ++n)
+    CHECK(rig.tick({}).x == approx(400 * 0.08 * n / 100.0).epsilon(0.02));
+  rig.model.act(grab); // again: it holds already
+  CHECK(rig.tick({}).x == approx(400 * 0.08).epsilon(0.02));
+}
