@@ -68,7 +68,8 @@ double NetworkModel::handle_energy_j() const noexcept {
   if (grabbed_ != kNobody) {
     const Vec3 now = handle_ - position(grabbed_mass_);
     const Vec3 then = handle_before - (position(grabbed_mass_) - velocity(grabbed_mass_) * h);
-    energy += yielding_energy_j(grab_gain_ * network_->grab.stiffness_n_per_m, dot(now, then), norm(now));
+    energy +=
+        yielding_energy_j(grab_gain_ * network_->grab.stiffness_n_per_m, dot(now, then), norm(now));
   }
   return energy;
 }
