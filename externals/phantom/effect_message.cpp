@@ -131,6 +131,14 @@ double effect_stiffness(std::string_view name, const EffectSettings& settings) {
   return 0;
 }
 
+double effect_damping(std::string_view name, const EffectSettings& settings) {
+  if (name == "viscous" && settings.viscous)
+    return settings.viscous->damping;
+  if (name == "inertia" && settings.inertia)
+    return settings.inertia->damping;
+  return 0;
+}
+
 void dump_effects(const EffectSettings& now, Host& host) {
   if (now.constant)
     host.info({"effect", "constant", now.constant->force_n.x, now.constant->force_n.y,
@@ -163,8 +171,9 @@ void Phantom::on_effect(Words words, Host& host) {
   if (const std::string refusal = phantom::read_effect(words, effect_settings_); !refusal.empty())
     return host.error(refusal);
   rig_->effects.set(effect_settings_);
-  warn_of_stiffness("effect " + phantom::text_of(words[0]),
-                    phantom::effect_stiffness(phantom::text_of(words[0]), effect_settings_), host);
+  const std::string name = phantom::text_of(words[0]);
+  warn_of_stiffness("effect " + name, phantom::effect_stiffness(name, effect_settings_), host);
+  warn_of_damping("effect " + name, phantom::effect_damping(name, effect_settings_), host);
 }
 
 } // namespace tactus

@@ -14,6 +14,8 @@ namespace tactus::phantom {
 /// Largest stiffness that the effect of that name renders, in N/m; 0 when it is off or has none.
 [[nodiscard]] double effect_stiffness(std::string_view name,
                                       const haptic::EffectSettings& settings);
+/// Largest damping, as asked for; 0 when it is off or has none. N s/m
+[[nodiscard]] double effect_damping(std::string_view name, const haptic::EffectSettings& settings);
 /// One line for each effect that is on.
 void dump_effects(const haptic::EffectSettings& settings, Host& host);
 

@@ -121,13 +121,17 @@ void Phantom::on_scene(Words words, Host& host) {
     return;
   const SceneBook::Stiffest stiffest = scene_.stiffest();
   warn_of_stiffness("scene: " + stiffest.name, stiffest.stiffness_n_per_m, host);
+  const SceneBook::LargestDamping damped = scene_.largest_damping();
+  warn_of_damping("scene: " + damped.name, damped.damping_n_s_per_m, host);
 }
 
 /// Colgate's bound on a sampled spring: K < 2 (B + b)/T; or the device's own word.
-void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host) {
+/// A model whose force comes later than at the tick has a share of that.
+void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host,
+                                double share) {
   const double own = device().caps().stiffness_limit_n_per_m;
   const double viscous = driver_ ? 0.0 : values_[kViscous];
-  const double bound = own > 0 ? own : 2 * (values_[kDamp] + viscous) / period_s();
+  const double bound = share * (own > 0 ? own : 2 * (values_[kDamp] + viscous) / period_s());
   if (!(stiffness_n_per_m > bound) || stiffness_n_per_m <= warned_n_per_m_)
     return;
   warned_n_per_m_ = stiffness_n_per_m;
@@ -137,6 +141,18 @@ void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_
            "or lower the stiffness");
   if (reported_[kStatus])
     host.info({"status", "stiff", stiffness_n_per_m, bound});
+}
+
+void Phantom::warn_of_damping(const std::string& what, double damping_n_s_per_m, Host& host) {
+  const double bound =
+      haptic::EffectModel::damping_bound(device().caps().damping_limit_n_s_per_m, period_s());
+  if (!(damping_n_s_per_m > bound) || damping_n_s_per_m <= warned_n_s_per_m_)
+    return;
+  warned_n_s_per_m_ = damping_n_s_per_m;
+  host.log(what + " damps by " + number_text(damping_n_s_per_m) + " N s/m, above the " +
+           number_text(bound) + " N s/m that this device holds quiet");
+  if (reported_[kStatus])
+    host.info({"status", "damped", damping_n_s_per_m, bound});
 }
 
 void Phantom::dump(Host& host) {

@@ -18,11 +18,15 @@ void Phantom::on_network(Words words, Host& host) {
     if (!stepping.reason.empty() && stepping.rate_hz != before_hz)
       host.log("network: stepped at " + number_text(stepping.rate_hz) + " Hz: " + stepping.reason);
     const haptic::Network& network = network_book_.network();
-    if (is(words[0], "touch"))
-      warn_of_stiffness("network touch", network.touch.stiffness_n_per_m, host);
+    constexpr double kLate = 0.5; // the mean of a tick's steps is late by half a tick more
+    if (is(words[0], "touch")) {
+      warn_of_stiffness("network touch", network.touch.stiffness_n_per_m, host, kLate);
+      warn_of_damping("network touch", network.touch.damping_n_s_per_m, host);
+    }
     if (!is(words[0], "grab"))
       return;
-    warn_of_stiffness("network grab", network.grab.stiffness_n_per_m, host);
+    warn_of_stiffness("network grab", network.grab.stiffness_n_per_m, host, kLate);
+    warn_of_damping("network grab", network.grab.damping_n_s_per_m, host);
   }
   Action action;
   if (is(words[0], "pluck")) {

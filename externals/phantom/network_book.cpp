@@ -38,6 +38,8 @@ void NetworkBook::add(haptic::NetworkMass mass, std::string name, std::string gr
 void NetworkBook::add(const haptic::NetworkPart& part, const std::string& group,
                       const std::vector<std::string>& names) {
   remove_named(group);
+  for (const std::string& name : names)
+    remove_mass(name);
   const auto first = static_cast<std::uint16_t>(network_.masses.size());
   for (std::size_t i = 0; i < part.masses.size(); ++i)
     add(part.masses[i], names[i], group);
@@ -48,12 +50,22 @@ void NetworkBook::add(const haptic::NetworkPart& part, const std::string& group,
   }
 }
 
-/// Takes out a mass, or those of a string or membrane, with their links and pickups.
+/// Takes out a mass, or those of a string or membrane.
 bool NetworkBook::remove_named(const std::string& name) {
+  return remove_if(
+      [&](const Name& n) { return n.name == name || (!n.group.empty() && n.group == name); });
+}
+
+bool NetworkBook::remove_mass(const std::string& name) {
+  return remove_if([&](const Name& n) { return n.name == name; });
+}
+
+/// With their links and pickups. False when there were none.
+template <class Wanted> bool NetworkBook::remove_if(const Wanted& wanted) {
   std::vector<std::size_t> index(names_.size(), kNone); // after the removal
   std::size_t kept = 0;
   for (std::size_t i = 0; i < names_.size(); ++i) {
-    if (names_[i].name == name || names_[i].group == name)
+    if (wanted(names_[i]))
       continue;
     index[i] = kept;
     network_.masses[kept] = network_.masses[i];

@@ -66,6 +66,8 @@ private:
   void add(const haptic::NetworkPart& part, const std::string& group,
            const std::vector<std::string>& names);
   bool remove_named(const std::string& name);
+  bool remove_mass(const std::string& name);
+  template <class Wanted> bool remove_if(const Wanted& wanted);
   [[nodiscard]] std::string too_large() const;
 
   haptic::Network network_{};

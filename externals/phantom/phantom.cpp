@@ -114,6 +114,8 @@ void Phantom::settle_device() noexcept {
                      now.latency_ticks != before.latency_ticks))
       rig_->servo.refresh_caps();
   });
+  if (!driver_)
+    tell_limits();
 }
 
 void Phantom::created(Host& host) {
@@ -125,8 +127,14 @@ void Phantom::created(Host& host) {
     connect_simulation(host);
 }
 
-void Phantom::attach() noexcept {
+/// What the models in the servo must know of the device.
+void Phantom::tell_limits() noexcept {
   rig_->scene.set_continuous_force(device().caps().continuous_force_n);
+  rig_->effects.set_damping_limit(device().caps().damping_limit_n_s_per_m);
+}
+
+void Phantom::attach() noexcept {
+  tell_limits();
   if (driver_) {
     rig_->device = device_;
     rig_->servo.attach(*device_, &rig_->local_models, &rig_->patch_models);

@@ -150,7 +150,10 @@ private:
   void on_interp(Words, Host&);
   void on_watchdog(Words, Host&);
   void on_scene(Words, Host&);
-  void warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host);
+  void warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host,
+                         double share = 1);
+  void warn_of_damping(const std::string& what, double damping_n_s_per_m, Host& host);
+  void tell_limits() noexcept;
 
   // network.cpp: the mass-spring network
   void on_network(Words, Host&);
@@ -224,7 +227,7 @@ private:
   double last_error_ms_ = -1e9, last_timing_ms_ = 0;
   double last_loss_ms_ = -1e9;
   std::uint64_t lost_told_ = 0; // entries of full queues
-  double warned_n_per_m_ = 0;
+  double warned_n_per_m_ = 0, warned_n_s_per_m_ = 0;
   bool scheduling_told_ = false;
 };
 

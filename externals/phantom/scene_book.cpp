@@ -222,6 +222,14 @@ SceneBook::Stiffest SceneBook::stiffest() const {
   return found;
 }
 
+SceneBook::LargestDamping SceneBook::largest_damping() const {
+  LargestDamping found;
+  for (const Entry& entry : entries_)
+    if (entry.body.material.damping_n_s_per_m > found.damping_n_s_per_m)
+      found = {entry.name, entry.body.material.damping_n_s_per_m};
+  return found;
+}
+
 void SceneBook::dump(Host& host) const {
   if (tool_radius_m_ > 0)
     host.info({"scene", "tool", tool_radius_m_ * 1e3});

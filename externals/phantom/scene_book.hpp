@@ -31,6 +31,11 @@ public:
     double stiffness_n_per_m = 0;
   };
   [[nodiscard]] Stiffest stiffest() const;
+  struct LargestDamping {
+    std::string name;
+    double damping_n_s_per_m = 0;
+  };
+  [[nodiscard]] LargestDamping largest_damping() const;
   void dump(Host& host) const;
 
 private:

@@ -138,3 +138,18 @@ def test_dump_tells_the_effects_that_are_on(tmp_path):
 def test_a_stiff_effect_is_said(tmp_path):
     result = still(tmp_path, "0 0 0", "effect spring 3000 0 0 0")
     assert "effect spring has 3000 N/m, above the 1000 N/m that this device holds" in result.text
+
+
+@pytest.mark.parametrize("effect, rate, bound", [("viscous 50", 200, 4), ("viscous 50", 1000, 20),
+                                                 ("viscous 15", 1000, 20), ("inertia 0.2 300 15", 500, 10),
+                                                 ("inertia 0.5 200 18", 500, 10)])
+def test_no_damper_hums_that_is_above_what_the_device_holds(tmp_path, effect, rate, bound):
+    """200/s of 0.1 kg at 1 kHz, a fifth of it at 200 Hz: it is felt up to there, and said."""
+    rows = [(0, -20, 0, 0), (200, 20, 0, 0), (1200, 20, 0, 0)]
+    felt = moved(tmp_path, f"-hand spring 300 2 -rate {rate}", rows, f"effect {effect}")
+    rest = numpy.stack([felt[axis][felt["ms"] > 700] for axis in ("fx_n", "fy_n", "fz_n")])
+    assert numpy.abs(numpy.diff(rest, 2)).max() < 0.02
+    result = still(tmp_path, "0 0 0", f"rate {rate}", f"effect {effect}")
+    damping = float(effect.split()[-1])
+    said = [row[2:] for row in result.info if row[:2] == ["status", "damped"]]
+    assert said == ([[f"{damping:g}", f"{bound:g}"]] if damping > bound else [])

@@ -248,3 +248,40 @@ def test_everything_can_be_deleted_while_it_sounds_and_built_again():
     left = heard(messages, 0.7)["left"]
     level = [numpy.abs(left[48 * a:48 * b]).max() for a, b in ((60, 150), (160, 300), (330, 450), (455, 690))]
     assert level[0] > 0.1 and level[1] == 0 and level[2] > 0.1 and level[3] == 0
+
+
+@pytest.mark.parametrize("message, said", [
+    ("network touch 10 900", []), ("network touch 10 1100", ["1100", "1000"]),
+    ("network grab nearest 900", []), ("network grab nearest 1100", ["1100", "1000"]),
+    ("scene add p plane 0 0 1 0, scene mat p 1900", []),
+    ("scene add p plane 0 0 1 0, scene mat p 2100", ["2100", "2000"])])
+def test_a_spring_to_the_network_is_said_to_hum_at_half_of_what_a_body_may_have(tmp_path, message, said):
+    """(B + damp)/T and 2 (B + damp)/T with B = 1 N s/m: docs/network.md."""
+    patch = DevicePatch("-viscous 1 -damp 0")
+    patch.at(1, "network mass a 1 0 500 0")
+    patch.at(2, message.replace(", ", r" \, "))
+    info = patch.run(tmp_path).info
+    assert [row[2:] for row in info if row[:2] == ["status", "stiff"]] == ([said] if said else [])
+
+
+def test_a_string_replaces_the_masses_that_had_its_names(tmp_path):
+    patch = DevicePatch()
+    patch.at(0, r"network mass s-2 1 0 500 0 \, network mass other 1 0 510 0 \, network link s-2 other 10")
+    patch.at(1, r"network string s 3 -50 0 0 50 0 0")  # s-0 .. s-4
+    patch.at(2, "dump")
+    result = patch.run(tmp_path)
+    assert not result.errors
+    assert [row[1:3] for row in result.info if row[0] == "network"] == [["6", "4"]]
+
+
+def test_a_name_without_letters_is_no_group(tmp_path):
+    patch = DevicePatch()
+    patch.at(0, r"network mass a 1 0 500 0 \, network mass b 1 0 510 0")
+    empty = patch.obj("symbol")
+    start = patch.at(1, "network del $1", 0)
+    patch.cords.pop(-2)  # the delay bangs the empty symbol instead
+    patch.cord(start - 1, 0, empty, 0)
+    patch.cord(empty, 0, start, 0)
+    patch.at(2, "dump")
+    result = patch.run(tmp_path)
+    assert [row[1:3] for row in result.info if row[0] == "network"] == [["2", "0"]]

@@ -28,10 +28,12 @@ Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
                        std::min(now.spring->max_n, kMaxEffect_n));
 
   Vec3 sum{};
+  const double max_damping =
+      damping_bound(damping_limit_.load(std::memory_order_relaxed), tick.period_s);
   if (now.viscous)
-    sum -= limited(state.velocity * now.viscous->damping, kMaxEffect_n);
+    sum -= limited(state.velocity * std::min(now.viscous->damping, max_damping), kMaxEffect_n);
   if (now.inertia)
-    sum += inertia(*now.inertia, tick, x);
+    sum += inertia(*now.inertia, max_damping, tick, x);
   if (now.friction)
     sum += friction(*now.friction, x);
   if (now.texture) {
@@ -52,9 +54,10 @@ Vec3 EffectModel::force(const Tick& tick, const State& state) noexcept {
 /// lowers m u^2/2 + k (x - p)^2/2 by at least what it gives), so only the hold of the coupling's
 /// force leaks, as for a spring k and a damper b. Below sqrt(k/m) the hand feels the mass m, above
 /// it k and b: the virtual coupling of Colgate, Stanley & Brown (IROS 1995).
-Vec3 EffectModel::inertia(const EffectSettings::Inertia& inertia, const Tick& tick,
-                          const Vec3& position) noexcept {
-  const double m = inertia.mass_kg, k = inertia.stiffness, b = inertia.damping;
+Vec3 EffectModel::inertia(const EffectSettings::Inertia& inertia, double max_damping,
+                          const Tick& tick, const Vec3& position) noexcept {
+  const double m = inertia.mass_kg, k = inertia.stiffness;
+  const double b = std::min(inertia.damping, max_damping);
   const double period = tick.period_s;
   const Vec3 velocity = (position - position_) * (1.0 / period);
   if (!has_mass_) {

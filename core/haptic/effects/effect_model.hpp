@@ -4,6 +4,8 @@
 #include "core/haptic/scene/scene_model.hpp"
 #include "core/haptic/servo.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <optional>
 
 /// Force effects that a host switches on and off by name. docs/effects.md has the equations.
@@ -58,10 +60,12 @@ struct EffectSettings {
 /// viscous, inertia, friction, texture and relief. driven() is that of constant and spring, which
 /// put energy into the hand when they are switched on, and so count as the patch's own wish.
 ///
-/// Bounded work, no allocation; each effect is at most kMaxEffect_n long.
+/// Bounded work, no allocation; each effect is at most kMaxEffect_n long. A damper that is sampled
+/// is passive only up to what the device can damp: viscous and inertia use no more than that.
 class EffectModel final : public LocalModel {
 public:
   static constexpr double kMaxEffect_n = 40;
+  static constexpr double kDamping_n_s_per_m = 5; ///< of a device that does not say its limit
 
   // the host's side
   void set(const EffectSettings& settings) noexcept { settings_.write(settings); }
@@ -72,18 +76,29 @@ public:
     scene_force_ = &scene_force_n;
   }
 
+  /// What the device damps quietly at 1 kHz, N s/m; 0 when it does not say. At any time.
+  void set_damping_limit(double n_s_per_m) noexcept {
+    damping_limit_.store(n_s_per_m, std::memory_order_relaxed);
+  }
+  /// The same in ticks of that length: slower ones hold less.
+  [[nodiscard]] static double damping_bound(double limit_n_s_per_m, double period_s) noexcept {
+    return (limit_n_s_per_m > 0 ? limit_n_s_per_m : kDamping_n_s_per_m) *
+           std::min(1.0, 1e-3 / period_s);
+  }
+
   // the servo's side
   void begin() noexcept override;
   [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
   [[nodiscard]] const Vec3& driven() const noexcept { return driven_; }
 
 private:
-  [[nodiscard]] Vec3 inertia(const EffectSettings::Inertia&, const Tick&,
+  [[nodiscard]] Vec3 inertia(const EffectSettings::Inertia&, double max_damping, const Tick&,
                              const Vec3& position) noexcept;
   [[nodiscard]] Vec3 friction(const EffectSettings::Friction&, const Vec3& position) noexcept;
   [[nodiscard]] Vec3 relief(const EffectSettings::Relief&, const Vec3& position) const noexcept;
 
   Mailbox<EffectSettings> settings_;
+  std::atomic<double> damping_limit_{0};
   const SceneModel* scene_ = nullptr;
   const Vec3* scene_force_ = nullptr;
 
