@@ -421,3 +421,19 @@ TEST_CASE("a spring that grabs a far mass takes hold within a tenth of a second"
   rig.model.act(grab); // again: it holds already
   CHECK(rig.tick({}).x == approx(400 * 0.08).epsilon(0.02));
 }
+
+TEST_CASE("a hand that jerks puts exactly its work into a network without losses") {
+  NetworkRig rig;
+  rig.network.grab = {300, 0};
+  const std::size_t anchor = rig.mass(1, {0, 0, 0}, true), mass = rig.mass(0.01, {0.01, 0, 0});
+  rig.link(anchor, mass, 500);
+  rig.publish();
+  rig.tick({0.01, 0, 0});
+  rig.model.act({NetworkModel::Action::Kind::kGrab, rig.key(mass), {}, 0});
+  rig.tick_for(0.2, {0.01, 0, 0});
+  tactus::Random random(5);
+  Vec3 hand{0.01, 0, 0};
+  for (int n = 0; n < 3000; ++n)
+    rig.tick(hand = {0.01 + 0.01 * random.uniform(), 0.01 * random.uniform(), 0});
+  CHECK(rig.model.scaled_ticks() == 0); // work that is counted too low would be taken for gain
+}

@@ -318,3 +318,18 @@ TEST_CASE("steps are the set rate's, more where springs ask for them, fewer for 
   CHECK(rig.tick() == Vec3{}); // it rests
   CHECK(rig.model.samples().empty());
 }
+
+TEST_CASE("a mass that is fixed while it moves stays where it is") {
+  NetworkRig rig;
+  const std::size_t anchor = rig.mass(1, {0, 0, 0}, true), mass = rig.mass(0.01, {0.02, 0, 0});
+  rig.link(anchor, mass, 500, 0.01);
+  rig.publish();
+  rig.tick_for(0.005);
+  REQUIRE(norm(rig.model.velocity(mass)) > 0.1);
+  rig.network.masses[mass].fixed = true;
+  rig.publish();
+  const Vec3 there = rig.model.position(mass);
+  rig.tick_for(0.1);
+  CHECK(rig.model.position(mass) == there);
+  CHECK(rig.model.velocity(mass) == Vec3{});
+}

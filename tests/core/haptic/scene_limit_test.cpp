@@ -293,3 +293,59 @@ TEST_CASE("the work limit does not touch a fast hand in a scene of 16 bodies and
     REQUIRE(limited.model.complete());
   }
 }
+
+TEST_CASE("whatever the work limit, friction found within it keeps to its cone") {
+  // The last round that was complete counts: a proxy on its way would drag by all that is missing.
+  constexpr double kFriction = 0.5;
+  int completed = 0, cut = 0;
+  for (std::int64_t work = 40; work < 3000; work += 20) {
+    SceneRig rig(work);
+    rig.add(test::flat_mesh(40, 0.05), {}, {500, 0, kFriction});
+    rig.touch({-15, -9, 2});
+    for (int n = 0; n < 60; ++n) {
+      const double turn = 0.7 * n;
+      const Vec3 force = rig.touch({15 * std::cos(turn), 9 * std::sin(2 * turn), -1 - 0.03 * n});
+      (rig.model.complete() ? completed : cut) += 1;
+      REQUIRE(std::hypot(force.x, force.y) <= kFriction * std::abs(force.z) + 1e-9);
+    }
+  }
+  CHECK(completed > 500);
+  CHECK(cut > 500);
+}
+
+TEST_CASE("whatever the work limit, a rounded body is followed through no other") {
+  for (std::int64_t work = 10; work < 600; ++work) {
+    SceneRig rig(work);
+    rig.add(Sphere{0.02});
+    rig.add(Box{{1e-4, 0.03, 0.03}}); // a wall through its middle
+    rig.stroke({-10, 25, 0}, {-8, 18, 0});
+    for (int n = 0; n < 20; ++n)
+      rig.touch({-8, 18, 0});
+    for (int n = 0; n < 20; ++n) {
+      rig.touch({0.5, 0.2, 0}); // nearest on the sphere: beyond the wall
+      REQUIRE(rig.model.proxy().x < 0);
+    }
+  }
+}
+
+TEST_CASE("whatever the work limit, a hand deep in a mesh is pushed out at every tick") {
+  for (std::int64_t work = 500; work < 2000; work += 20) {
+    SceneRig rig(work);
+    rig.add(test::mesh_sphere(0.02, 48, 48));
+    rig.stroke({0, 0, 22}, {0, 0, 15});
+    for (int n = 0; n < 100; ++n)
+      rig.touch({0, 0, 15});
+    for (int n = 0; n < 100; ++n) {
+      const double turn = 0.11 * n;
+      REQUIRE(norm(rig.touch({15 * std::sin(turn), 0, 15 * std::cos(turn)})) > 0.5 * 500 * 5e-3);
+    }
+  }
+}
+
+TEST_CASE("without work nothing is known to be far") {
+  WorkLimit none(0), enough;
+  const Vec3 far{0.019, 0.019, 0.019}; // but within the box around it
+  const Shape ball = test::mesh_sphere(0.02, 48, 48);
+  CHECK(is_farther(ball, far, 2e-4, enough));
+  CHECK(!is_farther(ball, far, 2e-4, none));
+}

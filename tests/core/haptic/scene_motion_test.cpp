@@ -248,3 +248,18 @@ TEST_CASE("random bytes are no mesh, and no harm") {
     static_cast<void>(made.crossing({0, 0, 1}, {0, 0, -1}, work));
   }
 }
+
+TEST_CASE("a body that pushes the hand does not push it through another") {
+  SceneRig rig;
+  rig.add(Box{{1e-3, 0.03, 0.03}}); // a plate at x = 0
+  rig.add(Sphere{0.01}, {{-0.03, 0, 0}, {}});
+  rig.touch({-10, 0, 0});
+  rig.touch({-10, 0, 0});
+  rig.scene.bodies[1].pose.position = {0.03, 0, 0};
+  rig.scene.bodies[1].glide_s = 0.06;
+  rig.publish();
+  for (int n = 0; n < 80; ++n) {
+    rig.touch({-10, 0, 0});
+    REQUIRE(rig.model.proxy().x < -1e-3);
+  }
+}

@@ -355,3 +355,41 @@ TEST_CASE("a body whose exit takes more work than a tick has does not keep the o
     rig.touch({0, 0, 0.5});
   CHECK(norm(rig.model.proxy() - Vec3{0, 0, 0.003}) >= 0.014);
 }
+
+TEST_CASE("a tool too wide for the slit beside an edge stays on its side of it") {
+  // Deep under the edge the point nearest to the handle lies beyond the slit.
+  for (const bool round : {false, true}) {
+    SceneRig rig;
+    if (round)
+      rig.add(Disk{0.03, 1e-3});
+    else
+      rig.add(Box{{0.03, 0.03, 1e-3}});
+    // The half space x > 36.5 mm: the tool's centre passes at 32.5 mm at most, the edge at 34 mm.
+    rig.add(Plane{}, {{0.0365, 0, 0}, Rotation::from_z_to({-1, 0, 0})});
+    with_tool(rig, 4);
+    rig.stroke({30.2, 0, 8}, {30.2, 0, 4.9});
+    for (int n = 0; n < 20; ++n)
+      rig.touch({30.2, 0, -1.9});
+    CHECK(rig.model.proxy().z > 0);
+    CHECK(rig.touch({30.2, 0, -1.9}).z > 0);
+  }
+}
+
+TEST_CASE("of two triangles that are met at once it is the last one in the mesh's order") {
+  const std::vector<Vec3> roof{{0, -0.01, 0},    {0, 0.01, 0},     {-0.01, 0, -0.01},
+                               {0.01, 0, -0.01}, {-0.01, 0, 0.01}, {0.01, 0, 0.01}};
+  const Triangle left{0, 1, 2}, right{0, 1, 3}, left_up{0, 1, 4}, right_up{0, 1, 5};
+  for (const bool right_last : {false, true}) {
+    const auto normal_of = [&](const Triangle& one, const Triangle& other, double radius) {
+      const TriangleMesh mesh(roof, std::array{right_last ? one : other, right_last ? other : one});
+      WorkLimit work;
+      const Vec3 above{0, 0, 0.02}, below{0, 0, -0.02};
+      const auto met = radius > 0 ? mesh.crossing(radius, above, below, work)
+                                  : mesh.crossing(above, below, work);
+      REQUIRE(met.has_value());
+      return met->normal.x;
+    };
+    CHECK((normal_of(left, right, 0) > 0) == right_last);          // a point on the ridge
+    CHECK((normal_of(left_up, right_up, 2e-3) < 0) == right_last); // a sphere in the valley
+  }
+}
