@@ -1,6 +1,8 @@
 #include "core/dsp/random.hpp"
 #include "core/haptic/chain.hpp"
 
+#include "tests/core/haptic/approx.hpp"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -136,7 +138,7 @@ TEST_CASE("a second target in the same tick keeps the way's length") {
     input.time_s = input.heartbeat_s = tick * 1e-3;
     f.push_back(step(state, settings, input).x);
   }
-  CHECK(f[20] == doctest::Approx(0.05));
+  CHECK(f[20] == test::approx(0.05));
   CHECK(f[39] == 1.0);
 }
 
@@ -306,7 +308,7 @@ TEST_CASE("targets may put their allowance into the hand, local models nothing")
       input.position.x = tick * 4e-5;
       step(state, settings, input);
     }
-    CHECK(state.energy_j == doctest::Approx(local ? -4e-3 : -3e-3).epsilon(1e-9));
+    CHECK(state.energy_j == test::approx(local ? -4e-3 : -3e-3).epsilon(1e-9));
   }
 }
 

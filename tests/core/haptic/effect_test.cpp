@@ -270,3 +270,34 @@ TEST_CASE("wild positions leave every effect finite") {
     static_cast<void>(force);
   }
 }
+
+TEST_CASE("a device that is opened elsewhere feels no friction or mass of the last one") {
+  EffectRig rig;
+  EffectSettings settings;
+  settings.friction = EffectSettings::Friction{5, 500};
+  settings.inertia = EffectSettings::Inertia{0.3, 300, 1};
+  rig.effects.set(settings);
+  for (int n = 0; n < 50; ++n)
+    rig.tick({1e-4 * n, 0, 0});
+  REQUIRE(norm(rig.tick({6e-3, 0, 0})) > 2);
+  rig.models.begin();
+  CHECK(rig.tick({0.04, 0, 0}) == Vec3{});
+}
+
+TEST_CASE("a damper is felt up to what the device damps in ticks of that length") {
+  for (const double period_s : {2.5e-4, 1e-3, 5e-3}) {
+    EffectRig rig;
+    EffectSettings settings;
+    settings.viscous = EffectSettings::Viscous{50};
+    rig.effects.set(settings);
+    const auto felt = [&](double limit) {
+      rig.effects.set_damping_limit(limit);
+      rig.tick({}, period_s);
+      return -rig.tick({0.1 * period_s, 0, 0}, period_s).x / 0.1; // 0.1 m/s
+    };
+    const double share = std::min(1.0, 1e-3 / period_s);
+    CHECK(felt(20) == approx(20 * share));
+    CHECK(felt(0) == approx(EffectModel::kDamping_n_s_per_m * share));
+    CHECK(felt(1000) == approx(std::min(50.0, 1000 * share)));
+  }
+}

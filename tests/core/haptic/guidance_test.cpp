@@ -1,6 +1,8 @@
 #include "core/haptic/servo.hpp"
 #include "core/haptic/simulated_device.hpp"
 
+#include "tests/core/haptic/approx.hpp"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -51,7 +53,7 @@ TEST_CASE("a steady hand is led to the goal at the rate that its yielding gives"
   const double at_6 = distance_after(6, 40, steady).first;
   const double at_12 = distance_after(12, 40, steady).first;
   MESSAGE("distance after 6 and 12 s: " << at_6 * 1e3 << ", " << at_12 * 1e3 << " mm");
-  CHECK(at_6 == doctest::Approx(0.02 * 200 / 240 * std::exp(-1.0)).epsilon(0.03));
+  CHECK(at_6 == test::approx(0.02 * 200 / 240 * std::exp(-1.0)).epsilon(0.03));
   CHECK(at_12 / at_6 == doctest::Approx(std::exp(-1.0)).epsilon(0.01));
 }
 

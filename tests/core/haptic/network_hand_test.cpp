@@ -437,3 +437,16 @@ TEST_CASE("a hand that jerks puts exactly its work into a network without losses
     rig.tick(hand = {0.01 + 0.01 * random.uniform(), 0.01 * random.uniform(), 0});
   CHECK(rig.model.scaled_ticks() == 0); // work that is counted too low would be taken for gain
 }
+
+TEST_CASE("a device that is opened anew holds no mass that the last one had grabbed") {
+  NetworkRig rig;
+  rig.network.grab = {300, 0};
+  const std::size_t mass = rig.mass(1e4, {0.01, 0, 0});
+  rig.publish();
+  rig.tick({});
+  rig.model.act({NetworkModel::Action::Kind::kGrab, rig.key(mass), {}, 0});
+  REQUIRE(norm(rig.tick_for(0.2, {})) > 2);
+  rig.model.begin();
+  CHECK(rig.tick({}) == Vec3{});
+  CHECK(rig.tick_for(0.2, {}) == Vec3{});
+}

@@ -1,6 +1,8 @@
 #include "core/dsp/random.hpp"
 #include "core/haptic/path.hpp"
 
+#include "tests/core/haptic/approx.hpp"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,8 +17,8 @@ TEST_CASE("rows are joined by straight lines and held outside") {
   CHECK(path.size() == 3);
   CHECK(path.at(-1).position == Vec3{});
   const PathPoint middle = path.at(0.05);
-  CHECK(middle.position.x == doctest::Approx(0.005));
-  CHECK(middle.position.z == doctest::Approx(-0.0025));
+  CHECK(middle.position.x == test::approx(0.005));
+  CHECK(middle.position.z == test::approx(-0.0025));
   CHECK(middle.velocity.x == doctest::Approx(0.1));
   CHECK(middle.buttons == 0);
   CHECK(path.at(0.15).buttons == 1);
@@ -30,7 +32,7 @@ TEST_CASE("two rows of one time are a jump") {
   REQUIRE(parsed.error.empty());
   const RowPath path(parsed.rows);
   CHECK(path.at(0.0099).position.x < 1e-3);
-  CHECK(path.at(0.01).position.x == doctest::Approx(5e-3));
+  CHECK(path.at(0.01).position.x == test::approx(5e-3));
 }
 
 TEST_CASE("a file that is wrong is refused with the line") {

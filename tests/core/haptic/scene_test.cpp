@@ -1,3 +1,4 @@
+#include "tests/core/haptic/approx.hpp"
 #include "tests/core/haptic/scene_rig.hpp"
 
 #include <doctest/doctest.h>
@@ -100,7 +101,7 @@ TEST_CASE("contact is reported every fourth millisecond with depth and force") {
   CHECK(rig.events.size() == 100);
   for (const ContactEvent& event : rig.events) {
     CHECK(event.kind == Kind::kContact);
-    CHECK(event.depth_m == doctest::Approx(2e-3));
+    CHECK(event.depth_m == test::approx(2e-3));
     check(event.force_n, {0, 0, 1});
   }
 }

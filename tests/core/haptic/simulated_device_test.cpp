@@ -1,5 +1,7 @@
 #include "core/haptic/simulated_device.hpp"
 
+#include "tests/core/haptic/approx.hpp"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -229,7 +231,7 @@ TEST_CASE("hard stops keep the handle, return less than they get and never pull"
   CHECK(sim.device.position().x < 0.055); // it comes off again
   // A lasting push rests at its equilibrium, F / K beyond the stop.
   State state = sim.advance(4000, {8, 0, 0});
-  CHECK(state.position.x == doctest::Approx(0.055 + 8.0 / 2e4).epsilon(1e-3));
+  CHECK(state.position.x == test::approx(0.055 + 8.0 / 2e4).epsilon(1e-3));
 }
 
 TEST_CASE("the same ticks and forces give the same bits, and skipped ticks are made up") {
@@ -259,7 +261,7 @@ TEST_CASE("the reading has the encoder's step and noise, and then no velocity of
   Sim sim(settings);
   sim.device.follow(LinePath{{-0.02, 0, 0}, {0.02, 0, 0}, 2});
   CHECK_FALSE(sim.device.caps().has_velocity);
-  CHECK(sim.device.caps().position_noise_m == doctest::Approx(4.5e-5));
+  CHECK(sim.device.caps().position_noise_m == test::approx(4.5e-5));
   for (int i = 0; i < 1000; ++i) {
     const State state = sim.advance(1);
     const double steps = state.position.x / 5e-5;
@@ -313,7 +315,7 @@ TEST_CASE("a person's tremor has its RMS and its 8 to 12 Hz at any tick") {
     const double rms = std::sqrt(sum / count);
     MESSAGE("tremor, tick " << period << " s: RMS " << rms * 1e6
                             << " um, share of power in 7..13 Hz " << band / all);
-    CHECK(rms == doctest::Approx(1e-4).epsilon(0.05)); // some 2500 independent values: 2 %
+    CHECK(rms == test::approx(1e-4).epsilon(0.05)); // some 2500 independent values: 2 %
     CHECK(band / all > 0.6);
   }
 }
@@ -358,7 +360,7 @@ TEST_CASE("a person yields to a lasting force at F/(K tau), and stays put withou
   const double before = pushed.device.position().x;
   pushed.advance(1000, {0.4, 0, 0});
   // 0.4 N / (200 N/m * 1 s) = 2 mm/s
-  CHECK(pushed.device.position().x - before == doctest::Approx(2e-3).epsilon(0.02));
+  CHECK(pushed.device.position().x - before == test::approx(2e-3).epsilon(0.02));
 
   settings.hand.tremor_m = 1e-4;
   settings.hand.wander_m = 1e-3;
