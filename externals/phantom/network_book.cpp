@@ -6,7 +6,6 @@
 #include "externals/phantom/text.hpp"
 
 #include <algorithm>
-#include <fstream>
 
 /// The network's contents; network_message.cpp and network_settings.cpp read the
 /// messages.
@@ -142,26 +141,12 @@ std::string NetworkBook::obey(Words words, const Host& host, double period_s) {
 }
 
 std::string NetworkBook::load(Words words, const Host& host) {
-  if (words.size() != 1 || !words[0].is_word)
-    return "expected a file name";
-  const std::string name(words[0].word), found = host.find_file(name);
-  std::ifstream stream(found);
-  if (found.empty() || !stream)
-    return name + ": no such file";
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    const std::vector<Atom> all = words_of(line);
-    const Words here = !all.empty() && is(all[0], "network") ? Words(all).subspan(1) : Words(all);
-    if (here.empty())
-      continue;
-    std::string refusal =
-        is(here[0], "load") ? "load: a network file loads no other" : change(here, host);
+  return obey_file(words, "network", host, [&](Words line) {
+    std::string refusal = change(line, host);
     if (refusal.empty() && network_.masses.size() > 2 * Network::kMaxPoints)
       refusal = too_large();
-    if (!refusal.empty())
-      return name + " line " + std::to_string(number) + ": " + text_of(here[0]) + ": " + refusal;
-  }
-  return {};
+    return refusal.empty() ? refusal : text_of(line[0]) + ": " + refusal;
+  });
 }
 
 void NetworkBook::dump(Host& host, double period_s) const {

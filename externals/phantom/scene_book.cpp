@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 namespace tactus::phantom {
@@ -161,26 +160,12 @@ std::string SceneBook::set_tool(Words words) {
 }
 
 std::string SceneBook::load(Words words, const Host& host) {
-  if (words.size() != 1 || !words[0].is_word)
-    return "expected a file name";
-  const std::string name(words[0].word), found = host.find_file(name);
-  std::ifstream stream(found);
-  if (found.empty() || !stream)
-    return name + ": no such file";
   SceneBook changed = *this;
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    const std::vector<Atom> all = words_of(line);
-    const Words here = !all.empty() && is(all[0], "scene") ? Words(all).subspan(1) : Words(all);
-    if (here.empty())
-      continue;
-    std::string refusal =
-        is(here[0], "load") ? "load: a scene file loads no other" : changed.obey(here, host);
-    if (!refusal.empty())
-      return name + " line " + std::to_string(number) + ": " + refusal;
-  }
-  *this = std::move(changed);
-  return {};
+  std::string refusal =
+      obey_file(words, "scene", host, [&](Words line) { return changed.obey(line, host); });
+  if (refusal.empty())
+    *this = std::move(changed);
+  return refusal;
 }
 
 std::unique_ptr<const haptic::Scene> SceneBook::snapshot() const {

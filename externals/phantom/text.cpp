@@ -1,8 +1,10 @@
 #include "externals/phantom/text.hpp"
 
 #include "core/words.hpp"
+#include "externals/phantom/numbers.hpp"
 
 #include <charconv>
+#include <fstream>
 
 namespace tactus::phantom {
 
@@ -28,6 +30,31 @@ std::vector<Atom> words_of(std::string_view line) {
       words.emplace_back(word);
     line.remove_prefix(word.size());
   }
+}
+
+std::string obey_file(std::span<const Atom> words, std::string_view message, const Host& host,
+                      const std::function<std::string(std::span<const Atom>)>& obey) {
+  if (words.size() != 1 || !words[0].is_word)
+    return "expected a file name";
+  const std::string name(words[0].word), found = host.find_file(name);
+  std::ifstream stream(found);
+  if (found.empty() || !stream)
+    return name + ": no such file";
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const std::vector<Atom> all = words_of(line);
+    std::span<const Atom> here(all);
+    if (!here.empty() && is(here[0], message))
+      here = here.subspan(1);
+    if (here.empty())
+      continue;
+    const std::string refusal = is(here[0], "load")
+                                    ? "load: a " + std::string(message) + " file loads no other"
+                                    : obey(here);
+    if (!refusal.empty())
+      return name + " line " + std::to_string(number) + ": " + refusal;
+  }
+  return {};
 }
 
 } // namespace tactus::phantom

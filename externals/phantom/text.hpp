@@ -2,6 +2,8 @@
 
 #include "core/object.hpp"
 
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,5 +16,12 @@ namespace tactus::phantom {
 /// The words of a line, numbers as numbers; blanks, commas and semicolons part them, what follows #
 /// is a comment. They live as long as the line.
 [[nodiscard]] std::vector<Atom> words_of(std::string_view line);
+
+/// Gives each line of the text file that the words name to `obey`, without the message's own name
+/// (`scene`, `network`) where a line begins with it. Ends at the first line that is refused, with a
+/// sentence that names file and line; empty when all were obeyed. A file loads no other.
+[[nodiscard]] std::string obey_file(std::span<const Atom> words, std::string_view message,
+                                    const Host& host,
+                                    const std::function<std::string(std::span<const Atom>)>& obey);
 
 } // namespace tactus::phantom

@@ -88,7 +88,7 @@ Vec3 EffectModel::friction(const EffectSettings::Friction& friction,
 }
 
 /// A surface whose height is h <= 0 instead of 0 pushes with k (d + h) instead of k d, along its
-/// tilted normal n - h' t: the gradient of k (d + h)^2/2, so that a closed way costs nothing. The
+/// tilted normal n - h' t: the gradient of k (d + h)^2/2, so that a closed path costs no work. The
 /// lateral part is Robles-De-La-Torre & Hayward's force (Nature 412, 2001), by which shape is felt.
 Vec3 EffectModel::relief(const EffectSettings::Relief& relief,
                          const Vec3& position) const noexcept {

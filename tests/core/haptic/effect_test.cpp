@@ -175,10 +175,11 @@ TEST_CASE("friction holds like a spring, slips at its force, and holds again on 
   const double turn = 0.002 + 99e-4;
   CHECK(rig.tick({turn - 0.002, 0, 0}).x == approx(0).scale(1));
   CHECK(rig.tick({turn - 0.004, 0, 0}).x == approx(0.8));
-  CHECK(norm(rig.tick({turn - 0.02, 0, 0.02})) == approx(0.8)); // one cone, all ways
+  CHECK(norm(rig.tick({turn - 0.02, 0, 0.02})) == approx(0.8)); // one cone in all directions
 }
 
-TEST_CASE("texture is a sine of the position along its direction, and costs nothing round a way") {
+TEST_CASE("texture is a sine of the position along its direction, and costs nothing round a closed "
+          "path") {
   EffectRig rig;
   EffectSettings settings;
   const Vec3 along{0.6, 0, 0.8};
@@ -222,7 +223,7 @@ TEST_CASE("relief is carved into what is touched, and only there") {
   // In the groove, above its ground: no force at all is left.
   const Vec3 felt = rig.tick({1e-3, 0, -1e-4});
   CHECK(norm(felt + rig.models.force_of(0)) < 1e-9);
-  // A closed way through ridges and grooves, deep on the way there and shallow on the way back.
+  // A closed path through ridges and grooves, deep on the way there and shallow on the way back.
   double work = 0, exchanged = 0;
   Vec3 before{}, force{};
   for (int n = 0; n <= 40000; ++n) {
