@@ -25,7 +25,7 @@ public:
   TriangleMesh(std::span<const Vec3> corners_m, std::span<const Triangle> triangles);
 
   /// The first triangle that a point meets between two positions. Watertight: an edge shared by two
-  /// triangles is judged alike for both, so that no motion slips through between them. Of triangles
+  /// triangles is tested alike for both, so that no motion slips through between them. Of triangles
   /// met at the same fraction it is the last one in the mesh's own order.
   [[nodiscard]] std::optional<Crossing> crossing(const Vec3& from, const Vec3& to,
                                                  WorkLimit& work) const noexcept;
