@@ -278,7 +278,7 @@ def test_a_name_without_letters_is_no_group(tmp_path):
     patch = DevicePatch()
     patch.at(0, r"network mass a 1 0 500 0 \, network mass b 1 0 510 0")
     empty = patch.obj("symbol")
-    start = patch.at(1, "network del $1", 0)
+    start = patch.at(1, r"network del \$1", 0)
     patch.cords.pop(-2)  # the delay bangs the empty symbol instead
     patch.cord(start - 1, 0, empty, 0)
     patch.cord(empty, 0, start, 0)
