@@ -99,7 +99,8 @@ double force_limit(ChainState& state, const ChainSettings& settings, bool warm) 
                                settings.device.continuous_force_n};
   state.thermal.advance(motors, norm(state.written), warm);
   const double ceiling_n = state.thermal.ceiling_n(motors);
-  state.sparing = ceiling_n < settings.force_limit_n;
+  state.sparing = state.thermal.sparing();
+  state.spared_to_n = state.thermal.settled_n(motors);
   return ceiling_n;
 }
 

@@ -88,7 +88,8 @@ struct ChainState {
   double energy_j = 0, lowest_energy_j = 0; // the controller's
   double forgiven_j = 0;                    // of the patch's work, not given back yet
   ThermalLimit thermal{};
-  bool sparing = false; ///< the motors' heat lowers the force limit now
+  bool sparing = false;   ///< the motors' heat lowers the force limit noticeably
+  double spared_to_n = 0; ///< what the limit then settles at
   ChainCounters counters{};
 };
 

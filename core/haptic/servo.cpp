@@ -188,8 +188,7 @@ void Servo::step(const Tick& tick) noexcept {
       fail(Fault::kSilent);
   }
 
-  exchange_.motors.confirm(request_, unwritten_ == 0 && force == Vec3{} &&
-                                         wrist == WristCommand{});
+  exchange_.motors.confirm(request_, unwritten_ == 0 && force == Vec3{} && wrist == WristCommand{});
 
   notice(tick, state);
   state_ = state;
@@ -204,6 +203,8 @@ void Servo::step(const Tick& tick) noexcept {
   report.lowest_energy_j = chain_.lowest_energy_j;
   report.motors = chain_.motors;
   report.latched = chain_.latched;
+  report.sparing = chain_.sparing;
+  report.spared_to_n = chain_.spared_to_n;
   report.fault = fault_;
   report.faults = faults_;
   exchange_.reports.write(report);

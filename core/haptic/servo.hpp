@@ -59,6 +59,8 @@ struct Report {
   ChainCounters counters{};
   double energy_j = 0, lowest_energy_j = 0;
   bool motors = true, latched = false;
+  bool sparing = false;       ///< the motors' heat lowers the force limit
+  double spared_to_n = 0;     ///< what the limit then settles at
   Fault fault = Fault::kNone; ///< of the device, until the motors are enabled
   std::uint32_t faults = 0;   ///< how many there were since the device was attached
 };

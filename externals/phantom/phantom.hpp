@@ -126,6 +126,7 @@ private:
   void fail(Host& host);
   void send_trouble(std::string_view sentence, Host& host) const;
   void watch_trouble(Host& host);
+  void watch_heat(Host& host);
 
   // output.cpp: what leaves the object
   void collect(Host& host);
@@ -204,7 +205,7 @@ private:
   double trouble_ms_ = 0;                   // when the driver began to say that
   double trouble_asked_ms_ = -1e9;
   std::vector<std::string> estop_keys_{}; // what motors 1 releases
-  bool estop_told_ = false;
+  bool estop_told_ = false, warm_told_ = false;
   std::unique_ptr<phantom::DeviceWorker> worker_{}, lister_{};
 
   std::string path_name_ = "still";

@@ -1,6 +1,8 @@
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/tags.hpp"
 
+#include <cstdio>
+
 /// What is wrong with a real device: said to the patch by `trouble DRIVER SENTENCE`, and once in
 /// the host's window. Everything here runs in the host's thread, not in the servo's.
 namespace tactus {
@@ -95,6 +97,22 @@ void Phantom::watch_trouble(Host& host) {
   send_trouble(trouble_, host);
   if (!trouble_.empty())
     host.log(trouble_);
+}
+
+/// That the force limit falls with the motors' heat: a user who feels a force fade must know why.
+void Phantom::watch_heat(Host& host) {
+  const haptic::Report& report = exchange().reports.latest();
+  if (!open() || !has_report_ || report.sparing == warm_told_)
+    return;
+  warm_told_ = report.sparing;
+  if (reported_[kStatus])
+    host.info({"status", "warm", warm_told_ ? 1.0 : 0.0});
+  if (!warm_told_)
+    return;
+  char newtons[32];
+  std::snprintf(newtons, sizeof newtons, "%.2g", report.spared_to_n);
+  host.log(std::string(driver_name()) + ": the motors are warm: force is limited to about " +
+           newtons + " N until they cool");
 }
 
 } // namespace tactus

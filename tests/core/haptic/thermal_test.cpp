@@ -162,3 +162,48 @@ TEST_CASE("whatever the figures, the ceiling is finite and never above the peak"
         }
       }
 }
+
+TEST_CASE("the figure that a user is told is the one that a lasting force settles at") {
+  for (const double peak : {1.0, 2.0, 3.3, 20.0})
+    for (const double rated : {0.3, 0.88}) {
+      ThermalLimit motors;
+      const ThermalSettings settings{1e-3, peak, rated};
+      for (int tick = 0; tick < 200000; ++tick)
+        motors.advance(settings, motors.ceiling_n(settings), false);
+      CHECK(motors.settled_n(settings) ==
+            doctest::Approx(motors.ceiling_n(settings)).epsilon(1e-6));
+      CHECK(motors.sparing());
+    }
+}
+
+TEST_CASE("pushes near the limit do not switch the word of warm motors with every push") {
+  ThermalLimit motors;
+  const ThermalSettings settings{1e-3, 3.3, 0.88};
+  int changes = 0;
+  bool before = false;
+  for (int tick = 0; tick < 300000; ++tick) {
+    const double force_n = tick % 2000 < 140 ? motors.ceiling_n(settings) : 0; // 0.87 N rms asked
+    motors.advance(settings, force_n, false);
+    changes += motors.sparing() != before;
+    before = motors.sparing();
+  }
+  CHECK(changes == 1);
+  for (int tick = 0; tick < 40000; ++tick)
+    motors.advance(settings, 0, false);
+  CHECK_FALSE(motors.sparing());
+}
+
+TEST_CASE("the report of a servo tells warm motors and what their force settles at") {
+  Touch device;
+  Servo servo;
+  attach(device, servo);
+  std::uint64_t tick = 0;
+  ask(servo, tick, 3.3, 5);
+  servo.exchange().reports.read();
+  CHECK(servo.exchange().reports.latest().sparing);
+  CHECK(servo.exchange().reports.latest().spared_to_n == doctest::Approx(0.877).epsilon(1e-3));
+  device.warm = true;
+  ask(servo, tick, 3.3, 0.1);
+  servo.exchange().reports.read();
+  CHECK(servo.exchange().reports.latest().spared_to_n == doctest::Approx(0.44));
+}

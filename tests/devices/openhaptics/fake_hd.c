@@ -1,6 +1,6 @@
 /* A stand-in for the vendor's libHD: one device with a mass of 0.1 kg and a scheduler thread of
  * 1 kHz. Force moves the mass, so a caller can see that force and position belong together.
- * The environment's FAKE_HD chooses what goes wrong. As the real driver, it opens no device when it
+ * The environment's FAKE_HD chooses what goes wrong, or that a hand holds the mass ("held"). As the real driver, it opens no device when it
  * is loaded a second time; the environment's FAKE_HD_LOADS counts. */
 #include <pthread.h>
 #include <stdio.h>
@@ -210,7 +210,7 @@ static void* scheduler(void* unused) {
     if (callback && !callback_done)
       callback_done = callback(callback_context) == 0;
     for (axis = 0; axis < 3; ++axis) {
-      const double newton = enabled_force ? force[axis] : 0;
+      const double newton = enabled_force && !mode("held") ? force[axis] : 0;
       velocity[axis] += 1e3 * period * (newton - 1e-3 * drag * velocity[axis]) / mass;
       position[axis] += period * velocity[axis];
     }
