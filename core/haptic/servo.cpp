@@ -32,6 +32,7 @@ void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexce
   wrist_.reset();
   statistics_ = {};
   state_ = {};
+  state_.flags = 0; // nothing is known, so there is no force before the first reading
   unread_ = unwritten_ = 0;
   tripped_ = has_heartbeat_ = false;
   faults_ = 0;

@@ -393,3 +393,28 @@ TEST_CASE("the last thing that a released servo writes is zero") {
   rig.device.writable = false;
   CHECK_FALSE(rig.servo.release());
 }
+
+TEST_CASE("before a device's first reading there is no force, since nothing is known of the hand") {
+  struct Push final : LocalModel {
+    Vec3 force(const Tick&, const State&) noexcept override { return {3, 0, 0}; }
+  } push;
+  Recorder device;
+  device.readable = false;
+  device.reading.position = {std::nan(""), 0, 0};
+  Servo servo;
+  servo.attach(device, &push);
+  const auto step = [&](std::uint64_t k) {
+    const double time_s = static_cast<double>(k) * 1e-3;
+    servo.exchange().commands.write(force_x(2, time_s, k + 1));
+    servo.step({k, time_s, 1e-3});
+  };
+  for (std::uint64_t k = 0; k < 10; ++k) {
+    device.readable = k > 4; // then it answers, but with no number
+    step(k);
+    REQUIRE(device.forces.back() == Vec3{});
+  }
+  device.reading.position = {};
+  for (std::uint64_t k = 10; k < 1000; ++k)
+    step(k);
+  CHECK(device.forces.back().x == doctest::Approx(5));
+}
