@@ -94,8 +94,12 @@ void observe(ChainState& state, const ChainSettings& settings, const Vec3& posit
 }
 
 /// The force limit of this tick, lowered while the motors are warm.
-double force_limit(ChainState& state, const ChainSettings& settings, bool warm) noexcept {
-  const ThermalSettings motors{settings.period_s, settings.force_limit_n,
+double force_limit(ChainState& state, const ChainSettings& settings, double elapsed_s,
+                   bool warm) noexcept {
+  // True time, since late ticks hold the force for longer; drivers end the force of a servo that
+  // stalls for more than this (devices/force_timeout.hpp).
+  constexpr double kLongestHeld_s = 0.05;
+  const ThermalSettings motors{std::min(elapsed_s, kLongestHeld_s), settings.force_limit_n,
                                settings.device.continuous_force_n};
   state.thermal.advance(motors, norm(state.written), warm);
   const double ceiling_n = state.thermal.ceiling_n(motors);
@@ -185,7 +189,7 @@ Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& gi
   Vec3 force = asked + contact;
   force -= limited(input.velocity * settings.damping_n_s_per_m, kLongestLocal_n);
 
-  const double limit_n = force_limit(state, settings, input.warm);
+  const double limit_n = force_limit(state, settings, elapsed_s, input.warm);
   const double length = norm(force);
   if (length > settings.force_limit_n)
     ++state.counters.clamped;

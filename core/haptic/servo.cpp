@@ -206,6 +206,7 @@ void Servo::step(const Tick& tick) noexcept {
   report.latched = chain_.latched;
   report.sparing = chain_.sparing;
   report.spared_to_n = chain_.spared_to_n;
+  report.heat_n2 = chain_.thermal.heat_n2();
   report.fault = fault_;
   report.faults = faults_;
   exchange_.reports.write(report);

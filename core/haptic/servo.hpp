@@ -61,6 +61,7 @@ struct Report {
   bool motors = true, latched = false;
   bool sparing = false;       ///< the motors' heat lowers the force limit
   double spared_to_n = 0;     ///< what the limit then settles at
+  double heat_n2 = 0;         ///< of the motors, as ThermalLimit counts it
   Fault fault = Fault::kNone; ///< of the device, until the motors are enabled
   std::uint32_t faults = 0;   ///< how many there were since the device was attached
 };
@@ -105,6 +106,9 @@ public:
   /// hand is within the passivity controller's allowance, as for commands.
   void attach(Backend& device, LocalModel* model = nullptr, LocalModel* patch = nullptr) noexcept;
   void detach() noexcept { device_ = nullptr; }
+  /// While no step runs: the heat of the motors that are attached next, N^2 (thermal.hpp). Else
+  /// attach keeps that of the last ones.
+  void set_motor_heat(double heat_n2) noexcept { chain_.thermal = ThermalLimit(heat_n2); }
   /// While no step runs: the device's abilities have changed.
   void refresh_caps() noexcept;
   [[nodiscard]] bool attached() const noexcept { return device_ != nullptr; }

@@ -4,7 +4,7 @@ namespace tactus::haptic {
 
 /// What a device says of its motors' heat.
 struct ThermalSettings {
-  double period_s = 1e-3;
+  double period_s = 1e-3;  ///< how long the force was held
   double peak_n = 8;       ///< the force limit while the motors are cool
   double continuous_n = 0; ///< the root mean square that they bear for ever; 0: not known
 };
@@ -22,6 +22,10 @@ struct ThermalSettings {
 /// else of the peak) over kWarmRamp_s; it comes back over kCoolRamp_s after the report has ended.
 class ThermalLimit {
 public:
+  ThermalLimit() = default;
+  /// Motors that are warm already, h in N^2; what is not a number is taken for cold.
+  explicit ThermalLimit(double heat_n2) noexcept : heat_n2_(heat_n2 > 0 ? heat_n2 : 0) {}
+
   static constexpr double kTimeConstant_s = 30;
   static constexpr double kWarmRamp_s = 1, kCoolRamp_s = 10;
 

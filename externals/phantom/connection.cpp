@@ -1,5 +1,6 @@
 #include "core/words.hpp"
 #include "externals/phantom/estop_latches.hpp"
+#include "externals/phantom/motor_heat.hpp"
 #include "externals/phantom/numbers.hpp"
 #include "externals/phantom/phantom.hpp"
 #include "externals/phantom/signal_link_name.hpp"
@@ -228,6 +229,12 @@ void Phantom::closed(std::string_view why, Host& host) {
   send_status("closed", host);
 }
 
+/// For the next servo that drives this device.
+void Phantom::keep_heat() noexcept {
+  exchange().reports.read();
+  keep_motor_heat(device_key_, exchange().reports.latest().heat_n2, devices::ServoThread::now_s());
+}
+
 /// Another servo with the same wishes, scene and name. The last one belongs to the thread that ends
 /// it: only what it reported is kept.
 void Phantom::renew_rig(Host& host) {
@@ -237,7 +244,7 @@ void Phantom::renew_rig(Host& host) {
   fresh.motors.take_over(last.motors);
   fresh.tracing = last.tracing.load();
   last.tracing = false;
-  last.reports.read();
+  keep_heat();
   last.statistics.read();
   fresh.reports.write(last.reports.latest());
   fresh.reports.read();
@@ -345,7 +352,9 @@ void Phantom::opened(const Answer& answer, Host& host) {
   if (!trouble_.empty())
     send_trouble(trouble_ = {}, host);
   heard_trouble_.clear();
-  inherit_stop(device_key(driver_->name, device_->identity().serial), host);
+  device_key_ = device_key(driver_->name, device_->identity().serial);
+  rig_->servo.set_motor_heat(motor_heat_n2(device_key_, devices::ServoThread::now_s()));
+  inherit_stop(device_key_, host);
   if (exchange().motors.request().stopped)
     latch_stop();
   attach();
@@ -388,8 +397,10 @@ void Phantom::let_go() noexcept {
   } else if (worker_) {
     worker_->forget();
     exchange().motors.pause(true);
-    if (open())
+    if (open()) {
+      keep_heat();
       static_cast<void>(worker_->close(driver_, {rig_, runner_}, device_));
+    }
   }
   link_ = Link::kClosed;
 }

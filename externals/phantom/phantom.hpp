@@ -96,6 +96,7 @@ private:
   [[nodiscard]] phantom::DeviceWorker& worker(Host& host);
   void watch_worker(Host& host);
   void renew_rig(Host& host);
+  void keep_heat() noexcept;
   void end_session(Host& host);
   [[nodiscard]] static std::string configure(haptic::Backend& device, Words words, bool which);
   void connect(Words which, Host& host);
@@ -204,6 +205,7 @@ private:
   std::string trouble_{}, heard_trouble_{}; // as told to the patch; as the driver said last
   double trouble_ms_ = 0;                   // when the driver began to say that
   double trouble_asked_ms_ = -1e9;
+  std::string device_key_{};              // of the real device that was opened last
   std::vector<std::string> estop_keys_{}; // what motors 1 releases
   bool estop_told_ = false, warm_told_ = false;
   std::unique_ptr<phantom::DeviceWorker> worker_{}, lister_{};

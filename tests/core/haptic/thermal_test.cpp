@@ -207,3 +207,40 @@ TEST_CASE("the report of a servo tells warm motors and what their force settles 
   servo.exchange().reports.read();
   CHECK(servo.exchange().reports.latest().spared_to_n == doctest::Approx(0.44));
 }
+
+TEST_CASE("late ticks heat the motors for as long as they hold the force, a stall for 50 ms") {
+  Touch device;
+  Servo servo;
+  attach(device, servo);
+  Command command;
+  command.force_n = {0.5, 0, 0};
+  const auto step = [&](double time_s) {
+    command.heartbeat_s = time_s;
+    ++command.number;
+    servo.exchange().commands.write(command);
+    servo.step({static_cast<std::uint64_t>(time_s * 1e3 + 0.5), time_s, 1e-3});
+  };
+  for (int tick = 0; tick < 10000; ++tick)
+    step(3e-3 * tick); // two of three ticks are skipped
+  const double after_30_s = servo.chain().thermal.heat_n2();
+  CHECK(after_30_s == doctest::Approx(0.25 * (1 - std::exp(-1.0))).epsilon(1e-3));
+  step(60);
+  const double kept = std::exp(-0.05 / 30);
+  CHECK(servo.chain().thermal.heat_n2() ==
+        doctest::Approx(kept * after_30_s + (1 - kept) * 0.25).epsilon(1e-6));
+}
+
+TEST_CASE("motors that were warm when another servo let them go begin with their heat") {
+  Touch device;
+  Servo servo;
+  servo.set_motor_heat(0.88 * 0.88);
+  attach(device, servo);
+  std::uint64_t tick = 0;
+  ask(servo, tick, 3.3, 0.1);
+  CHECK(device.forces.back() < 0.9);
+  CHECK(servo.chain().sparing);
+  servo.exchange().reports.read();
+  CHECK(servo.exchange().reports.latest().heat_n2 == doctest::Approx(0.7744).epsilon(0.01));
+  for (const double heat : {std::nan(""), -1.0})
+    CHECK(ThermalLimit(heat).heat_n2() == 0);
+}

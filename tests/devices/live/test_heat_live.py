@@ -49,3 +49,28 @@ def test_warm_motors_lower_the_limit_and_are_told_once(tmp_path):
         live.wait_for(r"^info: status warm 0", seconds=60)
         assert len(re.findall(r"^info: status warm 1", live.read(), re.M)) == 1
         live.end()
+
+
+def test_closing_or_another_object_does_not_cool_the_motors(tmp_path):
+    patch = Patch("openhaptics")
+    other = patch.obj("phantom openhaptics")
+    patch.cord(patch.obj("r second"), 0, other, 0)
+    patch.cord(other, 3, patch.obj("print second"), 0)
+    patch.forward("second")
+    with Live(tmp_path, patch, environment=held_device()) as live:
+        opened(live)
+        push_until_warm(live)
+        live.wait_until(lambda: forces(live)[-1] < 1.2)
+        live.tell_phantom("close")
+        live.wait_for(r"^info: status closed")
+        live.tell_phantom("second outrate 50")
+        live.tell_phantom("second repeat 1")
+        live.tell_phantom("second report force 1")
+        live.tell_phantom("second open")
+        live.wait_for(r"^second: status open")
+        live.wait_for(r"^second: status warm 1", seconds=10)
+        live.tell_phantom("second list 3.4 0 0")
+        live.wait_for(r"^second: force (0\.[5-9]|1)", seconds=10)
+        felt = [float(x) for x in re.findall(r"^second: force (\S+)", live.read(), re.M)]
+        assert max(felt) < 2.5  # a cold motor would get 3.4 N
+        live.end()
