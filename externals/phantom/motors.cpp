@@ -35,8 +35,8 @@ void Phantom::latch_stop() noexcept {
   };
   if (name_ != "-")
     latch(name_key(name_));
-  if (driver_ && open())
-    latch(device_key(driver_->name, device_->identity().serial));
+  if (driver_ && (open() || link_ == Link::kLost))
+    latch(device_key_);
 }
 
 /// The stop that an earlier object of this name or device was told.

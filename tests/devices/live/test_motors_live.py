@@ -170,3 +170,24 @@ def test_an_estop_holds_for_a_new_phantom_with_the_same_device(tmp_path):
         push(live, lambda: any(abs(m) > 100 for m in motors(live.state())))
         live.end()
     assert motors(live.state()) == [0, 0, 0]
+
+
+def test_an_estop_that_is_said_while_the_device_is_away_holds_for_who_opens_it_next(tmp_path):
+    patch, world = loaded(tmp_path)
+    patch.at(100, "open")
+    second = patch.obj("phantom falcon")
+    patch.cord(patch.obj("r second"), 0, second, 0)
+    patch.cord(second, 3, patch.obj("print second"), 0)
+    patch.forward("second")
+    with Live(tmp_path, patch, world) as live:
+        live.wait_for(r"^info: status homed 1")
+        live.tell_double("unplug")
+        live.wait_for(r"^info: status lost falcon")
+        live.tell_phantom("estop")
+        live.tell_phantom("close")
+        live.wait_for(r"^info: status closed falcon")
+        live.tell_double("plug")
+        live.tell_phantom("second open")
+        live.wait_for(r"^second: status (open|closed) falcon")
+        live.wait_for(r"^second: status estop 1", seconds=10)
+        live.end()
