@@ -43,7 +43,11 @@ Session::~Session() {
 
 std::string Session::open() {
   auto opening = std::async(std::launch::async, [this] { return device_->open(); });
-  while (opening.wait_for(Milliseconds(500)) == std::future_status::timeout) {
+  for (int looks = 1; opening.wait_for(Milliseconds(50)) == std::future_status::timeout; ++looks) {
+    if (interrupted())
+      device_->cancel(); // a call that does not return is ended by the interrupt's alarm
+    if (looks % 10 != 0)
+      continue;
     std::printf(".");
     std::fflush(stdout);
   }

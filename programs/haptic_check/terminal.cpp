@@ -13,6 +13,17 @@ namespace {
 std::atomic<bool> stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
+// From an interrupt to the end of the program: 0.3 s for the force, a second for the device.
+constexpr unsigned kEnd_s = 3;
+
+/// A call of a vendor's library may never return, and nothing can end it but the process.
+void leave(int) noexcept {
+  constexpr char kSentence[] = "\nhaptic_check: a call of the device's driver does not return; the "
+                               "program ends without it. Switch the device off and on\n";
+  static_cast<void>(!write(STDERR_FILENO, kSentence, sizeof kSentence - 1));
+  _exit(1);
+}
+
 bool on_terminal() noexcept { return isatty(STDOUT_FILENO) != 0; }
 
 } // namespace
@@ -20,8 +31,14 @@ bool on_terminal() noexcept { return isatty(STDOUT_FILENO) != 0; }
 bool interrupted() noexcept { return stop; }
 
 void listen_for_interrupts() noexcept {
-  struct sigaction action {};
-  action.sa_handler = [](int) { stop = true; }; // no restart: a question ends, too
+  struct sigaction action {
+  }, last{};
+  last.sa_handler = &leave;
+  sigaction(SIGALRM, &last, nullptr);
+  action.sa_handler = [](int) { // no restart: a question ends, too
+    if (!stop.exchange(true))
+      alarm(kEnd_s);
+  };
   for (const int one : {SIGINT, SIGTERM, SIGHUP})
     sigaction(one, &action, nullptr);
 }

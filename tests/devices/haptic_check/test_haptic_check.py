@@ -164,3 +164,24 @@ def test_an_interrupt_ends_in_order(tmp_path):
     process.communicate(timeout=30)
     assert process.returncode == 1
     assert "ENDED EARLY: interrupted" in file.read_text()
+
+
+@pytest.mark.parametrize("call, seen", [("hdInitDevice", "Opening"), ("hdEndFrame", "1. Position")])
+def test_an_interrupt_ends_a_call_that_does_not_return(tmp_path, call, seen):
+    hang = tmp_path / "hang.txt"
+    hang.write_text(call if seen == "Opening" else "")
+    process = start("--device", "openhaptics", "--yes", "--seconds", "100", "--report",
+                    tmp_path / "report.txt", PHANTOM_LIBHD=os.environ["HANGING_HD"],
+                    HANG=str(hang), before=("stdbuf", "-o0"))
+    text, deadline = "", time.monotonic() + 60
+    while time.monotonic() < deadline and seen not in text:
+        text += process.stdout.read(1)
+    hang.write_text(call)
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    try:
+        _, errors = process.communicate(timeout=20)  # promised: 3 s
+    finally:
+        process.kill()
+    assert process.returncode == 1
+    assert "a call of the device's driver does not return" in errors
