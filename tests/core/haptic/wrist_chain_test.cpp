@@ -167,3 +167,22 @@ TEST_CASE("a torque goes through the axis map as the cross product of what it ma
       CHECK(norm(map->torque_to_device(cross(lever, force)) - expected) < 1e-12);
     }
 }
+
+TEST_CASE(
+    "motors are at rest when torque and grip are gone, too, and a new device begins with none") {
+  Rig rig;
+  rig.want(true, {0.1, 0, 0}, 3);
+  rig.tick(1000);
+  MotorControl& motors = rig.servo.exchange().motors;
+  CHECK_FALSE(motors.at_rest()); // there is no force, but a torque
+  motors.pause(true);
+  rig.tick(1);
+  CHECK_FALSE(motors.at_rest()); // it falls by the slew
+  rig.tick(30);
+  CHECK(motors.at_rest());
+  motors.pause(false);
+  rig.tick(1000);
+  rig.servo.attach(rig.device);
+  rig.tick(1);
+  CHECK(rig.device.sent.grip_n <= 8 * kPeriod_s / WristChain::kRise_s + 1e-12);
+}
