@@ -40,6 +40,13 @@ void OpenDevice::clear() noexcept {
   set_ = false;
 }
 
+bool is_open(std::string_view driver, std::string_view address) {
+  const std::scoped_lock lock(guard());
+  return std::any_of(entries().begin(), entries().end(), [&](const Entry& entry) {
+    return entry.device.found.driver == driver && entry.device.address == address;
+  });
+}
+
 std::vector<Opened> open_devices(std::string_view driver) {
   const std::scoped_lock lock(guard());
   std::vector<Opened> opened;

@@ -14,7 +14,7 @@ public:
   OpenDevice& operator=(const OpenDevice&) = delete;
 
   /// index: what `open INDEX` took. address: where the device is plugged in, for a driver that
-  /// finds its devices on a bus.
+  /// finds its devices on a bus; else the library's handle of it.
   void set(std::string_view driver, int index, haptic::Identity identity, std::string address = {});
   void clear() noexcept;
 
@@ -30,5 +30,7 @@ struct Opened {
 /// Those of one driver that are open now, in the order of their opening; for any thread that may
 /// wait.
 [[nodiscard]] std::vector<Opened> open_devices(std::string_view driver);
+/// Whether the device with that address is open now.
+[[nodiscard]] bool is_open(std::string_view driver, std::string_view address);
 
 } // namespace tactus::devices

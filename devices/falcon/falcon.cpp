@@ -47,11 +47,7 @@ bool reachable(const Vec3& position, const Angles& angles) noexcept {
                             [](double a, double b) { return std::abs(a - b) < kSame_rad; });
 }
 
-bool is_open(const std::string& path) {
-  const std::vector<Opened> opened = open_devices("falcon");
-  return std::any_of(opened.begin(), opened.end(),
-                     [&](const Opened& device) { return device.address == path; });
-}
+bool is_open(const std::string& path) { return devices::is_open("falcon", path); }
 
 bool leaps(const Counts& from, const Counts& to) noexcept {
   for (std::size_t i = 0; i < 3; ++i)

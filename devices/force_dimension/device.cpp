@@ -80,7 +80,12 @@ std::string Device::open_with_retries(int wanted) {
       std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
     if (cancelled_)
       return "dhd: the opening was cancelled: open the device again";
-    if (id_ = open_wanted(wanted); id_ >= 0)
+    id_ = open_wanted(wanted);
+    if (id_ >= 0 && is_open("dhd", std::to_string(id_))) {
+      id_ = -1; // the other's: it goes on
+      return "dhd: the device is open in this program already: close it there";
+    }
+    if (id_ >= 0)
       return {};
   }
   const char* reason = library_.last_error();
@@ -132,7 +137,7 @@ std::string Device::open() {
   const bool has_serial = library_.serial_number && library_.serial_number(&serial, id) >= 0;
   identity_ = {"Force Dimension", name ? name : std::string(model.name),
                has_serial ? std::to_string(serial) : ""};
-  open_.set("dhd", wanted < kSerialsFrom ? wanted : id_, identity_);
+  open_.set("dhd", wanted < kSerialsFrom ? wanted : id_, identity_, std::to_string(id_));
   caps_.has_buttons = library_.button_mask != nullptr;
   ask_for_wrist();
   if (library_.set_max_force)

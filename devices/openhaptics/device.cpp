@@ -103,6 +103,10 @@ std::string Device::try_names(const std::string& wanted) {
       static_cast<void>(library_.take_errors());
       handle_ = library_.init_device(name);
       error = library_.take_errors();
+      if (handle_ != kNoDevice && is_open("openhaptics", std::to_string(handle_))) {
+        handle_ = kNoDevice; // the other's: it goes on
+        return "openhaptics: the device is open in this program already: close it there";
+      }
       if (handle_ != kNoDevice && error == kSuccess)
         return {};
       if (handle_ != kNoDevice)
@@ -139,7 +143,8 @@ std::string Device::open() {
     return std::string(answer ? answer : "");
   };
   identity_ = {text(kVendor), text(kModelType), text(kSerialNumber)};
-  open_.set("openhaptics", static_cast<int>(open_devices("openhaptics").size()), identity_);
+  open_.set("openhaptics", static_cast<int>(open_devices("openhaptics").size()), identity_,
+            std::to_string(handle_));
   caps_ = device_caps(library_, identity_.model);
   library_.enable(kForceOutput);
   library_.enable(kMaxForceClamping);

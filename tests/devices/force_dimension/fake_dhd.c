@@ -56,7 +56,7 @@ double fake_dhd_max_force(void) { return max_force; }
 int dhdGetDeviceCount(void) { return ++device_counts, mode("none") ? 0 : 1; }
 int fake_dhd_device_counts(void) { return device_counts; }
 int dhdOpenID(char index) {
-  if (index != 0 || mode("none"))
+  if ((index != 0 && !mode("many")) || mode("none"))
     return -1;
   dead = saturated = reset = cause = 0;
   buttons = 0;
@@ -66,7 +66,7 @@ int dhdOpenID(char index) {
   grip = gap = 0;
   all_calls = 0;
   ++open_devices;
-  return 0;
+  return index;
 }
 int dhdOpenSerial(int serial) { return serial == 1234 ? dhdOpenID(0) : -1; }
 int dhdClose(char id) {

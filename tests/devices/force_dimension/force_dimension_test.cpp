@@ -281,6 +281,18 @@ TEST_CASE("the library is loaded once, and left alone by a list beside an open d
   CHECK(std::string(getenv("FAKE_DHD_LOADS")) == "1");
 }
 
+TEST_CASE("a device that is open in this program is refused to another, and goes on") {
+  const Fake fake;
+  const auto device = make(), other = make();
+  REQUIRE(device->open() == "");
+  CHECK(other->open().find("open in this program already") != std::string::npos);
+  other->close();
+  CHECK(press(fake, *device, {1, 0, 0}, {0, 1, 0}));
+  device->close();
+  CHECK(other->open() == "");
+  other->close();
+}
+
 TEST_CASE("an opening that waits between its tries is cancelled") {
   const Fake fake("none");
   const auto device = make();

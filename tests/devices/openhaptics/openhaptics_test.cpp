@@ -296,6 +296,23 @@ TEST_CASE("the library is loaded once, whatever is listed, opened and closed") {
   CHECK(std::string(getenv("FAKE_HD_LOADS")) == "1");
 }
 
+TEST_CASE("a device that is open in this program is refused to another, and goes on") {
+  const Fake fake;
+  const auto device = make(), other = make();
+  REQUIRE(device->open() == "");
+  {
+    Session session(*device);
+    CHECK(other->open().find("open in this program already") != std::string::npos);
+    other->close();
+    CHECK(fake.counts()[3] == 1); // force is still on
+    session.ask({1, 0, 0});
+    session.after(200);
+    CHECK(fake.force().x == doctest::Approx(1));
+  }
+  device->close();
+  CHECK(other->open() == "");
+}
+
 TEST_CASE("an opening that waits between its tries is cancelled") {
   const Fake fake("dead");
   const auto device = make();
