@@ -171,6 +171,9 @@ haptic::Caps Falcon::caps() const noexcept {
   caps.workspace_min = {-kRadius_m, -kRadius_m, -kRadius_m};
   caps.workspace_max = {kRadius_m, kRadius_m, kRadius_m};
   caps.position_noise_m = reading_bound_m();
+  // The device answers an order with where it is then: a tick reads what the last order's answer
+  // said, and its own order acts one period after that.
+  caps.latency_ticks = 1;
   caps.has_velocity = true; // estimated here, where the answers' own times are known
   caps.has_buttons = true;
   caps.needs_home = true;

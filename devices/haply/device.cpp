@@ -82,6 +82,9 @@ std::string Device::open() {
   caps_.workspace_max = centre + Vec3{1, 1, 1} * limits.radius_m;
   last_position_ = centre;
   caps_.rate_hz = wish.rate_hz;
+  // A message carries a force there and a state back: the force that answers that state goes with
+  // the next one. What the service adds is not known.
+  caps_.latency_ticks = 1;
   caps_.has_velocity = caps_.has_buttons = caps_.has_rotation = caps_.needs_home = true;
   identity_ = {"Haply", seen.type.empty() ? "inverse3" : seen.type, seen.id};
   calibrated_ = true;

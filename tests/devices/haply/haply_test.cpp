@@ -77,6 +77,7 @@ TEST_CASE("the maker's limits are the defaults, around the middle that the prese
   const auto device = make();
   REQUIRE(device->open() == "");
   const haptic::Caps caps = device->caps();
+  CHECK(caps.latency_ticks == 1); // a message carries a force there and a state back
   CHECK(caps.peak_force_n == 10);
   CHECK(caps.stiffness_limit_n_per_m == 1000);
   CHECK(caps.workspace_min == Vec3{-0.15, -0.15, -0.15});

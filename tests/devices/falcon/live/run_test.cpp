@@ -31,6 +31,7 @@ TEST_CASE("five hundred frames carry positions in and the right motor commands o
       },
       2000, force));
   CHECK(rig.control.value("broken") == 0);
+  CHECK(rig.falcon.caps().latency_ticks == 1); // an order is answered before the next one acts
   rig.control.ask("buttons 5");
   CHECK(rig.until([&] { return rig.state.buttons == 5; }));
   rig.control.ask("buttons 0");
