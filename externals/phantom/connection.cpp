@@ -286,6 +286,7 @@ void Phantom::posted(Host& host) {
       break;
     case Answer::Kind::kRunning:
       running_ = current && open();
+      report_s_ = devices::ServoThread::now_s();
       if (running_)
         runner_->set_period(period_s());
       break;

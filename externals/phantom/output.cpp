@@ -8,9 +8,21 @@ namespace tactus {
 
 using namespace phantom;
 
+namespace {
+
+constexpr double kHostStalls_s = 0.1; // between two looks at the servo, which are 5 ms apart
+
+} // namespace
+
 /// Takes over what the servo has to tell.
 void Phantom::collect(Host& host) {
-  has_report_ = exchange().reports.read() || has_report_;
+  const double now_s = devices::ServoThread::now_s();
+  const bool stalled = now_s - collected_s_ > kHostStalls_s; // then the servo may have, too
+  collected_s_ = now_s;
+  const bool fresh = exchange().reports.read();
+  has_report_ = has_report_ || fresh;
+  if (fresh || stalled)
+    report_s_ = now_s;
   drain_trace();
   if (learning_ && has_report_) {
     const auto before = settings_.chain.workspace;

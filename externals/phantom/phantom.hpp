@@ -225,6 +225,7 @@ private:
 
   std::optional<haptic::Vec3> sent_{};
   bool has_report_ = false;
+  double report_s_ = 0, collected_s_ = 0; // newest report, last look for one; ServoThread's clock
   std::array<bool, 13> reported_{false, false, false, true,  true,  false, true,
                                  true,  true,  true,  false, false, false};
   double last_error_ms_ = -1e9, last_timing_ms_ = 0;

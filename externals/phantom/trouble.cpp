@@ -14,13 +14,16 @@ namespace {
 constexpr double kAskEvery_ms = 50;
 constexpr double kLasting_ms = 100;   // before a trouble is told: a host may stall for some ms
 constexpr double kWellAfter_ms = 500; // without trouble, before that is told
+constexpr double kStandsStill_s = 1;  // without a tick of the servo, before that is told
 
 } // namespace
 
 /// What the device says of itself, when it changes.
 void Phantom::watch_device(Host& host) {
-  if (!has_report_ || !open())
+  if (!open())
     return;
+  if (!has_report_)
+    return watch_trouble(host);
   using haptic::State;
   const haptic::Report& report = exchange().reports.latest();
   const std::uint32_t now = report.state.flags;
@@ -84,7 +87,12 @@ void Phantom::watch_trouble(Host& host) {
   if (now_ms - trouble_asked_ms_ < kAskEvery_ms)
     return;
   trouble_asked_ms_ = now_ms;
-  std::string said = device_->trouble();
+  const bool still = running_ && devices::ServoThread::now_s() - report_s_ > kStandsStill_s;
+  std::string said = still ? std::string(driver_name()) +
+                                 ": the servo stands still: a call of the driver does not "
+                                 "return, or the driver calls no more; close the device, "
+                                 "switch it off and on, and open it again"
+                           : device_->trouble();
   if (said != heard_trouble_) {
     heard_trouble_ = std::move(said);
     trouble_ms_ = now_ms;

@@ -110,3 +110,15 @@ def test_a_list_leaves_a_device_that_runs_alone(tmp_path):
         live.wait_for(r"^info: device dhd 0 .* ready", 2)
         live.end()
 
+
+
+def test_a_servo_that_stands_still_is_told_until_it_goes_on(tmp_path):
+    with Live(tmp_path, Patch("openhaptics"), environment=vendors_world(tmp_path)) as live:
+        live.wait_for_patch()
+        live.tell_phantom("open")
+        live.wait_for(r"^info: status sched driver")
+        hang(tmp_path, "hdEndFrame")
+        live.wait_for(r"^info: trouble openhaptics .*servo\\? stands\\? still")
+        hang(tmp_path)
+        live.wait_for(r"^info: trouble openhaptics -$")
+        live.end()
