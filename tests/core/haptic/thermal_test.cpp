@@ -244,3 +244,20 @@ TEST_CASE("motors that were warm when another servo let them go begin with their
   for (const double heat : {std::nan(""), -1.0})
     CHECK(ThermalLimit(heat).heat_n2() == 0);
 }
+
+TEST_CASE("motors count as warm until they are well below where the limit begins to fall") {
+  ThermalLimit motors;
+  const ThermalSettings settings{1e-3, 3.3, 0.88};
+  while (!motors.sparing())
+    motors.advance(settings, 3.3, false);
+  CHECK(motors.ceiling_n(settings) > 0.9 * 3.3);
+  while (motors.ceiling_n(settings) < 3.3)
+    motors.advance(settings, 0, false);
+  CHECK(motors.sparing());
+  while (motors.heat_n2() > 0.401 * 0.88 * 0.88)
+    motors.advance(settings, 0, false);
+  CHECK(motors.sparing());
+  for (int tick = 0; tick < 200; ++tick)
+    motors.advance(settings, 0, false);
+  CHECK_FALSE(motors.sparing());
+}
