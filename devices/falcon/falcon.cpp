@@ -215,7 +215,7 @@ bool Falcon::read(const haptic::Tick& tick, haptic::State& state) noexcept {
   const bool answered = stream_->receive();
   const bool sensible = answered && take(stream_->latest());
   home();
-  judge(tick, sensible || (answered && unreachable_));
+  update_condition(tick, sensible || (answered && unreachable_));
   state.position = position_ - kCentre;
   state.velocity = velocity_;
   state.buttons = flags_ & Answer::kButtons;
@@ -245,7 +245,7 @@ void Falcon::home() noexcept {
   homed_ = homed;
 }
 
-void Falcon::judge(const haptic::Tick& tick, bool fresh) noexcept {
+void Falcon::update_condition(const haptic::Tick& tick, bool fresh) noexcept {
   if (fresh || fresh_s_ == 0)
     fresh_s_ = tick.time_s;
   const bool silent = tick.time_s - fresh_s_ > std::max(kSilent_s, 3 * tick.period_s);

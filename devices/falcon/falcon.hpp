@@ -38,7 +38,7 @@ private:
   [[nodiscard]] std::string boot(const Settings& settings);
   [[nodiscard]] bool take(const Frame& frame) noexcept;
   void home() noexcept;
-  void judge(const haptic::Tick& tick, bool fresh) noexcept;
+  void update_condition(const haptic::Tick& tick, bool fresh) noexcept;
   [[nodiscard]] std::string start_stream();
   [[nodiscard]] std::uint8_t lights(bool homed) const noexcept;
 

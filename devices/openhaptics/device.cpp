@@ -218,7 +218,7 @@ unsigned int Device::on_tick(void* self) noexcept {
   device.library_.end_frame(device.handle_);
   bool warm = false;
   const Code error = device.library_.take_errors(&warm);
-  device.judge(error, warm);
+  device.check_error(error, warm);
   if (!more)
     device.finished_ = true;
   return more ? kCallbackContinue : kCallbackDone;
@@ -250,7 +250,7 @@ void Device::look_after_calibration() noexcept {
   seen_calibration_ = calibration_;
 }
 
-void Device::judge(Code error, bool warm) noexcept {
+void Device::check_error(Code error, bool warm) noexcept {
   warm_ticks_left_ = warm ? kErrorStays_ticks : std::max(warm_ticks_left_ - 1, 0);
   if (error != kSuccess) {
     error_ = error;

@@ -39,7 +39,7 @@ private:
   static unsigned int on_tick(void* self) noexcept;
   [[nodiscard]] bool tick() noexcept;
   void look_after_calibration() noexcept;
-  void judge(Code error, bool warm) noexcept;
+  void check_error(Code error, bool warm) noexcept;
   void send(const haptic::Vec3& force_n, const haptic::Vec3& torque_n_m) noexcept;
   [[nodiscard]] std::string try_names(const std::string& wanted);
 

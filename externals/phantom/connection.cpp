@@ -215,7 +215,7 @@ void Phantom::end_session(Host& host) {
     if (const std::string refusal = worker_->close(driver_, {rig_, runner_}, device_);
         !refusal.empty())
       host.error("close: " + refusal);
-    renew_rig(host);
+    replace_rig(host);
   }
   host.wake_in(kWatchWorker, kWatchEvery_ms);
 }
@@ -237,7 +237,7 @@ void Phantom::keep_heat() noexcept {
 
 /// Another servo with the same wishes, scene and name. The last one belongs to the thread that ends
 /// it: only what it reported is kept.
-void Phantom::renew_rig(Host& host) {
+void Phantom::replace_rig(Host& host) {
   auto next = std::make_shared<ServoRig>();
   haptic::Exchange& last = exchange();
   haptic::Exchange& fresh = next->servo.exchange();
@@ -333,7 +333,7 @@ void Phantom::watch_worker(Host& host) {
   }
   if (driver_ && link_ != Link::kClosed) {
     if (open())
-      renew_rig(host);
+      replace_rig(host);
     closed({}, host);
   }
 }

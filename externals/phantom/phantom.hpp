@@ -95,7 +95,7 @@ private:
   [[nodiscard]] std::string_view driver_name() const noexcept;
   [[nodiscard]] phantom::DeviceWorker& worker(Host& host);
   void watch_worker(Host& host);
-  void renew_rig(Host& host);
+  void replace_rig(Host& host);
   void keep_heat() noexcept;
   void end_session(Host& host);
   [[nodiscard]] static std::string configure(haptic::Backend& device, Words words, bool which);

@@ -56,7 +56,7 @@ void Phantom::lose(Host& host) {
     send_trouble(trouble_ = said, host);
   send_status("lost", host);
   const std::string refusal = worker(host).reopen(*driver_, {rig_, runner_}, device_, ++ticket_);
-  renew_rig(host);
+  replace_rig(host);
   host.wake_in(kWatchWorker, 0);
   if (!refusal.empty())
     closed(refusal, host);

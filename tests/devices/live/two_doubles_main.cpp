@@ -10,41 +10,14 @@
 #include "tests/devices/mock/falcon_double.hpp"
 #include "tests/devices/mock/hid_double.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <fstream>
 #include <string>
 
 namespace {
 
 using namespace tactus::mock;
-
-UsbDescription falcon() {
-  UsbDescription d;
-  d.name = "1-1"; // the SpaceNavigator has 1-2
-  d.vendor = 0x0403;
-  d.product = 0xcb48;
-  d.release = 0x0600;
-  d.manufacturer = "FTDI";
-  d.model = "FALCON HAPTIC";
-  d.serial = "DOUBLE01";
-  d.configuration = {9,    2, 32, 0, 1,    1, 0,  0x80, 45, 9, 4, 0,    0, 2,  0xff, 0xff,
-                     0xff, 2, 7,  5, 0x81, 2, 64, 0,    0,  7, 5, 0x02, 2, 64, 0,    0};
-  return d;
-}
-
-void report(FalconDouble& falcon_double, const std::string& file) {
-  std::string state = falcon_double.command("state");
-  std::replace(state.begin(), state.end(), ' ', '\n');
-  const std::string fresh = file + ".new";
-  {
-    std::ofstream out(fresh);
-    out << state << "\n";
-  }
-  static_cast<void>(std::rename(fresh.c_str(), file.c_str())); // readers never see half a report
-}
 
 } // namespace
 
@@ -62,7 +35,7 @@ int main(int count, char** words) try {
   int status = 0;
   {
     FalconDouble falcon_double(true);
-    MockUsb usb(bed, falcon(), falcon_double);
+    MockUsb usb(bed, falcon_description(), falcon_double);
     HidrawDouble mouse(bed, space_navigator());
     const auto answer = [&](const std::string& line) -> std::string {
       const auto blank = line.find(' ');
@@ -82,10 +55,10 @@ int main(int count, char** words) try {
         words + 3, answer,
         [&] {
           if (++idle % 20 == 0)
-            report(falcon_double, file);
+            falcon_double.report(file);
         },
         true);
-    report(falcon_double, file);
+    falcon_double.report(file);
   }
   g_object_unref(bed);
   return status;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -267,6 +269,33 @@ std::string FalconDouble::state() const {
          << largest_[motor] << " count" << motor << "=" << sent_[motor];
   text << " latency=" << latency_ms_ << " divisor=" << divisor_;
   return text.str();
+}
+
+UsbDescription falcon_description() {
+  UsbDescription d;
+  d.name = "1-1";
+  d.vendor = 0x0403;
+  d.product = 0xcb48;
+  d.release = 0x0600;
+  d.manufacturer = "FTDI";
+  d.model = "FALCON HAPTIC";
+  d.serial = "DOUBLE01";
+  d.configuration = {9,    2, 32, 0, 1,    1, 0,  0x80, 45, 9, 4, 0,    0, 2,  0xff, 0xff,
+                     0xff, 2, 7,  5, 0x81, 2, 64, 0,    0,  7, 5, 0x02, 2, 64, 0,    0};
+  return d;
+}
+
+void FalconDouble::report(const std::string& file) {
+  if (file.empty())
+    return;
+  std::string state = command("state");
+  std::replace(state.begin(), state.end(), ' ', '\n');
+  const std::string fresh = file + ".new";
+  {
+    std::ofstream stream(fresh);
+    stream << state << "\n";
+  }
+  static_cast<void>(std::rename(fresh.c_str(), file.c_str())); // readers never see half a report
 }
 
 } // namespace tactus::mock

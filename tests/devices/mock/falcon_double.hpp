@@ -9,6 +9,9 @@
 
 namespace tactus::mock {
 
+/// The device as the bus describes it, at port 1-1.
+[[nodiscard]] UsbDescription falcon_description();
+
 /// A Novint Falcon as seen from its wire: the FTDI chip's requests, the boot loader, homing, and
 /// run frames, written from the protocol's public description and not from tactus's driver. Its
 /// handle is three upper arms in a hand whose intention sweeps; motors push them.
@@ -41,6 +44,8 @@ public:
 
   /// Answers a line; "?" when the command is not known. Thread-safe, as the rest.
   std::string command(const std::string& line);
+  /// Writes the answer to "state", a line a number, whole or not at all; nothing without a name.
+  void report(const std::string& file);
   /// That command before frame number n.
   void schedule(long frame, const std::string& line) { schedule_.emplace(frame, line); }
   /// Commands of the schedule that are the program's to do, taken once.

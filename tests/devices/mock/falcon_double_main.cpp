@@ -12,44 +12,15 @@
 #include "tests/devices/mock/child.hpp"
 #include "tests/devices/mock/falcon_double.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
-#include <fstream>
 
 namespace {
 
 using tactus::mock::FalconDouble;
 using tactus::mock::MockUsb;
-
-tactus::mock::UsbDescription falcon() {
-  tactus::mock::UsbDescription d;
-  d.name = "1-1";
-  d.vendor = 0x0403;
-  d.product = 0xcb48;
-  d.release = 0x0600;
-  d.manufacturer = "FTDI";
-  d.model = "FALCON HAPTIC";
-  d.serial = "DOUBLE01";
-  d.configuration = {9,    2, 32, 0, 1,    1, 0,  0x80, 45, 9, 4, 0,    0, 2,  0xff, 0xff,
-                     0xff, 2, 7,  5, 0x81, 2, 64, 0,    0,  7, 5, 0x02, 2, 64, 0,    0};
-  return d;
-}
-
-void report(FalconDouble& falcon_double, const std::string& file) {
-  if (file.empty())
-    return;
-  std::string state = falcon_double.command("state");
-  std::replace(state.begin(), state.end(), ' ', '\n');
-  const std::string fresh = file + ".new";
-  {
-    std::ofstream out(fresh);
-    out << state << "\n";
-  }
-  static_cast<void>(std::rename(fresh.c_str(), file.c_str())); // readers never see half a report
-}
 
 int usage() {
   std::fputs("umockdev-wrapper falcon_double [--loaded] [--at FRAME COMMAND] [--do COMMAND] "
@@ -92,7 +63,7 @@ int main(int count, char** words) try {
   FalconDouble falcon_double(loaded);
   int status = 0;
   {
-    MockUsb usb(bed, falcon(), falcon_double);
+    MockUsb usb(bed, tactus::mock::falcon_description(), falcon_double);
     const auto answer = [&](const std::string& line) -> std::string {
       if (line == "unplug")
         usb.unplug();
@@ -114,10 +85,10 @@ int main(int count, char** words) try {
           for (const std::string& line : falcon_double.take_requests())
             answer(line);
           if (++idle % 20 == 0)
-            report(falcon_double, file);
+            falcon_double.report(file);
         },
         from_stdin);
-    report(falcon_double, file);
+    falcon_double.report(file);
   }
   g_object_unref(bed);
   return status;
