@@ -69,7 +69,6 @@ PassivitySettings passivity_of(const ChainSettings& settings) noexcept {
           settings.slew_n_per_s,
           settings.tank_j,
           settings.device.damping_limit_n_s_per_m,
-          settings.device.friction_n_s_per_m,
           settings.device.position_noise_m,
           settings.device.latency_ticks};
 }

@@ -39,7 +39,6 @@ struct ChainSettings {
   /// What the device is; the servo takes it from its Caps.
   struct Device {
     double damping_limit_n_s_per_m = 5; ///< of what it renders quietly at 1 kHz
-    double friction_n_s_per_m = 0;      ///< its mechanics' own; 0: not known
     double position_noise_m = 0;        ///< largest error of one reading
     int latency_ticks = 0;              ///< between a position and the force that answers it
     double continuous_force_n = 0;      ///< that its motors bear for ever; 0: not known

@@ -25,8 +25,7 @@ struct Caps {
   double stiffness_limit_n_per_m = 0, damping_limit_n_s_per_m = 0;
   Vec3 workspace_min{-0.05, -0.05, -0.05}, workspace_max{0.05, 0.05, 0.05}; ///< m
   double rate_hz = 1000;
-  double position_noise_m = 0;   ///< largest error of one reading, encoder step included
-  double friction_n_s_per_m = 0; ///< viscous friction of the mechanics
+  double position_noise_m = 0; ///< largest error of one reading, encoder step included
   /// Ticks between a position and the first that feels the force which answers it. One is usual: a
   /// reading is as old as the bus, and the force goes out behind it. 0 only where that is known.
   int latency_ticks = 1;

@@ -82,15 +82,14 @@ double PassivityController::stiffness(const PassivitySettings& settings,
 /// What to take from the contact's force so that a handle thrown back gets no more energy than is
 /// left, N. The speeds are along that force: as agreed, and as read.
 double PassivityController::release_cut(const PassivitySettings& settings, double contact_n,
-                                        double outward, double reading, double stiffness) noexcept {
+                                        double outward, double reading) noexcept {
   const double T = settings.period_s;
   const double accelerated = std::max(outward - outward_, 0.0); // in one tick
   outward_ = outward;
   contact_s_ = contact_n > 0.0 ? contact_s_ + T : 0.0;
   const int latency = std::clamp(settings.latency_ticks, 0, kMaxLatency_ticks);
   const double error = settings.position_noise_m / kVelocityWindow_s; // of a speed, m/s
-  const bool held_by_friction = stiffness * T * (0.5 + latency) <= settings.friction_n_s_per_m;
-  if (held_by_friction || !(contact_n > 0.0) || contact_s_ > kMaxBounce_s ||
+  if (!(contact_n > 0.0) || contact_s_ > kMaxBounce_s ||
       !(outward > kMinBrakedSpeed_m_per_s + error))
     return 0.0;
   // The speed when this force acts, and what the forces under way will have released by then.
@@ -126,8 +125,7 @@ Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& w
 
   const double contact = norm(contact_n);
   const Vec3 outwards = contact > 0.0 ? contact_n * (1.0 / contact) : Vec3{};
-  const double cut = release_cut(settings, contact, dot(agreed, outwards), dot(velocity, outwards),
-                                 stiffness_n_per_m);
+  const double cut = release_cut(settings, contact, dot(agreed, outwards), dot(velocity, outwards));
   if (cut > 0.0) {
     force -= outwards * cut;
     acted_ = true;

@@ -13,7 +13,6 @@ struct PassivitySettings {
   double tank_j = 5e-3;       ///< largest credit of the observer
   // of the device
   double damping_limit_n_s_per_m = 5; ///< that it renders quietly at 1 kHz
-  double friction_n_s_per_m = 0;      ///< viscous friction of its own mechanics; 0: not known
   double position_noise_m = 0;        ///< largest error of one reading
   int latency_ticks = 0;              ///< between a position and the force that answers it
 };
@@ -34,8 +33,7 @@ struct PassivitySettings {
 ///    K T (1/2 + L) u^2 watts, so no more damping than a multiple of K T is ever needed: K is
 ///    measured as the ratio of changes of force to changes of position. u is the velocity along the
 ///    force, as far as the device's reading and the displacement over the last 2 ms agree on it.
-/// 2. Where the device's own friction cannot hold the spring, K T (1/2 + L) > B (Colgate), a
-///    contact of at most 0.1 s that throws the handle back may release no more than is left: its
+/// 2. A contact of at most 0.1 s that throws the handle back may release no more than is left: its
 ///    force is lowered, to nothing at the least, early enough that the slew limit lets it fall in
 ///    time.
 class PassivityController {
@@ -65,7 +63,7 @@ private:
   [[nodiscard]] Vec3 displacement(const PassivitySettings& settings, double& duration_s) noexcept;
   [[nodiscard]] double stiffness(const PassivitySettings& settings, const Vec3& wanted_n) noexcept;
   [[nodiscard]] double release_cut(const PassivitySettings& settings, double contact_n,
-                                   double outward, double reading, double stiffness) noexcept;
+                                   double outward, double reading) noexcept;
 
   std::array<Vec3, kHistory> positions_{}, forces_{};
   std::size_t tick_ = 0;

@@ -8,7 +8,6 @@ ChainSettings::Device device_of(const Caps& caps) noexcept {
   ChainSettings::Device device;
   if (caps.damping_limit_n_s_per_m > 0)
     device.damping_limit_n_s_per_m = caps.damping_limit_n_s_per_m;
-  device.friction_n_s_per_m = caps.friction_n_s_per_m;
   device.position_noise_m = caps.position_noise_m;
   device.latency_ticks = caps.latency_ticks;
   device.continuous_force_n = caps.continuous_force_n;

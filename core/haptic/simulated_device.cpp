@@ -40,7 +40,6 @@ Caps SimulatedDevice::caps() const noexcept {
   Caps caps;
   caps.peak_force_n = caps.continuous_force_n = kPeak_n;
   caps.damping_limit_n_s_per_m = kDampingPerMass_hz * settings_.mass_kg;
-  caps.friction_n_s_per_m = settings_.viscous_n_s_per_m;
   caps.latency_ticks = settings_.latency_ticks;
   caps.workspace_min = settings_.workspace.min;
   caps.workspace_max = settings_.workspace.max;

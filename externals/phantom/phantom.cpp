@@ -110,7 +110,6 @@ void Phantom::settle_device() noexcept {
     const haptic::Caps now = simulated_.caps();
     if (!driver_ && (now.position_noise_m != before.position_noise_m ||
                      now.damping_limit_n_s_per_m != before.damping_limit_n_s_per_m ||
-                     now.friction_n_s_per_m != before.friction_n_s_per_m ||
                      now.latency_ticks != before.latency_ticks))
       rig_->servo.refresh_caps();
   });
