@@ -90,7 +90,7 @@ public:
     servo_.attach(*this, &wall_);
   }
 
-  [[nodiscard]] WallResult run(double seconds) {
+  [[nodiscard]] WallResult measure(double seconds) {
     return case_.scene == WallCase::Scene::kFlight ? fly(seconds) : stay(seconds);
   }
 
@@ -197,7 +197,7 @@ private:
 };
 
 inline WallResult run_wall(const WallCase& c, bool passivity, double seconds = 2) {
-  return WallRig(c, passivity).run(seconds);
+  return WallRig(c, passivity).measure(seconds);
 }
 
 } // namespace tactus::haptic::test
