@@ -107,12 +107,13 @@ TEST_CASE("a description's full scale is believed from 100 to 2000 counts, else 
     Field field;
     field.page = kDesktopPage;
     field.usage = static_cast<std::uint16_t>(Usage::kX);
-    field.low = -high;
-    field.high = high;
+    const int maximum = high; // a copy, which INFO may capture
+    field.low = -maximum;
+    field.high = maximum;
     description.fields.push_back(field);
     Decoder decoder = Decoder::space_mouse(description);
     REQUIRE(decoder.take(Bytes{0x01, 0x32, 0x00, 0x00, 0x00, 0x00, 0x00})); // 50 counts
-    INFO("maximum " << high);
+    INFO("maximum " << maximum);
     CHECK(decoder.knob().share[0] == doctest::Approx(50 / scale));
     CHECK(decoder.step() == doctest::Approx(1 / scale));
   }
