@@ -71,7 +71,8 @@ def test_with_guidance_a_hand_is_out_of_the_playable_region_half_as_long_at_most
           f" mm/s, off {100 * speeds['off']:.0f}, guide {100 * speeds['guide']:.0f}")
     assert sum(out["off"]) > 0.3 * len(seeds)  # there is something to help with
     assert sum(out["guide"]) <= 0.5 * sum(out["off"])
-    assert speeds["guide"] <= 1.5 * speeds["off"] + 0.05  # it leads, it does not shake
+    # It leads, once, by no more than the plane is wide, and does not shake.
+    assert speeds["guide"] * seconds <= 1.5 * speeds["off"] * seconds + 0.75
 
 
 def test_one_name_chooses_the_force():
