@@ -225,8 +225,10 @@ TEST_CASE("random networks never gain energy, with dampers or without, at the lo
     };
     const double first = peak(), second = peak(), third = peak();
     CHECK(first <= 1.5 * supplied);
+    // Without damping the energy wanders below what was put in: a later peak may be above the one
+    // before it, but not above the first.
     CHECK(second <= first * (1 + 1e-6));
-    CHECK(third <= second * (1 + 1e-6));
+    CHECK(third <= first * (1 + 1e-6));
   }
 }
 
