@@ -27,12 +27,12 @@ struct PassivitySettings {
 /// energy away. A debt is forgotten when the handle has rested for kRest_s: the device's friction
 /// and the hand have then taken it.
 ///
-/// Controller, while E < 0. Both parts are bounded, and the slew limit comes after them.
-/// 1. A damper b = min((-E - K q^2/2)/(T u^2), c K T, b_device), q an encoder's step. A sampled
-/// spring of stiffness K leaks
-///    K T (1/2 + L) u^2 watts, so no more damping than a multiple of K T is ever needed: K is
-///    measured as the ratio of changes of force to changes of position. u is the velocity along the
-///    force, as far as the device's reading and the displacement over the last 2 ms agree on it.
+/// Controller; both parts are bounded, and the slew limit comes after them.
+/// 1. While E < 0, a damper b = min((-E - K q^2/2)/(T u^2), c K T, b_device), q an encoder's step.
+///    A sampled spring of stiffness K leaks K T (1/2 + L) u^2 watts, so no more damping than a
+///    multiple of K T is ever needed: K is measured as the ratio of changes of force to changes of
+///    position. u is the velocity along the force, as far as the device's reading and the
+///    displacement over the last 2 ms agree on it.
 /// 2. A contact of at most 0.1 s that throws the handle back may release no more than is left: its
 ///    force is lowered, to nothing at the least, early enough that the slew limit lets it fall in
 ///    time.
@@ -45,8 +45,8 @@ public:
   void observe(const PassivitySettings& settings, const Vec3& position_m, const Vec3& written_n,
                double forgiven_j) noexcept;
   /// The force to write instead of wanted_n (N), which contains contact_n, the share of models that
-  /// live in the servo. velocity: the device's reading, m/s. Never longer than
-  /// |wanted| + b_device |velocity|.
+  /// live in the servo. velocity: the device's reading, m/s. Differs from
+  /// wanted_n by no more than |contact_n| + b_device |velocity|.
   [[nodiscard]] Vec3 limit(const PassivitySettings& settings, const Vec3& wanted_n,
                            const Vec3& contact_n, const Vec3& velocity) noexcept;
 

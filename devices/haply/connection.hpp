@@ -54,7 +54,7 @@ public:
     samples_.read();
     return samples_.latest();
   }
-  /// Servo's thread. N, project frame; a force that is not renewed ends (force_timeout.hpp).
+  /// Servo's thread. N, project frame; a force that is not written again ends (force_timeout.hpp).
   void ask(const haptic::Vec3& force_n) noexcept { forces_.write(force_n); }
 
   /// Any thread that may wait.
