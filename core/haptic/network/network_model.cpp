@@ -48,9 +48,10 @@ double NetworkModel::gain_of_grown(double before_m, std::size_t mass) const noex
 
 /// Keys grow along both lists, so that one walk finds the masses that stay.
 void NetworkModel::take_network() noexcept {
+  // read before the old network is handed back: the host may free it at once
+  const double radius_m = network_ ? network_->touch.radius_m : 0.0;
   if (!pending_.load(std::memory_order_relaxed) || (published_ && !retired_.push(published_)))
     return;
-  const double radius_m = network_ ? network_->touch.radius_m : 0.0;
   published_ = pending_.exchange(nullptr, std::memory_order_acq_rel);
   network_ = published_->network.get();
   const bool grows = network_->touch.radius_m > radius_m;
