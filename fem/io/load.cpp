@@ -1,6 +1,7 @@
 #include "fem/io/load.hpp"
 
 #include "fem/io/inp.hpp"
+#include "fem/io/msh.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/gmsh_mesher.hpp"
 #include "fem/mesh/remesh.hpp"

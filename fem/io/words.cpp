@@ -56,6 +56,14 @@ std::string lower(std::string_view text) {
   return result;
 }
 
+std::string printable(std::string_view text, std::size_t longest) {
+  std::string result(text.substr(0, longest));
+  for (char& c : result)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      c = '?';
+  return text.size() > longest ? result + "..." : result;
+}
+
 std::string format(const char* pattern, ...) {
   va_list list, again;
   va_start(list, pattern);

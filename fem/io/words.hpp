@@ -15,6 +15,10 @@ namespace tactus::fem {
 
 [[nodiscard]] std::string lower(std::string_view);
 
+/// The text as it may be shown on a terminal: control characters become '?', and what is longer
+/// than `longest` bytes ends with "...".
+[[nodiscard]] std::string printable(std::string_view, std::size_t longest);
+
 /// printf into a string.
 [[gnu::format(printf, 1, 2)]] [[nodiscard]] std::string format(const char* pattern, ...);
 

@@ -1,5 +1,6 @@
 #include "fem/mesh/gmsh_mesher.hpp"
 
+#include "fem/io/gmsh_elements.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/remesh.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 class Session {
 public:
   Session() {
-    gmsh::initialize();
+    gmsh::initialize(0, nullptr, false); // no ~/.gmshrc, no ~/.gmsh-options
     gmsh::option::setNumber("General.Terminal", 0);
     gmsh::option::setNumber("General.NumThreads", 1);
     gmsh::option::setNumber("Mesh.RandomSeed", 1);
@@ -51,18 +52,7 @@ private:
   }
 };
 
-struct Kind {
-  int gmsh_type;
-  Shape shape;
-  std::array<int, 20> from; ///< our node i is gmsh's from[i]
-};
-constexpr std::array<Kind, 5> kKinds{
-    {{4, Shape::tet4, {0, 1, 2, 3}},
-     {11, Shape::tet10, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}},
-     {5, Shape::hex8, {0, 1, 2, 3, 4, 5, 6, 7}},
-     {17, Shape::hex20, {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15}},
-     {18, Shape::wedge15, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}}}};
-
+/// The mesh that gmsh holds; each volume is a region.
 Mesh take_over(double unit) {
   Mesh mesh;
   std::vector<std::size_t> tags;
@@ -74,34 +64,11 @@ Mesh take_over(double unit) {
     mesh.nodes.push_back(
         {unit * coordinates[3 * i], unit * coordinates[3 * i + 1], unit * coordinates[3 * i + 2]});
   }
-  std::map<int, std::string> name_of_volume;
-  gmsh::vectorpair groups;
-  gmsh::model::getPhysicalGroups(groups);
-  for (const auto& [dimension, tag] : groups) {
-    std::string name;
-    gmsh::model::getPhysicalName(dimension, tag, name);
-    if (name.empty())
-      name = (dimension == 3 ? "region" : "set") + std::to_string(tag);
-    std::vector<int> entities;
-    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
-    if (dimension == 3) {
-      for (const int e : entities)
-        name_of_volume[e] = name;
-      continue;
-    }
-    std::vector<std::size_t> in_group;
-    gmsh::model::mesh::getNodesForPhysicalGroup(dimension, tag, in_group, coordinates);
-    for (const std::size_t n : in_group)
-      mesh.node_sets[name].push_back(number.at(n));
-  }
   mesh.regions.clear();
   gmsh::vectorpair volumes;
   gmsh::model::getEntities(volumes, 3);
   for (const auto& [dimension, volume] : volumes) {
-    const auto named = name_of_volume.find(volume);
-    const std::string name = named != name_of_volume.end() ? named->second
-                             : volumes.size() == 1         ? "body"
-                                                           : "volume" + std::to_string(volume);
+    const std::string name = volumes.size() == 1 ? "body" : "volume" + std::to_string(volume);
     const auto at = std::find(mesh.regions.begin(), mesh.regions.end(), name);
     const int region = static_cast<int>(at - mesh.regions.begin());
     if (at == mesh.regions.end())
@@ -110,17 +77,17 @@ Mesh take_over(double unit) {
     std::vector<std::vector<std::size_t>> elements, nodes;
     gmsh::model::mesh::getElements(types, elements, nodes, dimension, volume);
     for (std::size_t t = 0; t < types.size(); ++t) {
-      const auto kind = std::find_if(kKinds.begin(), kKinds.end(),
-                                     [&](const Kind& k) { return k.gmsh_type == types[t]; });
-      if (kind == kKinds.end())
-        throw Refusal("element " + std::to_string(elements[t][0]) + " is of gmsh's type " +
-                      std::to_string(types[t]) + ", expected tet10, wedge15 or hex20");
-      const auto count = static_cast<std::size_t>(node_count(kind->shape));
+      const GmshElement* const type = gmsh_element(types[t]);
+      if (!type || !type->shape)
+        throw Refusal("element " + std::to_string(elements[t][0]) + " is a " +
+                      (type ? type->name : "type that is not known") +
+                      ", expected tet10, wedge15 or hex20");
+      const auto count = static_cast<std::size_t>(type->nodes);
       for (std::size_t e = 0; e < elements[t].size(); ++e) {
         std::vector<int> own(count);
         for (std::size_t i = 0; i < count; ++i)
-          own[i] = number.at(nodes[t][e * count + static_cast<std::size_t>(kind->from[i])]);
-        mesh.add(kind->shape, own, region);
+          own[i] = number.at(nodes[t][e * count + static_cast<std::size_t>(type->from[i])]);
+        mesh.add(*type->shape, own, region);
       }
     }
   }
@@ -251,18 +218,6 @@ Mesh make_quadratic(bool curved, double unit) {
   setOrder(1);
   return make_quadratic(false, unit);
 }
-
-} // namespace
-
-Mesh read_msh(const std::string& path, double unit) {
-  Session session;
-  return session.run(path + " is no readable mesh", [&] {
-    gmsh::open(path);
-    return take_over(unit);
-  });
-}
-
-namespace {
 
 /// Fillets the one volume's concave curves; returns those that are left to be graded: none.
 std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector<double>& concave,

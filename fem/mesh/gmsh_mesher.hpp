@@ -4,11 +4,7 @@
 
 namespace tactus::fem {
 
-/// gmsh meshes and reads; everything it knows is taken over and forgotten. Not for several threads.
-
-/// A volume mesh file (MSH 2.2 or 4.1, ASCII or binary). Physical volumes are regions, physical
-/// surfaces, curves and points node sets.
-[[nodiscard]] Mesh read_msh(const std::string& path, double unit);
+/// gmsh meshes; everything it knows is taken over and forgotten. Not for several threads.
 
 /// A CAD file in curved tet10. Edges where faces meet at an inner angle above 200 degrees are found
 /// and the mesh is graded into them.

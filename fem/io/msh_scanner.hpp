@@ -1,0 +1,71 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace tactus::fem {
+
+/// Numbers and sections of an MSH file, text or binary. Every value is read within the file's bytes
+/// and within stated limits; everything else is a Refusal that names file, line (text) or byte
+/// (binary), section, value and expectation.
+class MshScanner {
+public:
+  MshScanner(std::string path, std::string bytes);
+
+  /// The next `$Name` line outside a section; empty at the end of the file. Text outside sections
+  /// is refused.
+  std::string_view next_section();
+  /// `$EndName` of the section that was begun.
+  void end_section();
+  /// Jumps behind `$EndName`.
+  void skip_section();
+
+  /// How numbers are stored from here on. `word` is the size of a count in bytes, 4 or 8.
+  void set_binary(bool swapped_bytes, std::size_t word);
+  [[nodiscard]] bool binary() const noexcept { return binary_; }
+  /// Reads text although the file is binary: the head of a section of MSH 2.
+  class AsText {
+  public:
+    explicit AsText(MshScanner& s) : scanner_(s), before_(s.binary_) { s.binary_ = false; }
+    ~AsText() { scanner_.binary_ = before_; }
+    AsText(const AsText&) = delete;
+    AsText& operator=(const AsText&) = delete;
+
+  private:
+    MshScanner& scanner_;
+    bool before_;
+  };
+
+  /// A whole number; 4 bytes in a binary file.
+  int integer(const char* what, int low, int high);
+  /// A tag; in a binary file as long as a count.
+  std::uint64_t tag(const char* what);
+  /// A number of things that follow. Refused when the bytes left cannot hold them: each takes
+  /// `numbers` numbers in text (two characters at least) or `bytes` bytes.
+  std::size_t count(const char* what, std::size_t numbers, std::size_t bytes);
+  /// A finite number.
+  double real(const char* what);
+  /// The rest of the line, without blanks around it.
+  std::string_view line();
+  /// Four bytes as they lie in the file: 1 tells the order of bytes.
+  std::uint32_t raw_word();
+
+  /// Refuses `value`, saying what was expected.
+  [[noreturn]] void refuse(const std::string& value, const std::string& expected) const;
+
+  [[nodiscard]] std::size_t word() const noexcept { return word_; }
+
+private:
+  [[nodiscard]] std::size_t left() const noexcept { return bytes_.size() - at_; }
+  void skip_blanks() noexcept;
+  std::string_view token();
+  [[nodiscard]] std::string shown(std::string_view text) const;
+  std::uint64_t stored(std::size_t size, const char* what);
+
+  std::string path_, bytes_, section_;
+  std::size_t at_ = 0, word_ = 8;
+  bool binary_ = false, swapped_ = false;
+};
+
+} // namespace tactus::fem

@@ -1,0 +1,36 @@
+#pragma once
+#include "fem/io/gmsh_elements.hpp"
+#include "fem/mesh/vector3.hpp"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// What the sections of an MSH file say, before nodes are found by their tags.
+struct MshSections {
+  struct Element {
+    std::uint64_t tag;
+    const GmshElement* type;
+    int entity;        ///< tag of the model entity of the element's dimension
+    int physical;      ///< MSH 2: its physical group, 0 for none; MSH 4: by the entity
+    std::size_t first; ///< its node tags are `uses[first .. first + type->nodes)`
+  };
+  using Group = std::pair<int, int>; ///< dimension and tag
+
+  std::map<Group, std::string> group_names;
+  std::map<Group, std::vector<int>> groups_of_entity; ///< MSH 4: physical tags of each entity
+  std::vector<std::uint64_t> node_tags;
+  std::vector<Vector3> nodes; ///< in the file's unit
+  std::vector<Element> elements;
+  std::vector<std::uint64_t> uses;
+};
+
+/// Reads MSH 2.0 to 2.2 and 4.1, text or binary, both orders of bytes (gmsh reference manual, "MSH
+/// file format"). Sections that carry no mesh are passed over. Memory and time are bounded by the
+/// number of bytes; what is damaged is refused by file, line or byte, section, value, expectation.
+[[nodiscard]] MshSections read_msh_sections(const std::string& path, std::string bytes);
+
+} // namespace tactus::fem
