@@ -10,33 +10,59 @@
 
 namespace tactus::fem {
 
-Mesh load_body(const std::string& path, const LoadChoice& choice) {
-  if (!std::filesystem::is_regular_file(path))
-    throw Refusal("cannot read " + path + ": no such file");
-  const std::string ending = lower(std::filesystem::path(path).extension().string());
-  if (choice.fillet > 0 && ending != ".step" && ending != ".stp" && ending != ".brep")
-    throw Refusal("--fillet rounds edges of .step and .brep bodies, " + path +
-                  " has none to round");
+namespace {
+
+bool is_cad(const std::string& ending) {
+  return ending == ".step" || ending == ".stp" || ending == ".brep" || ending == ".brp";
+}
+
+Mesh load_here(const std::string& path, const std::string& ending, const LoadChoice& choice) {
   const auto unit = [&](double habit) { return choice.unit > 0 ? choice.unit : habit; };
   if (ending == ".msh")
     return read_msh(path, unit(1));
   if (ending == ".inp")
     return read_inp(path, unit(1));
-  if (ending == ".step" || ending == ".stp" || ending == ".brep")
+  if (is_cad(ending))
     return mesh_cad(path, choice);
-  if (ending == ".stl" || ending == ".obj") {
-    Triangles surface = read_triangles(path, unit(1e-3));
-    try {
-      close(surface);
-      if (const auto pair = crossing(surface))
-        throw Refusal("the surface crosses itself: " + place_of(surface, (*pair)[0]) + " cuts " +
-                      place_of(surface, (*pair)[1]));
-    } catch (const Refusal& refusal) {
-      throw Refusal(path + ": " + refusal.what());
-    }
-    return mesh_surface(surface, choice);
+  Triangles surface = read_triangles(path, unit(1e-3));
+  try {
+    close(surface);
+    if (const auto pair = crossing(surface))
+      throw Refusal("the surface crosses itself: " + place_of(surface, (*pair)[0]) + " cuts " +
+                    place_of(surface, (*pair)[1]));
+  } catch (const Refusal& refusal) {
+    throw Refusal(path + ": " + refusal.what());
   }
-  throw Refusal(path + ": expected a .step, .stp, .brep, .stl, .obj, .msh or .inp file");
+  return mesh_surface(surface, choice);
+}
+
+} // namespace
+
+Mesh load_body(const std::string& path, const LoadChoice& choice) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    throw Refusal("cannot read " + path + ": no such file");
+  const std::string ending = lower(std::filesystem::path(path).extension().string());
+  if (!is_cad(ending) && ending != ".stl" && ending != ".obj" && ending != ".msh" &&
+      ending != ".inp")
+    throw Refusal(path + ": expected a .step, .stp, .brep, .stl, .obj, .msh or .inp file");
+  if (choice.fillet > 0 && !is_cad(ending))
+    throw Refusal("--fillet rounds edges of .step and .brep bodies, " + path +
+                  " has none to round");
+  Mesh mesh = run_isolated(path, choice.limits, {choice.say, choice.report},
+                           [&](const ChildProgress& progress) {
+                             LoadChoice in_child = choice;
+                             in_child.say = progress.say;
+                             in_child.report = progress.report;
+                             return load_here(path, ending, in_child);
+                           });
+  constexpr double kLargest =
+      1e6; // m: beyond it is no body, and products of lengths overflow later
+  for (const Vector3& p : mesh.nodes)
+    if (!(length(p) < kLargest))
+      throw Refusal(path + format(" has a node at (%g, %g, %g) m, expected one within %g m", p.x,
+                                  p.y, p.z, kLargest));
+  return mesh;
 }
 
 } // namespace tactus::fem

@@ -1,4 +1,5 @@
 #pragma once
+#include "fem/io/isolated.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <functional>
@@ -13,11 +14,14 @@ struct LoadChoice {
   double coarser = 1; ///< multiplies h, for verification
   bool grade_concave = true, curved = true, remesh = false;
   std::function<void(const std::string&)> say{};
+  std::function<void(const std::string& stage, double share)> report{};
+  ChildLimits limits{}; ///< of the process that reads and meshes
 };
 
 /// A body from a file, by its ending: .msh and .inp are volume meshes and read as they are; .step,
-/// .stp, .brep, .stl and .obj are meshed with gmsh in tet10. Refuses what it cannot read, naming
-/// file, line or element.
+/// .stp, .brep, .brp, .stl and .obj are meshed with gmsh in tet10. The file is read and meshed in a
+/// child process with `limits` (isolated.hpp, docs/security.md). Refuses what it cannot read,
+/// naming file, line or element.
 [[nodiscard]] Mesh load_body(const std::string& path, const LoadChoice&);
 
 } // namespace tactus::fem

@@ -1,5 +1,6 @@
 #include "fem/io/safe_file.hpp"
 
+#include "fem/io/isolated.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <algorithm>
@@ -17,6 +18,7 @@ char g_partial[4096];
 std::atomic<bool> g_writing{false};
 
 extern "C" void on_interrupt(int) {
+  end_isolated_child();
   if (g_writing.load())
     unlink(g_partial);
   constexpr char text[] = "\nstopped; nothing was written\n";

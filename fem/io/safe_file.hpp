@@ -23,7 +23,8 @@ private:
   std::FILE* file_ = nullptr;
 };
 
-/// From here on SIGINT and SIGTERM remove files being written and end the process with status 130.
+/// From here on SIGINT and SIGTERM end the process that reads a file, remove files being written and
+/// end this process with status 130.
 void clean_up_on_interrupt();
 
 } // namespace tactus::fem

@@ -1,5 +1,6 @@
 #include "fem/mesh/gmsh_mesher.hpp"
 
+#include "fem/io/cad_format.hpp"
 #include "fem/io/gmsh_elements.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/remesh.hpp"
@@ -251,7 +252,7 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
   Session session;
   return session.run(path + " cannot be meshed", [&] {
     gmsh::vectorpair shapes;
-    gmsh::model::occ::importShapes(path, shapes);
+    gmsh::model::occ::importShapes(path, shapes, true, cad_format(path)); // never a script
     gmsh::model::occ::synchronize();
     gmsh::vectorpair volumes;
     gmsh::model::getEntities(volumes, 3);

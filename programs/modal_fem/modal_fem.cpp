@@ -49,14 +49,17 @@ void print(const ModalTable& table) {
   }
 }
 
-/// Draws the sheet with the Python program beside this one.
+/// Draws the sheet with the Python program beside this one. Python is isolated (-I: no module of the
+/// folder it is started in, no PYTHON variables), and starts in / lest a `matplotlibrc` be read here.
 void draw_sheet(const std::string& table, const std::string& picture) {
   const auto here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   const std::string script = (here / "modal_sheet.py").string();
+  const std::string from = std::filesystem::absolute(table), to = std::filesystem::absolute(picture);
   const pid_t child = fork();
   if (child == 0) {
-    execl("/usr/bin/python3", "python3", script.c_str(), table.c_str(), picture.c_str(),
-          static_cast<char*>(nullptr));
+    if (chdir("/") == 0)
+      execl("/usr/bin/python3", "python3", "-I", script.c_str(), from.c_str(), to.c_str(),
+            static_cast<char*>(nullptr));
     _exit(127);
   }
   int status = 0;

@@ -143,6 +143,8 @@ Order read_order(const std::vector<std::string>& words) {
       order.profile = value();
     } else if (option == "--threads") {
       order.threads = static_cast<int>(number(option, value(), 1, 256));
+    } else if (option == "--time-limit") {
+      order.time_limit_s = number(option, value(), 1, 1e7);
     } else if (option == "--radiation") {
       if (const std::string& word = value(); word != "body" && word != "none")
         throw Refusal("--radiation " + word + ": expected body or none");
@@ -221,6 +223,8 @@ Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or 
 Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
               --fillet RADIUS  rounds the concave edges of a .step or .brep body
               --remesh (renew an STL's triangles)  --straight  (no curved sides)
+              --time-limit SECONDS (1200)  stop reading and meshing a file after so long
+                                       without progress
 Modes         --modes N (40)  --threads N (1)  --verify  (each mode's error from coarser meshes)
               --residual  also how far the skin yields beyond these modes, for contacts
 Sound         --radiation body         outgoing waves of each mode (boundary elements) and the

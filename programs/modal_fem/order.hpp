@@ -35,6 +35,7 @@ struct Order {
   std::size_t modes = 40;
   bool verify = false, several_parts = false, quiet = false, straight = false, remesh = false;
   int threads = 1;
+  double time_limit_s = 1200; ///< without progress, for reading and meshing a file
   double fillet = 0;     ///< m
   bool residual = false; ///< also what the modes left out would yield
   bool radiation = false;

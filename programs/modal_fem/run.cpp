@@ -42,6 +42,8 @@ Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress) {
                   .curved = !order.straight,
                   .remesh = order.remesh};
   load.say = [&](const std::string& sentence) { progress.say(sentence); };
+  load.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
+  load.limits.silence_s = order.time_limit_s;
   return load_body(order.body, load);
 }
 

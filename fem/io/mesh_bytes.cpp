@@ -1,0 +1,131 @@
+#include "fem/io/mesh_bytes.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+namespace tactus::fem {
+namespace {
+
+static_assert(sizeof(Vector3) == 24 && std::is_trivially_copyable_v<Vector3>);
+
+template <class T> void put(std::string& out, const T* values, std::size_t count) {
+  out.append(reinterpret_cast<const char*>(values), count * sizeof(T));
+}
+void put_size(std::string& out, std::size_t size) {
+  const std::uint64_t value = size;
+  put(out, &value, 1);
+}
+void put_text(std::string& out, const std::string& text) {
+  put_size(out, text.size());
+  out += text;
+}
+
+class Cursor {
+public:
+  explicit Cursor(std::string_view bytes) : bytes_(bytes) {}
+
+  /// A number of things of `size` bytes each that follow.
+  std::size_t count(std::size_t size) {
+    std::uint64_t value = 0;
+    take(&value, 1);
+    if (value > bytes_.size() / size)
+      fail();
+    return static_cast<std::size_t>(value);
+  }
+  template <class T> void take(T* values, std::size_t count) {
+    if (count > bytes_.size() / sizeof(T))
+      fail();
+    if (count > 0)
+      std::memcpy(values, bytes_.data(), count * sizeof(T));
+    bytes_.remove_prefix(count * sizeof(T));
+  }
+  std::string text() {
+    const std::size_t size = count(1);
+    std::string result(bytes_.substr(0, size));
+    bytes_.remove_prefix(size);
+    return result;
+  }
+  std::vector<int> indices(std::size_t limit) {
+    std::vector<int> result(count(sizeof(int)));
+    take(result.data(), result.size());
+    for (const int i : result)
+      require(i >= 0 && static_cast<std::size_t>(i) < limit);
+    return result;
+  }
+  void require(bool good) const {
+    if (!good)
+      fail();
+  }
+  [[nodiscard]] bool at_end() const noexcept { return bytes_.empty(); }
+
+private:
+  [[noreturn]] static void fail() {
+    throw Refusal("the mesh that came back from the mesher's process is damaged");
+  }
+  std::string_view bytes_;
+};
+
+} // namespace
+
+std::string to_bytes(const Mesh& mesh) {
+  std::string out;
+  out.reserve(24 * mesh.nodes.size() + 4 * mesh.connectivity.size() + 8 * mesh.elements.size() +
+              4096);
+  put_size(out, mesh.nodes.size());
+  put(out, mesh.nodes.data(), mesh.nodes.size());
+  put_size(out, mesh.connectivity.size());
+  put(out, mesh.connectivity.data(), mesh.connectivity.size());
+  put_size(out, mesh.regions.size());
+  for (const std::string& name : mesh.regions)
+    put_text(out, name);
+  put_size(out, mesh.elements.size());
+  for (const Element& e : mesh.elements) {
+    const std::array<int, 2> words{static_cast<int>(e.shape), e.region};
+    put(out, words.data(), words.size());
+  }
+  put_size(out, mesh.node_sets.size());
+  for (const auto& [name, set] : mesh.node_sets) {
+    put_text(out, name);
+    put_size(out, set.size());
+    put(out, set.data(), set.size());
+  }
+  return out;
+}
+
+Mesh mesh_from_bytes(std::string_view bytes) {
+  Cursor cursor(bytes);
+  Mesh mesh;
+  mesh.nodes.resize(cursor.count(sizeof(Vector3)));
+  cursor.take(mesh.nodes.data(), mesh.nodes.size());
+  cursor.require(mesh.nodes.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max()));
+  for (const Vector3& p : mesh.nodes)
+    cursor.require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  mesh.connectivity = cursor.indices(mesh.nodes.size());
+  mesh.regions.resize(cursor.count(8));
+  for (std::string& name : mesh.regions)
+    name = cursor.text();
+  mesh.elements.resize(cursor.count(8));
+  std::size_t first = 0;
+  for (Element& e : mesh.elements) {
+    std::array<int, 2> words{};
+    cursor.take(words.data(), words.size());
+    cursor.require(words[0] >= 0 && words[0] <= static_cast<int>(Shape::wedge15) && words[1] >= 0 &&
+                   static_cast<std::size_t>(words[1]) < mesh.regions.size());
+    e = {static_cast<Shape>(words[0]), words[1], first};
+    first += static_cast<std::size_t>(node_count(e.shape));
+    cursor.require(first <= mesh.connectivity.size());
+  }
+  cursor.require(first == mesh.connectivity.size());
+  const std::size_t sets = cursor.count(16);
+  for (std::size_t s = 0; s < sets; ++s) {
+    const std::string name = cursor.text();
+    mesh.node_sets[name] = cursor.indices(mesh.nodes.size());
+  }
+  cursor.require(cursor.at_end());
+  return mesh;
+}
+
+} // namespace tactus::fem
