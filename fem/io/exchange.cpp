@@ -1,5 +1,6 @@
 #include "fem/io/exchange.hpp"
 
+#include "fem/io/file_bytes.hpp"
 #include "fem/io/safe_file.hpp"
 #include "fem/io/words.hpp"
 #include "fem/modes/rigid.hpp"
@@ -163,10 +164,7 @@ namespace {
 
 /// All PETSc vectors in a file, one after the other.
 std::vector<std::vector<double>> read_vectors(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw Refusal("cannot read " + path);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = read_bytes(path, std::uint64_t{1} << 40);
   const auto big = [&](std::size_t at, std::size_t size) {
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < size; ++i)

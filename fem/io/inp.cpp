@@ -3,8 +3,9 @@
 #include "fem/io/words.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
-#include <unordered_map>
+#include <map>
 
 namespace tactus::fem {
 namespace {
@@ -37,11 +38,12 @@ Mesh read_inp(const std::string& path, double unit) {
     throw Refusal("cannot read " + path);
   Mesh mesh;
   mesh.regions.clear();
-  std::unordered_map<int, int> number_of;
+  std::map<int, int> number_of; // not hashed: a file chooses its numbers
   enum class Block { none, nodes, elements, set } block = Block::none;
   Shape shape = Shape::tet10;
   std::string set;
   bool generate = false;
+  std::size_t in_sets = 0;
   int region = 0, line_number = 0;
   std::vector<int> pending; // an element's numbers may run over several lines
   const auto who = [&] { return path + " line " + std::to_string(line_number); };
@@ -97,7 +99,7 @@ Mesh read_inp(const std::string& path, double unit) {
         p[k] = unit * value.value_or(0);
       }
       if (!good)
-        throw Refusal(who() + ": " + line + ", expected number,x,y,z");
+        throw Refusal(who() + ": " + printable(line, 60) + ", expected number,x,y,z");
       if (!number_of.try_emplace(*id, static_cast<int>(mesh.nodes.size())).second)
         throw Refusal(who() + ": node " + cells[0] + " is defined twice");
       mesh.nodes.push_back(p);
@@ -109,18 +111,26 @@ Mesh read_inp(const std::string& path, double unit) {
       if (!id && block == Block::set) // a set of sets
         continue;
       if (!id)
-        throw Refusal(who() + ": " + cell + " is no number");
+        throw Refusal(who() + ": " + printable(cell, 60) + " is no number");
       ids.push_back(*id);
     }
     if (block == Block::set) {
       auto& nodes = mesh.node_sets[set];
+      const std::size_t before = nodes.size();
       if (generate && ids.size() >= 2) {
-        for (int i = ids[0]; i <= ids[1]; i += ids.size() > 2 ? std::max(1, ids[2]) : 1)
-          nodes.push_back(node(i));
+        const std::int64_t step = ids.size() > 2 ? std::max(1, ids[2]) : 1;
+        for (std::int64_t i = ids[0]; i <= ids[1]; i += step)
+          nodes.push_back(node(static_cast<int>(i)));
       } else {
         for (const int id : ids)
           nodes.push_back(node(id));
       }
+      // A line that names a range is short: without a limit a small file could ask for any amount.
+      in_sets += nodes.size() - before;
+      if (in_sets > 1000 + 100 * mesh.nodes.size())
+        throw Refusal(who() + ": " + std::to_string(in_sets) + " entries in sets, expected " +
+                      std::to_string(1000 + 100 * mesh.nodes.size()) +
+                      " at most (a hundred for each node)");
       continue;
     }
     pending.insert(pending.end(), ids.begin(), ids.end());

@@ -1,12 +1,12 @@
 #include "fem/shapes/shapes.hpp"
 
+#include "fem/io/file_bytes.hpp"
 #include "fem/io/words.hpp"
 #include "fem/shapes/block.hpp"
 #include "fem/shapes/section.hpp"
 #include "fem/shapes/spline.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
 #include <numbers>
 #include <sstream>
@@ -265,9 +265,7 @@ Mesh make_shape(const std::string& name, const Dimensions& given,
 }
 
 std::vector<ProfilePoint> read_profile(const std::string& path, double unit) {
-  std::ifstream file(path);
-  if (!file)
-    throw Refusal("cannot read the profile " + path);
+  std::istringstream file(read_bytes(path, std::uint64_t{1} << 20));
   std::vector<ProfilePoint> points;
   int number = 0;
   for (std::string line; std::getline(file, line);) {
@@ -279,7 +277,7 @@ std::vector<ProfilePoint> read_profile(const std::string& path, double unit) {
     words >> b >> c;
     const auto r = to_number(a), z = to_number(b), t = to_number(c);
     if (!r || !z || !t || words >> more || *r < 0 || !(*t > 0))
-      throw Refusal(path + " line " + std::to_string(number) + ": " + line +
+      throw Refusal(path + " line " + std::to_string(number) + ": " + printable(line, 60) +
                     ", expected radius >= 0, height and thickness > 0");
     points.push_back({unit * *r, unit * *z, unit * *t});
   }

@@ -1,20 +1,19 @@
 #include "programs/modal_fem/raw.hpp"
 
 #include "core/modal/npz.hpp"
+#include "fem/io/file_bytes.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 
 namespace tactus::fem {
 namespace {
 
-std::vector<double> numbers(const std::string& option, const std::string& words,
-                            std::size_t count, double scale) {
+std::vector<double> numbers(const std::string& option, const std::string& words, std::size_t count,
+                            double scale) {
   std::vector<double> out;
   for (const std::string& cell : split(words, ',')) {
     const auto value = to_number(cell);
@@ -74,8 +73,7 @@ int run_raw(const std::vector<std::string>& words) {
       settings.ring_angle_rad = within(option, value(), -360, 360) * std::numbers::pi / 180;
     } else if (option == "--points") {
       const std::string& word = value();
-      settings.points =
-          word == "all" ? 0 : static_cast<std::size_t>(within(option, word, 2, 1e6));
+      settings.points = word == "all" ? 0 : static_cast<std::size_t>(within(option, word, 2, 1e6));
     } else if (option == "--side") {
       settings.side = direction(value());
     } else if (option == "--seconds") {
@@ -102,10 +100,7 @@ int run_raw(const std::vector<std::string>& words) {
     throw Refusal("raw needs a table and -o NAME.modal.npz");
   if (settings.ring && settings.points == 0)
     throw Refusal("--points all: rings need a number");
-  std::ifstream file(input, std::ios::binary);
-  if (!file)
-    throw Refusal(input + ": cannot be opened");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = read_bytes(input);
   const auto bytes = std::as_bytes(std::span(text));
   modal::ModalTable table;
   if (const std::string refusal = modal::read_modal_table(bytes, table); !refusal.empty())
@@ -120,9 +115,10 @@ int run_raw(const std::vector<std::string>& words) {
     if (a.name.starts_with("raw_"))
       continue; // made anew
     if (a.big_endian || a.fortran_order)
-      throw Refusal(input + ": array " + a.name + " is big-endian or columns first; save it plainly");
-    const std::string kind = (a.item_bytes == 1 ? "|" : "<") + std::string(1, a.kind) +
-                             std::to_string(a.item_bytes);
+      throw Refusal(input + ": array " + a.name +
+                    " is big-endian or columns first; save it plainly");
+    const std::string kind =
+        (a.item_bytes == 1 ? "|" : "<") + std::string(1, a.kind) + std::to_string(a.item_bytes);
     npz.add_bytes(a.name, kind.c_str(), a.bytes, a.shape);
   }
   const auto flat = [](const std::vector<modal::Vec3>& places) {

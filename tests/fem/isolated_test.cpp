@@ -1,0 +1,226 @@
+// The child process that reads foreign files: whatever happens in it, one sentence comes back.
+#include "fem/io/isolated.hpp"
+
+#include "fem/io/mesh_bytes.hpp"
+#include "fem/io/sandbox.hpp"
+#include "fem/shapes/shapes.hpp"
+
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+using namespace tactus::fem;
+
+namespace {
+
+Mesh tetrahedron() {
+  Mesh mesh;
+  mesh.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.regions = {"horn"};
+  mesh.add(Shape::tet4, std::array{0, 1, 2, 3});
+  mesh.node_sets["foot"] = {0, 2};
+  return mesh;
+}
+
+/// What run_isolated() says of a child that does this, or "" when it returns a mesh. No process
+/// is left behind in either case.
+std::string outcome(const std::function<void()>& deed, ChildLimits limits = {1u << 30, 20}) {
+  std::string said;
+  try {
+    (void)run_isolated("a.step", limits, {}, [&](const ChildProgress&) {
+      deed();
+      return tetrahedron();
+    });
+  } catch (const Refusal& refusal) {
+    said = refusal.what();
+  }
+  CHECK(waitpid(-1, nullptr, WNOHANG) == -1);
+  CHECK(errno == ECHILD);
+  CHECK(said.find('\n') == std::string::npos);
+  return said;
+}
+
+bool has(const std::string& text, const std::string& word) {
+  CAPTURE(text);
+  CAPTURE(word);
+  return text.find(word) != std::string::npos;
+}
+
+/// Never inlined, never foreseen by the compiler.
+volatile int* volatile g_nowhere = nullptr;
+volatile bool g_forever = true;
+
+} // namespace
+
+TEST_CASE("mesh, sentences and stages come back whole") {
+  std::vector<std::string> said, stages;
+  const Mesh mesh = run_isolated("a.step", {1u << 30, 20},
+                                 {[&](const std::string& sentence) { said.push_back(sentence); },
+                                  [&](const std::string& stage, double share) {
+                                    stages.push_back(stage + " " + std::to_string(share));
+                                  }},
+                                 [](const ChildProgress& progress) {
+                                   progress.say("first\x1b[2J");
+                                   progress.report("meshing", .5);
+                                   progress.say(std::string(100000, 'x'));
+                                   return tetrahedron();
+                                 });
+  CHECK(to_bytes(mesh) == to_bytes(tetrahedron()));
+  REQUIRE(said.size() == 2);
+  CHECK(said[0] == "first?[2J");
+  CHECK(said[1].size() == 4096);
+  CHECK(stages == std::vector<std::string>{"meshing 0.500000"});
+}
+
+TEST_CASE("a refusal and any other exception come back as a refusal") {
+  CHECK(outcome([] { throw Refusal("a.step: no solid"); }) == "a.step: no solid");
+  CHECK(outcome([] { throw std::logic_error("odd"); }) == "odd");
+  CHECK(has(outcome([] { throw 7; }), "failed"));
+}
+
+TEST_CASE("a crash, an exit and a kill are one sentence with the file") {
+  if (!under_address_sanitizer()) {
+    CHECK(has(outcome([] { *g_nowhere = 1; }), "a.step: the reader crashed (a memory access"));
+    CHECK(has(outcome([] { std::abort(); }), "a failed check"));
+  }
+  CHECK(
+      has(outcome([] { std::raise(SIGFPE); }), under_address_sanitizer() ? "a.step" : "division"));
+  CHECK(has(outcome([] { _exit(3); }), "status 3"));
+  CHECK(has(outcome([] { std::exit(0); }), "without an answer"));
+}
+
+TEST_CASE("memory is limited, in new, in malloc and on the stack") {
+  if (under_address_sanitizer())
+    return;
+  const ChildLimits limits{200u << 20, 20};
+  CHECK(has(outcome([] { std::vector<char> v(std::size_t{1} << 40); }, limits), "0.21 GB"));
+  CHECK(has(outcome(
+                [] {
+                  std::vector<std::vector<char>> all;
+                  while (g_forever)
+                    all.emplace_back(1 << 20, 'x');
+                },
+                limits),
+            "--memory"));
+  CHECK(has(outcome(
+                [] { // as C code does that looks at no result
+                  while (g_forever)
+                    std::memset(std::malloc(1 << 20), 1, 1 << 20);
+                },
+                limits),
+            "--memory"));
+}
+
+TEST_CASE("silence is limited, progress is not silence") {
+  const ChildLimits limits{1u << 30, .5};
+  CHECK(has(outcome(
+                [] {
+                  while (g_forever) {
+                  }
+                },
+                limits),
+            "--time-limit"));
+  CHECK(has(outcome([] { pause(); }, limits), "--time-limit"));
+  const Mesh mesh = run_isolated("a.step", limits, {}, [](const ChildProgress& progress) {
+    for (int i = 0; i < 12; ++i) {
+      progress.report("meshing", i / 12.);
+      usleep(100000);
+    }
+    return tetrahedron();
+  });
+  CHECK(mesh.elements.size() == 1);
+}
+
+TEST_CASE("no program is started, no socket opened, no file written, no other process touched") {
+  char folder[] = "/tmp/tactus_sandbox_XXXXXX";
+  REQUIRE(mkdtemp(folder));
+  const std::string kept = std::string(folder) + "/kept", canary = std::string(folder) + "/canary";
+  REQUIRE(close(creat(kept.c_str(), 0600)) == 0);
+  const auto refused = [](bool failed, const char* what) {
+    if (!failed)
+      throw Refusal(std::string("not refused: ") + what);
+  };
+  const pid_t parent = getpid();
+  CHECK(outcome([&] {
+          refused(std::system(("touch " + canary).c_str()) != 0, "system");
+          execl("/usr/bin/touch", "touch", canary.c_str(), static_cast<char*>(nullptr));
+          refused(fork() < 0, "fork");
+          refused(socket(AF_INET, SOCK_STREAM, 0) < 0, "socket");
+          refused(open(canary.c_str(), O_CREAT | O_WRONLY, 0600) < 0, "creating");
+          refused(open(kept.c_str(), O_WRONLY) < 0, "writing");
+          refused(open(kept.c_str(), O_RDONLY | O_TRUNC) < 0, "truncating");
+          refused(std::fopen(canary.c_str(), "w") == nullptr, "fopen");
+          refused(mkdir(canary.c_str(), 0700) < 0, "mkdir");
+          refused(rename(kept.c_str(), canary.c_str()) < 0, "rename");
+          refused(symlink(kept.c_str(), canary.c_str()) < 0, "symlink");
+          refused(link(kept.c_str(), canary.c_str()) < 0, "link");
+          refused(unlink(kept.c_str()) < 0, "unlink");
+          refused(chmod(kept.c_str(), 0777) < 0, "chmod");
+          refused(kill(parent, SIGTERM) < 0, "kill");
+          char byte = 0;
+          refused(read(STDIN_FILENO, &byte, 1) == 0, "reading stdin");
+          const int reading = open(kept.c_str(), O_RDONLY);
+          refused(reading >= 0, "(reading must work)");
+          std::atomic<int> ran{0};
+          std::thread([&] { ran = 1; }).join();
+          refused(ran == 1, "(threads must work)");
+        }) == "");
+  CHECK(access(kept.c_str(), F_OK) == 0);
+  CHECK(unlink(kept.c_str()) == 0);
+  CHECK(rmdir(folder) == 0); // nothing else is in it
+}
+
+TEST_CASE("the parent believes no message") {
+  // The child's end of the pipe is descriptor 3.
+  const auto sends = [](const std::string& bytes) {
+    return outcome([&] {
+      CHECK(write(3, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()));
+      _exit(0);
+    });
+  };
+  const auto message = [](std::uint32_t kind, std::uint64_t size, const std::string& content) {
+    const std::array<std::uint32_t, 2> head{kind, 0};
+    std::string bytes(reinterpret_cast<const char*>(head.data()), 8);
+    return bytes.append(reinterpret_cast<const char*>(&size), 8) + content;
+  };
+  constexpr std::uint32_t kSay = 0x74610001, kReport = kSay + 1, kMesh = kSay + 2,
+                          kRefusal = kSay + 3;
+  CHECK(has(sends("nonsense"), "without an answer"));
+  CHECK(has(sends(std::string(100, 'x')), "no readable answer"));
+  CHECK(has(sends(message(kSay, 1u << 20, "")), "no readable answer"));
+  CHECK(has(sends(message(kReport, 3, "abc")), "without an answer")); // nobody wants reports here
+  CHECK(has(sends(message(kMesh, ~std::uint64_t{0}, "")), "no readable answer"));
+  CHECK(has(sends(message(kMesh, 1u << 29, "few")), "without an answer"));
+  CHECK(has(sends(message(kMesh, 0, "")), "damaged"));
+  CHECK(has(sends(message(kRefusal, 9, "a\nb\x1b[2J c")), "a?b?[2J c"));
+  CHECK(has(sends(message(kSay, 5, "hello") + message(99, 0, "")), "no readable answer"));
+}
+
+TEST_CASE("no damaged bytes of a mesh are taken for one that would be used out of range") {
+  const std::string whole = to_bytes(tetrahedron());
+  CHECK(to_bytes(mesh_from_bytes(whole)) == whole);
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    CHECK_THROWS_AS((void)mesh_from_bytes(whole.substr(0, size)), Refusal);
+  for (std::size_t at = 0; at < whole.size(); ++at)
+    for (const int flip : {1, 0x80, 0xff}) {
+      std::string bytes = whole;
+      bytes[at] = static_cast<char>(bytes[at] ^ flip);
+      try {
+        const Mesh mesh = mesh_from_bytes(bytes);
+        for (const Element& e : mesh.elements)
+          for (const int n : mesh.nodes_of(e))
+            CHECK((n >= 0 && static_cast<std::size_t>(n) < mesh.nodes.size()));
+      } catch (const Refusal&) {
+      }
+    }
+}

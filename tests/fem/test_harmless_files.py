@@ -1,0 +1,219 @@
+"""Foreign files run nothing, write nothing and crash nothing: scripts in every format and position."""
+import os
+import signal
+import struct
+import subprocess
+import time
+import zipfile
+
+import numpy as np
+import pytest
+
+PROGRAM = os.environ["MODAL_FEM"]
+SCRIPTS = ['SystemCall "touch canary";\n', '// a comment\nSystemCall "touch canary";\n',
+           'NonBlockingSystemCall "touch canary";\n', 'Merge "evil.geo";\n', 'Include "evil.geo";\n',
+           'Save "canary";\n', 'Printf("x") > "canary";\n', 'OnelabRun("x", "touch canary");\n',
+           'General.ExecutableFileName = "canary";\nSystemCall Str("touch canary");\n', '`touch canary`\n',
+           '$(touch canary)\n', '#!/bin/sh\ntouch canary\n', 'import os; os.system("touch canary")\n']
+MSH_2 = ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"NAME\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n"
+         "2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n")
+MSH_4 = ("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"NAME\"\n$EndPhysicalNames\n"
+         "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 1 1 0\n$EndEntities\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n"
+         "0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n")
+STEP = ("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('NAME'),'2;1');\nFILE_NAME('NAME','',(''),(''),'','','');\n"
+        "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\n#1=CARTESIAN_POINT('NAME',(0.,0.,0.));\nENDSEC;\n"
+        "END-ISO-10303-21;\n")
+BREP = "DBRep_DrawableShape\n\nCASCADE Topology V1, (c) Matra-Datavision\nLocations 0\n"
+OBJ = "o NAME\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+STL = "solid NAME\n" + "".join(
+    "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {p}\n" for p in face) + "endloop\nendfacet\n"
+    for face in [("0 0 0", "0 1 0", "1 0 0"), ("0 0 0", "1 0 0", "0 0 1"), ("1 0 0", "0 1 0", "0 0 1"),
+                 ("0 0 0", "0 0 1", "0 1 0")]) + "endsolid\n"
+INP = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4,ELSET=NAME\n7,1,2,3,4\n*NSET,NSET=NAME\n1,2\n"
+BODIES = {"msh2.msh": MSH_2, "msh4.msh": MSH_4, "a.step": STEP, "a.brep": BREP, "a.obj": OBJ, "a.stl": STL, "a.inp": INP}
+ENDINGS = ["msh", "step", "stp", "brep", "brp", "stl", "obj", "inp", "geo", "pos", "opt", "iges", "unv", "MSH"]
+
+
+def run(*words, folder, timeout=120, **extra):
+    """The program's status and its last line; in every case its death by a signal is a fault."""
+    done = subprocess.run([PROGRAM, *map(str, words)], cwd=folder, capture_output=True, text=True, errors="replace",
+                          timeout=timeout, **extra)
+    said = (done.stderr.strip().splitlines() or [""])[-1]
+    assert done.returncode in (0, 1), done.stderr
+    assert done.returncode == 0 or said.startswith("modal_fem: "), said
+    return done.returncode, said
+
+
+def try_all(folder, files):
+    """Reads each; whatever becomes of it, no canary may appear and nothing else either."""
+    (folder / "evil.geo").write_text('SystemCall "touch canary";\n')
+    outcomes = {}
+    for name, content in files:
+        path = folder / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        before = set(os.listdir(folder))
+        outcomes[name] = run(f"./{name}", "--modes", 1, "--multi", "--quiet", "--time-limit", 60, folder=folder)
+        assert set(os.listdir(folder)) == before, (name, content)
+        path.unlink()
+    assert not (folder / "canary").exists()
+    return outcomes
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_script_under_any_ending_runs_nothing(ending, tmp_path):
+    for script in SCRIPTS if ending == "msh" else SCRIPTS[:2]:
+        ((status, said),) = try_all(tmp_path, [(f"script.{ending}", script)]).values()
+        assert status == 1 and f"script.{ending}" in said, said
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_script_inside_a_body_runs_nothing(name, tmp_path):
+    body = BODIES[name]
+    lines = body.splitlines(keepends=True)
+    for script in SCRIPTS[:2]:
+        flat = script.replace("\n", " ").replace('"', "'")
+        places = [script + body, body + script, body.replace("NAME", flat), body.replace("NAME", script.strip()),
+                  *("".join(lines[:i]) + script + "".join(lines[i:]) for i in (1, len(lines) // 2))]
+        for content in places:
+            try_all(tmp_path, [(name, content)])
+
+
+def test_sections_that_carry_no_mesh_run_nothing_and_change_nothing(tmp_path):
+    for section in ("Comments", "Unknown", "NodeData"):
+        hidden = f'${section}\nSystemCall "touch canary";\n$End{section}\n'
+        for body in (MSH_2, MSH_4):
+            ((status, said),) = try_all(tmp_path, [("body.msh", body + hidden)]).values()
+            assert status == 0, said
+
+
+@pytest.mark.parametrize("name", ["a;touch canary;.msh", "a$(touch canary).step", "`touch canary`.stl", "a'b\"c.brep",
+                                  "a\ntouch canary\n.msh", "-rf.msh", "a|touch canary|.obj", "a&touch canary&.inp",
+                                  "../{}/a.msh", "%s%n%x.msh", "\x1b[2J.stl"])
+def test_a_file_name_runs_nothing_and_no_sentence_carries_control_characters(name, tmp_path):
+    name = name.format(tmp_path.name)
+    for content in ('SystemCall "touch canary";\n', STEP):
+        (tmp_path / name).write_text(content)
+        status, said = run(f"./{name}", "--modes", 1, "--quiet", folder=tmp_path)
+        assert "\x1b" not in said
+        (tmp_path / name).unlink()
+        assert os.listdir(tmp_path) == []
+
+
+def test_configuration_files_of_gmsh_are_not_read(tmp_path):
+    home = tmp_path / "home"
+    home.mkdir()
+    for name in (".gmshrc", ".gmsh-options", ".gmsh-errors", "matplotlibrc"):
+        (home / name).write_text('SystemCall "touch canary";\nGeneral.Terminal = 1;\n')
+    for name in (".gmshrc", ".gmsh-options", "a.stl.opt", "default.opt", "a.step.opt", "a.msh.opt"):
+        (tmp_path / name).write_text('SystemCall "touch canary";\n')
+    before = sorted(os.listdir(tmp_path)) + sorted(os.listdir(home))
+    environment = {**os.environ, "HOME": str(home), "GMSH_HOME": str(home), "PYTHONPATH": str(home)}
+    for name, content in (("a.stl", STL), ("a.step", STEP), ("a.msh", MSH_2), ("a.brep", BREP)):
+        (tmp_path / name).write_text(content)
+        run(name, "--modes", 1, "--quiet", folder=tmp_path, env=environment)
+        (tmp_path / name).unlink()
+    assert sorted(os.listdir(tmp_path)) + sorted(os.listdir(home)) == before
+
+
+def test_the_picture_sheet_imports_nothing_from_the_folder_or_the_environment(tmp_path):
+    evil = 'open("%s/canary", "w")\n' % tmp_path
+    for name in ("numpy.py", "matplotlib.py", "json.py", "sitecustomize.py", "usercustomize.py"):
+        (tmp_path / name).write_text(evil)
+    (tmp_path / "matplotlibrc").write_text("backend: module://evil\n")
+    (tmp_path / "evil.py").write_text(evil)
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "PYTHONSTARTUP": str(tmp_path / "evil.py")}
+    run("disk", "--diameter", 100, "--thickness", 12, "--h", 20, "--modes", 3, "--quiet", "-o", "-d.modal.npz", "--sheet",
+        "-d.png", folder=tmp_path, env=environment)
+    assert not (tmp_path / "canary").exists()
+    assert (tmp_path / "-d.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("script", SCRIPTS[-4:])
+def test_a_script_as_a_profile_a_table_or_modes_runs_nothing(script, tmp_path):
+    for name in ("p.txt", "t.modal.npz", "values.bin", "vectors.bin"):
+        (tmp_path / name).write_text(script)
+    with zipfile.ZipFile(tmp_path / "u.modal.npz", "w") as archive:
+        archive.writestr("meta.npy", script)
+        archive.writestr("../canary", script)
+    before = sorted(os.listdir(tmp_path))
+    disk = ["disk", "--diameter", 100, "--thickness", 12, "--h", 25]
+    for words in (["bell", "--profile", "p.txt"], ["raw", "t.modal.npz", "--hit", "0,0,6", "-o", "r.modal.npz"],
+                  ["raw", "u.modal.npz", "--hit", "0,0,6", "-o", "r.modal.npz"],
+                  [*disk, "--import-modes", "values.bin", "vectors.bin", "-o", "r.modal.npz"]):
+        status, said = run(*words, folder=tmp_path)
+        assert status == 1, said
+    assert sorted(os.listdir(tmp_path)) == before
+
+
+def test_a_pickle_in_a_table_is_not_loaded(tmp_path):
+    class Evil:
+        def __reduce__(self):
+            return os.system, ("touch canary",)
+
+    np.savez(tmp_path / "e.modal.npz", meta=np.array([Evil()], dtype=object))
+    status, said = run("raw", "e.modal.npz", "--hit", "0,0,6", "-o", "r.modal.npz", folder=tmp_path)
+    assert status == 1 and sorted(os.listdir(tmp_path)) == ["e.modal.npz"], said
+
+
+@pytest.mark.parametrize("name", ["p.msh", "p.step", "p.stl", "p.inp", "p.obj", "p.brep"])
+def test_a_pipe_or_a_device_is_refused_at_once(name, tmp_path):
+    os.mkfifo(tmp_path / name)
+    assert run(name, folder=tmp_path, timeout=20)[0] == 1
+    (tmp_path / name).unlink()
+    (tmp_path / name).symlink_to("/dev/zero")
+    assert run(name, folder=tmp_path, timeout=20)[0] == 1
+
+
+def test_claims_of_sizes_cost_nothing(tmp_path):
+    huge = [("h.stl", b"\0" * 80 + struct.pack("<I", 2**32 - 1) + b"\0" * 100),
+            ("n.msh", MSH_2.replace("$Nodes\n4", "$Nodes\n4000000000")),
+            ("e.msh", MSH_2.replace("$Elements\n1", "$Elements\n4000000000")),
+            ("b.msh", MSH_4.replace("$Nodes\n1 4", "$Nodes\n1000000000000 4")),
+            ("s.inp", INP + "*NSET,NSET=A,GENERATE\n" + "1,4,1\n" * 200000),
+            ("i.inp", INP.replace("4,0,0,1", "2147483647,0,0,1").replace("2,3,4", "2,3,2147483647")
+             + "*NSET,NSET=A,GENERATE\n2147483647,2147483647,1\n")]
+    began = time.monotonic()
+    outcomes = try_all(tmp_path, huge)
+    assert time.monotonic() - began < 60
+    assert all(status == 1 for name, (status, _) in outcomes.items() if name != "i.inp"), outcomes
+    assert "entries in sets" in outcomes["s.inp"][1] and outcomes["i.inp"][0] == 0, outcomes
+
+
+def children_of(process):
+    return [int(line) for line in open(f"/proc/{process}/task/{process}/children").read().split()]
+
+
+@pytest.mark.parametrize("signal_number, status", [(signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGKILL, -9)])
+def test_the_reading_process_ends_with_the_program(signal_number, status, tmp_path):
+    # Fine tetrahedra of a large block: minutes of work.
+    corners = [(x, y, z) for z in (0, 100) for y in (0, 100) for x in (0, 100)]
+    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2),
+             (1, 3, 7), (1, 7, 5)]
+    with open(tmp_path / "block.obj", "w") as file:
+        file.writelines(f"v {x} {y} {z}\n" for x, y, z in corners)
+        file.writelines(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
+    program = subprocess.Popen([PROGRAM, "block.obj", "--h", "0.8", "-o", "b.modal.npz"], cwd=tmp_path,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    until = time.monotonic() + 30
+    while not (children := children_of(program.pid)):
+        assert time.monotonic() < until and program.poll() is None
+        time.sleep(0.01)
+    program.send_signal(signal_number)
+    assert program.wait(20) == status
+    while any(os.path.exists(f"/proc/{child}") and open(f"/proc/{child}/stat").read().split()[2] != "Z"
+              for child in children):
+        assert time.monotonic() < until + 30
+        time.sleep(0.01)
+    assert os.listdir(tmp_path) == ["block.obj"]
+
+
+def test_a_file_that_takes_too_long_is_stopped_with_a_sentence(tmp_path):
+    with open(tmp_path / "plate.obj", "w") as file:
+        for z in (0, 100):
+            file.writelines(f"v {x} {y} {z}\n" for y in (0, 100) for x in (0, 100))
+        for a, b, c in [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6),
+                        (0, 6, 2), (1, 3, 7), (1, 7, 5)]:
+            file.write(f"f {a + 1} {b + 1} {c + 1}\n")
+    began = time.monotonic()
+    status, said = run("plate.obj", "--h", "0.7", "--time-limit", 1, "--quiet", folder=tmp_path)
+    assert status == 1 and "plate.obj" in said and "--time-limit" in said and time.monotonic() - began < 30, said
