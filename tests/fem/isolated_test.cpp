@@ -3,7 +3,6 @@
 
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/sandbox.hpp"
-#include "fem/shapes/shapes.hpp"
 
 #include <atomic>
 #include <cerrno>
