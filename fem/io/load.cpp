@@ -16,6 +16,15 @@ bool is_cad(const std::string& ending) {
   return ending == ".step" || ending == ".stp" || ending == ".brep" || ending == ".brp";
 }
 
+/// Points beyond 1000 km belong to no body, and products of such lengths overflow later.
+void check_range(const std::string& path, std::span<const Vector3> points) {
+  constexpr double kLargest = 1e6; // m
+  for (const Vector3& p : points)
+    if (!(length(p) < kLargest))
+      throw Refusal(path + format(" has a point at (%g, %g, %g) m, expected one within %g m", p.x,
+                                  p.y, p.z, kLargest));
+}
+
 Mesh load_here(const std::string& path, const std::string& ending, const LoadChoice& choice) {
   const auto unit = [&](double habit) { return choice.unit > 0 ? choice.unit : habit; };
   if (ending == ".msh")
@@ -25,6 +34,7 @@ Mesh load_here(const std::string& path, const std::string& ending, const LoadCho
   if (is_cad(ending))
     return mesh_cad(path, choice);
   Triangles surface = read_triangles(path, unit(1e-3));
+  check_range(path, surface.points);
   try {
     close(surface);
     if (const auto pair = crossing(surface))
@@ -56,12 +66,7 @@ Mesh load_body(const std::string& path, const LoadChoice& choice) {
                              in_child.report = progress.report;
                              return load_here(path, ending, in_child);
                            });
-  constexpr double kLargest =
-      1e6; // m: beyond it is no body, and products of lengths overflow later
-  for (const Vector3& p : mesh.nodes)
-    if (!(length(p) < kLargest))
-      throw Refusal(path + format(" has a node at (%g, %g, %g) m, expected one within %g m", p.x,
-                                  p.y, p.z, kLargest));
+  check_range(path, mesh.nodes);
   return mesh;
 }
 
