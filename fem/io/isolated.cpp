@@ -218,7 +218,8 @@ public:
                    "damaged");
   }
   [[nodiscard]] Refusal silence() const {
-    return Refusal(file_ + ": reading and meshing made no progress in " + shown(limits_.silence_s) +
+    return Refusal(file_ + ": reading and meshing made no progress in " +
+                   format("%.5g", limits_.silence_s) +
                    " s and was stopped; take a coarser mesh (--h), wait longer (--time-limit "
                    "SECONDS), or the file is damaged");
   }
