@@ -3,6 +3,8 @@
 #include "fem/io/inp.hpp"
 #include "fem/io/msh.hpp"
 #include "fem/io/words.hpp"
+#include "fem/mesh/cad.hpp"
+#include "fem/mesh/fill.hpp"
 #include "fem/mesh/gmsh_mesher.hpp"
 #include "fem/mesh/remesh.hpp"
 

@@ -1,0 +1,114 @@
+#include "fem/mesh/fill.hpp"
+
+#include "fem/io/words.hpp"
+#include "fem/mesh/gmsh_model.hpp"
+#include "fem/mesh/remesh.hpp"
+
+#include <gmsh.h>
+#include <set>
+
+namespace tactus::fem {
+namespace {
+
+void build_discrete(const Triangles& surface) {
+  gmsh::model::add("surface");
+  std::vector<std::size_t> node_tags(surface.points.size());
+  std::vector<double> coordinates;
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    node_tags[i] = i + 1;
+    for (int k = 0; k < 3; ++k)
+      coordinates.push_back(surface.points[i][k]);
+  }
+  std::vector<std::set<std::size_t>> used(static_cast<std::size_t>(surface.shells));
+  std::vector<std::vector<std::size_t>> nodes(used.size());
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+    for (const int p : surface.triangles[i]) {
+      const auto shell = static_cast<std::size_t>(surface.shell[i]);
+      used[shell].insert(static_cast<std::size_t>(p));
+      nodes[shell].push_back(static_cast<std::size_t>(p) + 1);
+    }
+  for (std::size_t s = 0; s < used.size(); ++s) {
+    const int tag = gmsh::model::addDiscreteEntity(2, static_cast<int>(s) + 1);
+    std::vector<std::size_t> tags;
+    std::vector<double> xyz;
+    for (const std::size_t p : used[s]) {
+      tags.push_back(p + 1);
+      xyz.insert(xyz.end(), coordinates.begin() + static_cast<std::ptrdiff_t>(3 * p),
+                 coordinates.begin() + static_cast<std::ptrdiff_t>(3 * p + 3));
+    }
+    gmsh::model::mesh::addNodes(2, tag, tags, xyz);
+    gmsh::model::mesh::addElementsByType(tag, 2, {}, nodes[s]);
+  }
+}
+
+/// The volume between the outer shell's faces and those of each cavity.
+void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
+  std::vector<int> loops;
+  loops.reserve(faces_of_shell.size());
+  for (const auto& faces : faces_of_shell)
+    loops.push_back(gmsh::model::geo::addSurfaceLoop(faces));
+  gmsh::model::geo::addVolume(loops);
+  gmsh::model::geo::synchronize();
+}
+
+} // namespace
+
+Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
+  double solid = 0, skin = 0, edges = 0;
+  for (const auto& t : surface.triangles) {
+    const auto at = [&](std::size_t k) { return surface.points[static_cast<std::size_t>(t[k])]; };
+    solid += dot(at(0), cross(at(1), at(2))) / 6;
+    skin += .5 * length(cross(at(1) - at(0), at(2) - at(0)));
+    edges += length(at(1) - at(0)) + length(at(2) - at(1)) + length(at(0) - at(2));
+  }
+  const double largest = bounding_box(surface.points).largest();
+  const double wanted =
+      choice.coarser * (choice.h > 0 ? choice.h : natural_size(largest, solid, skin));
+  const double mean_edge = edges / (3 * static_cast<double>(surface.triangles.size()));
+  const double slivers = share_of_slivers(surface, 8);
+  const bool fine = choice.h > 0 ? mean_edge < .6 * wanted : surface.triangles.size() > 9000;
+  const bool renew = choice.remesh || slivers > .01 || fine || mean_edge > 1.6 * wanted;
+  const auto fill = [&](const Triangles& triangles) {
+    Session session;
+    return session.run("the surface cannot be filled", [&] {
+      build_discrete(triangles);
+      std::vector<std::vector<int>> faces_of_shell;
+      faces_of_shell.reserve(static_cast<std::size_t>(triangles.shells));
+      for (int s = 0; s < triangles.shells; ++s)
+        faces_of_shell.push_back({s + 1});
+      set_sizes(wanted, {});
+      add_volume(faces_of_shell);
+      gmsh::model::mesh::generate(3);
+      Mesh mesh = make_quadratic(false, 1);
+      check(mesh);
+      const double change = volume(mesh) / std::abs(solid) - 1;
+      if (std::abs(change) > .05)
+        throw Refusal(format("the volume changed by %.1f %%", 100 * change));
+      return mesh;
+    });
+  };
+  if (!renew)
+    return fill(surface);
+  const auto say = [&](const std::string& sentence) {
+    if (choice.say)
+      choice.say(sentence);
+  };
+  // Faces that lie close together leave less room for a coarser surface between them.
+  for (const double away : {.1, .03, .01}) {
+    const Triangles even = remeshed(surface, .85 * wanted, away * wanted);
+    if (crossing(even))
+      continue;
+    say(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
+               surface.triangles.size(), 1e3 * wanted, even.triangles.size(), 100 * slivers,
+               100 * share_of_slivers(even, 8)));
+    try {
+      return fill(even);
+    } catch (const Refusal& refusal) {
+      say(refusal.what());
+    }
+  }
+  say("the triangles are kept as they are");
+  return fill(surface);
+}
+
+} // namespace tactus::fem

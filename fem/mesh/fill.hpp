@@ -1,0 +1,11 @@
+#pragma once
+#include "fem/io/load.hpp"
+#include "fem/io/triangles.hpp"
+
+namespace tactus::fem {
+
+/// A closed triangle surface filled with tet10. Good triangles are kept; poor or needlessly fine
+/// ones are renewed.
+[[nodiscard]] Mesh mesh_surface(const Triangles&, const LoadChoice&);
+
+} // namespace tactus::fem
