@@ -4,9 +4,7 @@
 #include "fem/io/msh.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/cad.hpp"
-#include "fem/mesh/fill.hpp"
-#include "fem/mesh/gmsh_mesher.hpp"
-#include "fem/mesh/remesh.hpp"
+#include "fem/mesh/surface_file.hpp"
 
 #include <filesystem>
 
@@ -18,15 +16,6 @@ bool is_cad(const std::string& ending) {
   return ending == ".step" || ending == ".stp" || ending == ".brep" || ending == ".brp";
 }
 
-/// Points beyond 1000 km belong to no body, and products of such lengths overflow later.
-void check_range(const std::string& path, std::span<const Vector3> points) {
-  constexpr double kLargest = 1e6; // m
-  for (const Vector3& p : points)
-    if (!(length(p) < kLargest))
-      throw Refusal(path + format(" has a point at (%g, %g, %g) m, expected one within %g m", p.x,
-                                  p.y, p.z, kLargest));
-}
-
 Mesh load_here(const std::string& path, const std::string& ending, const LoadChoice& choice) {
   const auto unit = [&](double habit) { return choice.unit > 0 ? choice.unit : habit; };
   if (ending == ".msh")
@@ -35,17 +24,7 @@ Mesh load_here(const std::string& path, const std::string& ending, const LoadCho
     return read_inp(path, unit(1));
   if (is_cad(ending))
     return mesh_cad(path, choice);
-  Triangles surface = read_triangles(path, unit(1e-3));
-  check_range(path, surface.points);
-  try {
-    close(surface);
-    if (const auto pair = crossing(surface))
-      throw Refusal("the surface crosses itself: " + place_of(surface, (*pair)[0]) + " cuts " +
-                    place_of(surface, (*pair)[1]));
-  } catch (const Refusal& refusal) {
-    throw Refusal(path + ": " + refusal.what());
-  }
-  return mesh_surface(surface, choice);
+  return mesh_surface_file(path, unit(1e-3), choice);
 }
 
 } // namespace

@@ -12,7 +12,9 @@ struct LoadChoice {
   double h = 0;    ///< element size, m; 0: chosen from the body
   double fillet = 0;  ///< radius that rounds a CAD body's concave edges, m; 0: they stay sharp
   double coarser = 1; ///< multiplies h, for verification
+  double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
+  bool multi = false; ///< several separate bodies may come
   std::function<void(const std::string&)> say{};
   std::function<void(const std::string& stage, double share)> report{};
   ChildLimits limits{}; ///< of the process that reads and meshes

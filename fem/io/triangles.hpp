@@ -5,22 +5,32 @@
 
 namespace tactus::fem {
 
-/// A closed surface of triangles, outward.
+/// A surface of triangles. As read it is a soup; fem/mesh/repair.hpp makes a closed one of it,
+/// outward.
 struct Triangles {
-  std::vector<Vector3> points;
+  std::vector<Vector3> points; ///< m
   std::vector<std::array<int, 3>> triangles;
-  std::vector<int> shell; ///< the connected piece of each triangle; shell 0 is the outermost
+  std::vector<int> group; ///< for each triangle, the solid or object of the file it belongs to
+  std::vector<std::string> groups; ///< their names
+  std::vector<int> shell;          ///< the connected piece of each triangle
   int shells = 0;
+
+  [[nodiscard]] Vector3 corner(std::size_t triangle, std::size_t k) const {
+    return points[static_cast<std::size_t>(triangles[triangle][k % 3])];
+  }
+  /// Normal of a triangle, as long as twice its area (m^2).
+  [[nodiscard]] Vector3 normal(std::size_t triangle) const {
+    const Vector3 a = corner(triangle, 0);
+    return cross(corner(triangle, 1) - a, corner(triangle, 2) - a);
+  }
 };
 
-/// Reads STL (ASCII or binary) or OBJ; corners that coincide are one point. Refuses an unreadable
-/// file, naming line or byte.
+/// Reads an STL (ASCII or binary, told by its content) or OBJ file as it is, lengths times `unit`.
+/// Refuses an unreadable file, naming line or byte.
 [[nodiscard]] Triangles read_triangles(const std::string& path, double unit);
 
-/// Removes triangles without area or written twice, finds the shells, turns them outward (inner
-/// ones inward). Refuses open and non-manifold surfaces and several bodies, naming a triangle and
-/// where it lies.
-void close(Triangles&);
+/// " near (1, 2, 3) mm", for sentences to the user.
+[[nodiscard]] std::string near_position(const Vector3&);
 
 /// "triangle 17 near (1, 2, 3) mm", counted from one, for refusals.
 [[nodiscard]] std::string place_of(const Triangles&, std::size_t triangle);

@@ -53,6 +53,13 @@ void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
 
 } // namespace
 
+namespace {
+
+constexpr std::size_t kMaxTriangles = 60000; ///< that are filled as they are: 10^6 unknowns
+constexpr double kMaxVolumeChange = .01;     ///< of the mesh against its surface
+
+} // namespace
+
 Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
   double solid = 0, skin = 0, edges = 0;
   for (const auto& t : surface.triangles) {
@@ -82,7 +89,7 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
       Mesh mesh = make_quadratic(false, 1);
       check(mesh);
       const double change = volume(mesh) / std::abs(solid) - 1;
-      if (std::abs(change) > .05)
+      if (std::abs(change) > kMaxVolumeChange)
         throw Refusal(format("the volume changed by %.1f %%", 100 * change));
       return mesh;
     });
@@ -94,19 +101,27 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
       choice.say(sentence);
   };
   // Faces that lie close together leave less room for a coarser surface between them.
-  for (const double away : {.1, .03, .01}) {
-    const Triangles even = remeshed(surface, .85 * wanted, away * wanted);
-    if (crossing(even))
+  std::string reason;
+  for (const auto& [size, away] : std::initializer_list<std::pair<double, double>>{
+           {1, .1}, {1, .03}, {1, .01}, {.6, .03}, {.35, .03}}) {
+    const Triangles even = remeshed(surface, .85 * size * wanted, away * size * wanted);
+    if (even.triangles.size() > kMaxTriangles || crossing(even))
       continue;
     say(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
-               surface.triangles.size(), 1e3 * wanted, even.triangles.size(), 100 * slivers,
+               surface.triangles.size(), 1e3 * size * wanted, even.triangles.size(), 100 * slivers,
                100 * share_of_slivers(even, 8)));
     try {
       return fill(even);
     } catch (const Refusal& refusal) {
-      say(refusal.what());
+      reason = refusal.what();
+      say(reason);
     }
   }
+  if (surface.triangles.size() > kMaxTriangles)
+    throw Refusal(reason.empty() ? format("no coarser surface without crossings was found for its "
+                                          "%zu triangles; give a smaller --h",
+                                          surface.triangles.size())
+                                 : reason);
   say("the triangles are kept as they are");
   return fill(surface);
 }

@@ -120,9 +120,9 @@ void drop_unused_nodes(Mesh& mesh) {
     renumber(mesh, to, static_cast<std::size_t>(count));
 }
 
-std::size_t merge_nodes(Mesh& mesh, double tolerance) {
+std::vector<int> coincident_points(std::span<const Vector3> points, double tolerance) {
   // Cells four tolerances wide; a point's partner lies in its own or a neighbouring cell.
-  const Box box = bounding_box(mesh.nodes);
+  const Box box = bounding_box(points);
   const double cell = 4 * tolerance;
   const auto key = [](std::int64_t i, std::int64_t j, std::int64_t k) {
     return static_cast<std::uint64_t>(i) * 0x9E3779B97F4A7C15ULL ^
@@ -130,12 +130,10 @@ std::size_t merge_nodes(Mesh& mesh, double tolerance) {
            static_cast<std::uint64_t>(k) * 0x165667B19E3779F9ULL;
   };
   std::unordered_multimap<std::uint64_t, int> cells;
-  cells.reserve(mesh.nodes.size());
-  std::vector<int> to(mesh.nodes.size());
-  int count = 0;
-  std::vector<Vector3> kept;
-  for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
-    const Vector3& p = mesh.nodes[n];
+  cells.reserve(points.size());
+  std::vector<int> to(points.size());
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const Vector3& p = points[n];
     std::array<std::int64_t, 3> at{}, low{}, high{};
     for (int k = 0; k < 3; ++k) {
       const double place = (p[k] - box.low[k]) / cell;
@@ -150,16 +148,23 @@ std::size_t merge_nodes(Mesh& mesh, double tolerance) {
         for (auto k = low[2]; k <= high[2]; ++k) {
           const auto [first, last] = cells.equal_range(key(i, j, k));
           for (auto c = first; c != last; ++c)
-            if (length(kept[static_cast<std::size_t>(c->second)] - p) <= tolerance)
+            if (length(points[static_cast<std::size_t>(c->second)] - p) <= tolerance)
               partner = c->second;
         }
     if (partner < 0) {
-      partner = count++;
-      kept.push_back(p);
+      partner = static_cast<int>(n);
       cells.emplace(key(at[0], at[1], at[2]), partner);
     }
     to[n] = partner;
   }
+  return to;
+}
+
+std::size_t merge_nodes(Mesh& mesh, double tolerance) {
+  std::vector<int> to = coincident_points(mesh.nodes, tolerance);
+  int count = 0;
+  for (std::size_t n = 0; n < to.size(); ++n)
+    to[n] = to[n] == static_cast<int>(n) ? count++ : to[static_cast<std::size_t>(to[n])];
   const std::size_t before = mesh.nodes.size();
   if (static_cast<std::size_t>(count) != before)
     renumber(mesh, to, static_cast<std::size_t>(count));
@@ -206,6 +211,14 @@ void check(const Mesh& mesh) {
                     ", expected above 0");
     }
   }
+}
+
+void check_range(const std::string& path, std::span<const Vector3> points) {
+  constexpr double kLargest = 1e6; // m
+  for (const Vector3& p : points)
+    if (!(length(p) < kLargest))
+      throw Refusal(path + format(" has a point at (%g, %g, %g) m, expected one within %g m", p.x,
+                                  p.y, p.z, kLargest));
 }
 
 } // namespace tactus::fem

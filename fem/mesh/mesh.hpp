@@ -59,6 +59,9 @@ struct Parts {
 /// Removes nodes that no element uses and keeps the order of the others. Node sets follow.
 void drop_unused_nodes(Mesh&);
 
+/// For each point the first one within `tolerance_m` of it that is kept: itself, or one before it.
+[[nodiscard]] std::vector<int> coincident_points(std::span<const Vector3>, double tolerance_m);
+
 /// Merges nodes closer than `tolerance_m`. Returns how many disappeared.
 std::size_t merge_nodes(Mesh&, double tolerance_m);
 
@@ -66,5 +69,9 @@ std::size_t merge_nodes(Mesh&, double tolerance_m);
 /// that are no numbers, repeated nodes, a Jacobian that is not positive at a quadrature point or
 /// corner.
 void check(const Mesh&);
+
+/// Refuses a file's points beyond 1000 km: they belong to no body, and products of such lengths
+/// overflow later.
+void check_range(const std::string& path, std::span<const Vector3> points);
 
 } // namespace tactus::fem

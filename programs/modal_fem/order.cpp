@@ -176,6 +176,9 @@ Order read_order(const std::vector<std::string>& words) {
       order.several_parts = true;
     } else if (option == "--remesh") {
       order.remesh = true;
+    } else if (option == "--shrink-wrap" && order.is_file) {
+      const bool given = i + 1 < words.size() && to_number(words[i + 1]);
+      order.shrink_wrap = given ? order.unit * number(option, value(), 1e-9, 1e9) : -1;
     } else if (option == "--straight") {
       order.straight = true;
     } else if (option == "--quiet") {
@@ -223,6 +226,8 @@ Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or 
 Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
               --fillet RADIUS  rounds the concave edges of a .step or .brep body
               --remesh (renew an STL's triangles)  --straight  (no curved sides)
+              --shrink-wrap [SIZE]  a closed skin over a scan or broken surface; gaps
+                                    narrower than SIZE (1/25 of the body) are closed
               --time-limit SECONDS (1200)  stop reading and meshing a file after so long
                                        without progress
 Modes         --modes N (40)  --threads N (1)  --verify  (each mode's error from coarser meshes)

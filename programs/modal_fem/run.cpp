@@ -38,9 +38,11 @@ Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress) {
                   .h = choice.h,
                   .fillet = order.fillet,
                   .coarser = coarser,
+                  .shrink_wrap = order.shrink_wrap,
                   .grade_concave = choice.grade_concave,
                   .curved = !order.straight,
-                  .remesh = order.remesh};
+                  .remesh = order.remesh,
+                  .multi = order.several_parts};
   load.say = [&](const std::string& sentence) { progress.say(sentence); };
   load.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
   load.limits.silence_s = order.time_limit_s;

@@ -213,10 +213,6 @@ def test_every_fault_of_a_surface_is_named_with_its_place(tmp_path):
     write_stl(tmp_path / "crossed.stl", pushed)
     said = refusal("crossed.stl", folder=tmp_path)
     assert "crosses itself: triangle" in said and "cuts triangle" in said and "mm" in said
-    walled = cube_triangles(10) + cube_triangles(10)[:1]
-    walled[-1] = [walled[-1][0], walled[-1][1], np.array([5.0, 5.0, 5.0])]  # a fin inside
-    write_stl(tmp_path / "fin.stl", walled)
-    assert "triangle" in refusal("fin.stl", folder=tmp_path)
 
 
 def test_doubled_and_turned_triangles_are_put_right(tmp_path):

@@ -1,10 +1,9 @@
-#include "fem/mesh/gmsh_mesher.hpp"
-
 #include "fem/io/gmsh_elements.hpp"
 #include "fem/mesh/gmsh_model.hpp"
 
 #include <algorithm>
 #include <gmsh.h>
+#include <new>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -28,7 +27,11 @@ Mesh take_over(double unit) {
   gmsh::vectorpair volumes;
   gmsh::model::getEntities(volumes, 3);
   for (const auto& [dimension, volume] : volumes) {
-    const std::string name = volumes.size() == 1 ? "body" : "volume" + std::to_string(volume);
+    std::string name = volumes.size() == 1 ? "body" : "volume" + std::to_string(volume);
+    std::vector<int> groups;
+    gmsh::model::getPhysicalGroupsForEntity(dimension, volume, groups);
+    if (!groups.empty())
+      gmsh::model::getPhysicalName(dimension, groups.front(), name);
     const auto at = std::find(mesh.regions.begin(), mesh.regions.end(), name);
     const int region = static_cast<int>(at - mesh.regions.begin());
     if (at == mesh.regions.end())
@@ -174,10 +177,15 @@ Mesh make_quadratic(bool curved, double unit) {
   Mesh mesh = take_over(unit);
   if (!curved || sound(mesh))
     return mesh;
-  optimize("HighOrder");
-  mesh = take_over(unit);
-  if (sound(mesh))
-    return mesh;
+  try {
+    optimize("HighOrder");
+    mesh = take_over(unit);
+    if (sound(mesh))
+      return mesh;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) { // what gmsh throws when an element stays inside out
+  }
   setOrder(1);
   return make_quadratic(false, unit);
 }

@@ -1,0 +1,20 @@
+#pragma once
+#include "fem/io/triangles.hpp"
+
+namespace tactus::fem {
+
+/// A ring of edges with a triangle on one side only.
+struct Hole {
+  Vector3 centre;    ///< m, mean of its corners
+  double extent = 0; ///< m, largest side of its box
+  double area = 0;   ///< m^2, of the patch that closes it
+  std::size_t edges = 0;
+  bool closed = false;
+};
+
+/// Closes holes whose patch is at most `area_share` of the surface and whose extent at most
+/// `extent_share` of the body's, with the ears of their rings. Expects find_shells() before.
+/// Returns all holes, the largest first.
+std::vector<Hole> close_holes(Triangles&, double area_share, double extent_share);
+
+} // namespace tactus::fem

@@ -1,0 +1,56 @@
+#pragma once
+#include "fem/io/triangles.hpp"
+
+#include <cstdint>
+
+namespace tactus::fem {
+
+/// Where a grid line meets a triangle: the coordinate along the line, and +1 where the line comes
+/// out of the surface, -1 where it goes in.
+struct Crossing {
+  double position;
+  int sign;
+  Vector3 normal; ///< of unit length
+};
+
+/// A regular grid of points around a surface, and every crossing of its lines with the triangles.
+class RayGrid {
+public:
+  /// Points `spacing` (m) apart, `margin` of them beyond the surface's box on every side. Their
+  /// origin is shifted by odd shares of the spacing, so that faces parallel to an axis do not lie
+  /// on grid lines.
+  RayGrid(const Triangles&, double spacing, int margin);
+
+  [[nodiscard]] double spacing() const noexcept { return spacing_; }
+  [[nodiscard]] const std::array<int, 3>& size() const noexcept { return size_; }
+  [[nodiscard]] std::size_t count() const noexcept;
+  [[nodiscard]] std::size_t index(int i, int j, int k) const noexcept;
+  [[nodiscard]] std::array<int, 3> cell(std::size_t index) const noexcept;
+  [[nodiscard]] Vector3 point(const std::array<int, 3>&) const noexcept;
+  /// From a point to the next one along an axis, in index().
+  [[nodiscard]] std::size_t step(int axis) const noexcept;
+
+  /// Crossings between a point and the next one along an axis, ascending.
+  [[nodiscard]] std::span<const Crossing> between(const std::array<int, 3>&, int axis) const;
+
+  /// For every point how many times the surface winds around it, along x.
+  [[nodiscard]] std::vector<std::int8_t> winding() const;
+  /// Volume where the winding number is above zero and where it is below, m^3, from the lengths
+  /// within along the axis that most faces look to: of a plate, through its thickness.
+  [[nodiscard]] std::array<double, 2> volumes() const;
+
+private:
+  struct Line {
+    std::size_t first, last;
+  };
+  void cross_lines(const Triangles&, int axis);
+  [[nodiscard]] std::size_t line_of(const std::array<int, 3>&, int axis) const noexcept;
+
+  double spacing_;
+  Vector3 origin_;
+  std::array<int, 3> size_{};
+  std::array<std::vector<Line>, 3> lines_;
+  std::array<std::vector<Crossing>, 3> crossings_;
+};
+
+} // namespace tactus::fem

@@ -1,0 +1,214 @@
+#include "fem/mesh/resurface.hpp"
+
+#include "fem/io/words.hpp"
+#include "fem/mesh/dual_contour.hpp"
+#include "fem/mesh/shells.hpp"
+#include "fem/mesh/weld.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::fem {
+namespace {
+
+constexpr double kMaxGridPoints = 4e7, kMaxSkinSquares = 3e5;
+
+double skin_area(const Triangles& t) {
+  double sum = 0;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    sum += .5 * length(t.normal(i));
+  return sum;
+}
+
+/// The finest spacing that the limits allow, if it is wider than the one wanted.
+double affordable(const Triangles& t, double wanted) {
+  const Vector3 size = bounding_box(t.points).size();
+  const double room = (size.x + 20 * wanted) * (size.y + 20 * wanted) * (size.z + 20 * wanted);
+  return std::max(
+      {wanted, std::cbrt(room / kMaxGridPoints), std::sqrt(skin_area(t) / kMaxSkinSquares)});
+}
+
+/// Squared distance of every grid point to the nearest marked one, in spacings, up to `limit`
+/// (Felzenszwalb & Huttenlocher 2012, one axis after the other; within a limit parabolas farther
+/// than it need not be tried).
+std::vector<float> squared_distance(const RayGrid& grid, const std::vector<std::uint8_t>& marked,
+                                    int limit) {
+  const float far = static_cast<float>(limit + 1) * static_cast<float>(limit + 1);
+  std::vector<float> square(marked.size());
+  for (std::size_t i = 0; i < marked.size(); ++i)
+    square[i] = marked[i] ? 0.F : far;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto n = static_cast<std::size_t>(grid.size()[static_cast<std::size_t>(axis)]);
+    const std::size_t step = grid.step(axis);
+    std::vector<float> line(n);
+    for (std::size_t start = 0; start < square.size(); ++start) {
+      if (grid.cell(start)[static_cast<std::size_t>(axis)] != 0)
+        continue;
+      bool any = false;
+      for (std::size_t i = 0; i < n; ++i) {
+        line[i] = square[start + i * step];
+        any = any || line[i] < far;
+      }
+      if (!any)
+        continue;
+      for (std::size_t i = 0; i < n; ++i) {
+        float best = line[i];
+        for (int d = 1; d <= limit && static_cast<float>(d * d) < best; ++d) {
+          const auto offset = static_cast<std::size_t>(d);
+          const auto more = static_cast<float>(d * d);
+          if (i >= offset)
+            best = std::min(best, line[i - offset] + more);
+          if (i + offset < n)
+            best = std::min(best, line[i + offset] + more);
+        }
+        square[start + i * step] = best;
+      }
+    }
+  }
+  return square;
+}
+
+/// Calls use(neighbour, crossed) for the grid points beside one: whether triangles lie between.
+template <class Use> void each_neighbour(const RayGrid& grid, std::size_t index, Use&& use) {
+  const auto cell = grid.cell(index);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    if (cell[a] > 0) {
+      auto before = cell;
+      --before[a];
+      use(index - grid.step(axis), !grid.between(before, axis).empty());
+    }
+    if (cell[a] + 1 < grid.size()[a])
+      use(index + grid.step(axis), !grid.between(cell, axis).empty());
+  }
+}
+
+double enclosed(const Triangles& t) {
+  // Shells are outward each by itself: cavities are those that lie in others.
+  double sum = 0;
+  for (const Triangles& body : separate_bodies(t))
+    for (std::size_t i = 0; i < body.triangles.size(); ++i)
+      sum += dot(body.corner(i, 0), cross(body.corner(i, 1), body.corner(i, 2))) / 6;
+  return sum;
+}
+
+/// Evens out noise below a few grid steps and keeps the volume (Taubin 1995).
+void smooth(Triangles& t) {
+  std::vector<Vector3> sum(t.points.size());
+  std::vector<double> count(t.points.size());
+  for (int pass = 0; pass < 100; ++pass) {
+    const double share = pass % 2 == 0 ? .5 : -.53;
+    std::fill(sum.begin(), sum.end(), Vector3{});
+    std::fill(count.begin(), count.end(), 0.);
+    for (const auto& c : t.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        sum[static_cast<std::size_t>(c[k])] += t.points[static_cast<std::size_t>(c[(k + 1) % 3])];
+        ++count[static_cast<std::size_t>(c[k])];
+      }
+    for (std::size_t i = 0; i < t.points.size(); ++i)
+      if (count[i] > 0)
+        t.points[i] += share * ((1 / count[i]) * sum[i] - t.points[i]);
+  }
+}
+
+Resurfaced contoured(const RayGrid& grid, const std::vector<std::uint8_t>& inside, bool sharp) {
+  Resurfaced out;
+  out.spacing = grid.spacing();
+  out.surface = dual_contour(grid, inside, sharp);
+  if (out.surface.triangles.empty())
+    throw Refusal("the triangles enclose nothing");
+  weld(out.surface);
+  if (!sharp)
+    smooth(out.surface);
+  close(out.surface);
+  return out;
+}
+
+} // namespace
+
+Resurfaced united(const Triangles& t, double finer) {
+  const double skin = skin_area(t);
+  double whole = 0;
+  for (const double v : shell_volumes(t))
+    whole += std::abs(v);
+  const double wall = 2 * whole / skin, largest = bounding_box(t.points).largest();
+  const double spacing = affordable(t, std::min(largest / 60, .4 * wall) / finer);
+  const RayGrid grid(t, spacing, 2);
+  const auto winding = grid.winding();
+  std::vector<std::uint8_t> inside(winding.size());
+  for (std::size_t i = 0; i < winding.size(); ++i)
+    inside[i] = winding[i] > 0;
+  Resurfaced out = contoured(grid, inside, true);
+  const auto [volume, inverted] = grid.volumes();
+  out.volume = volume;
+  out.inverted = inverted;
+  out.volume_change = enclosed(out.surface) / volume - 1;
+  return out;
+}
+
+Resurfaced shrink_wrapped(const Triangles& t, double gap) {
+  const double largest = bounding_box(t.points).largest();
+  const double spacing = affordable(t, std::min(gap / 4, largest / 80));
+  const double reach = .5 * gap / spacing; // of the ball, in spacings
+  if (reach < 1.5)
+    throw Refusal(format("--shrink-wrap %.3g mm is too fine for this surface: expected %.3g mm or "
+                         "more",
+                         1e3 * gap, 3e3 * spacing));
+  if (reach > 60)
+    throw Refusal(format("--shrink-wrap %.3g mm: expected at most half the body, %.3g mm",
+                         1e3 * gap, 500 * largest));
+  const int margin = static_cast<int>(std::ceil(reach)) + 3;
+  const RayGrid grid(t, spacing, margin);
+  std::vector<std::uint8_t> marked(grid.count(), 0); // beside a triangle
+  for (std::size_t i = 0; i < marked.size(); ++i)
+    each_neighbour(grid, i, [&](std::size_t, bool crossed) { marked[i] |= crossed; });
+  const auto far = squared_distance(grid, marked, static_cast<int>(std::ceil(reach)));
+  const auto square = static_cast<float>(reach * reach);
+  // Centres of the ball, from the border of the grid on.
+  std::vector<std::uint8_t> centre(grid.count(), 0);
+  std::vector<std::size_t> front{0};
+  centre[0] = 1;
+  while (!front.empty()) {
+    const std::size_t i = front.back();
+    front.pop_back();
+    each_neighbour(grid, i, [&](std::size_t j, bool) {
+      if (!centre[j] && far[j] >= square) {
+        centre[j] = 1;
+        front.push_back(j);
+      }
+    });
+  }
+  // All that the ball covers; then, up to the triangles, points with more free ways to the outside
+  // than ways through triangles, so that a crack lets nothing in.
+  const double cover = reach + 2;
+  const auto away = squared_distance(grid, centre, static_cast<int>(std::ceil(cover)));
+  std::vector<std::uint8_t> inside(grid.count());
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    inside[i] = away[i] >= square;
+    if (inside[i] && away[i] <= static_cast<float>(cover * cover))
+      front.push_back(i);
+  }
+  for (int pass = 0; pass < 3; ++pass) {
+    std::vector<std::size_t> outside;
+    for (const std::size_t i : front) {
+      int votes = 0;
+      each_neighbour(grid, i, [&](std::size_t j, bool crossed) {
+        if (!inside[j])
+          votes += crossed ? -1 : 1;
+      });
+      if (inside[i] && votes > 0)
+        outside.push_back(i);
+    }
+    for (const std::size_t i : outside)
+      inside[i] = 0;
+  }
+  if (std::find(inside.begin(), inside.end(), 1) == inside.end())
+    throw Refusal(format("--shrink-wrap %.3g mm: the triangles enclose nothing at that gap; "
+                         "expected more than their widest hole",
+                         1e3 * gap));
+  Resurfaced out = contoured(grid, inside, false);
+  out.volume = enclosed(out.surface);
+  return out;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,365 @@
+#include "fem/mesh/weld.hpp"
+
+#include "fem/mesh/edge_uses.hpp"
+
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+namespace tactus::fem {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Keeps the triangles for which keep(i) holds, with their groups.
+template <class Keep> std::size_t keep_triangles(Triangles& t, Keep&& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    if (keep(i)) {
+      t.triangles[kept] = t.triangles[i];
+      if (!t.group.empty())
+        t.group[kept] = t.group[i];
+      ++kept;
+    }
+  const std::size_t gone = t.triangles.size() - kept;
+  t.triangles.resize(kept);
+  if (!t.group.empty())
+    t.group.resize(kept);
+  return gone;
+}
+
+void drop_degenerate(Triangles& t) {
+  keep_triangles(t, [&](std::size_t i) {
+    const auto& c = t.triangles[i];
+    return c[0] != c[1] && c[1] != c[2] && c[2] != c[0];
+  });
+}
+
+std::vector<std::array<int, 2>> open_edges(const Triangles& t) {
+  std::vector<std::array<int, 2>> open;
+  const auto uses = edge_uses(t);
+  each_edge(uses, [&](auto first, auto last) {
+    if ((last - first) % 2 == 1)
+      open.push_back({first->a, first->b});
+  });
+  return open;
+}
+
+std::vector<int> corners_of(const std::vector<std::array<int, 2>>& edges) {
+  std::vector<int> corners;
+  for (const auto& edge : edges)
+    corners.insert(corners.end(), edge.begin(), edge.end());
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+/// Joins corners of open edges within a distance; kept only if it closes edges.
+bool join_open_edges(Triangles& t, double tolerance) {
+  const auto open = open_edges(t);
+  if (open.empty())
+    return false;
+  const std::vector<int> corners = corners_of(open);
+  std::vector<Vector3> points;
+  points.reserve(corners.size());
+  for (const int c : corners)
+    points.push_back(t.points[at(c)]);
+  const std::vector<int> to = coincident_points(points, tolerance);
+  std::vector<int> name(t.points.size());
+  std::iota(name.begin(), name.end(), 0);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    name[at(corners[i])] = corners[at(to[i])];
+  for (const auto& [a, b] : open) // a short edge is a detail, not a gap
+    if (name[at(a)] == name[at(b)])
+      name[at(a)] = a, name[at(b)] = b;
+  Triangles joined = t;
+  for (auto& c : joined.triangles)
+    for (int& v : c)
+      v = name[at(v)];
+  drop_degenerate(joined);
+  if (joined.triangles.size() != t.triangles.size() || open_edges(joined).size() >= open.size())
+    return false;
+  t = std::move(joined);
+  return true;
+}
+
+/// Cuts triangles whose open edge has a corner of an open edge on it. Returns how many.
+std::size_t split_at_junctions(Triangles& t, double tolerance) {
+  const auto open = open_edges(t);
+  std::vector<int> corners = corners_of(open);
+  std::sort(corners.begin(), corners.end(),
+            [&](int a, int b) { return t.points[at(a)].x < t.points[at(b)].x; });
+  std::map<std::array<int, 2>, std::vector<std::pair<double, int>>> cuts;
+  for (const auto& [a, b] : open) {
+    const Vector3 p = t.points[at(a)], along = t.points[at(b)] - p;
+    const double low = std::min(p.x, p.x + along.x) - tolerance, square = dot(along, along);
+    auto c = std::lower_bound(corners.begin(), corners.end(), low,
+                              [&](int v, double x) { return t.points[at(v)].x < x; });
+    for (; c != corners.end() && t.points[at(*c)].x <= std::max(p.x, p.x + along.x) + tolerance;
+         ++c) {
+      const Vector3 offset = t.points[at(*c)] - p;
+      const double share = dot(offset, along) / square;
+      if (*c != a && *c != b && share > 0 && share < 1 &&
+          length(offset - share * along) <= tolerance &&
+          std::min(share, 1 - share) * std::sqrt(square) > tolerance)
+        cuts[{a, b}].emplace_back(share, *c);
+    }
+  }
+  std::size_t done = 0;
+  const std::size_t count = t.triangles.size();
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = t.triangles[i][k], b = t.triangles[i][(k + 1) % 3];
+      const int tip = t.triangles[i][(k + 2) % 3];
+      const auto found = cuts.find({std::min(a, b), std::max(a, b)});
+      if (found == cuts.end())
+        continue;
+      auto on_edge = found->second;
+      std::erase_if(on_edge, [&](const auto& c) { return c.second == tip; });
+      if (on_edge.empty())
+        continue;
+      std::sort(on_edge.begin(), on_edge.end());
+      if (a > b)
+        std::reverse(on_edge.begin(), on_edge.end());
+      int from = a;
+      t.triangles[i] = {from, on_edge[0].second, tip};
+      for (std::size_t c = 0; c < on_edge.size(); ++c) {
+        from = on_edge[c].second;
+        t.triangles.push_back({from, c + 1 < on_edge.size() ? on_edge[c + 1].second : b, tip});
+        if (!t.group.empty())
+          t.group.push_back(t.group[i]);
+      }
+      ++done;
+      break; // its other edges in the next pass
+    }
+  return done;
+}
+
+/// Of triangles with the same corners one stays, or none where edges have an even number of
+/// triangles without them: then they are a wall between touching solids.
+std::size_t drop_duplicates(Triangles& t) {
+  std::map<std::array<int, 3>, std::vector<std::size_t>> same;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    auto key = t.triangles[i];
+    std::sort(key.begin(), key.end());
+    same[key].push_back(i);
+  }
+  if (same.size() == t.triangles.size())
+    return 0;
+  std::vector<bool> keep(t.triangles.size(), true), twice(t.triangles.size(), false);
+  for (const auto& [key, copies] : same)
+    for (std::size_t c = 0; c < copies.size(); ++c) {
+      keep[copies[c]] = c == 0;
+      twice[copies[c]] = copies.size() > 1;
+    }
+  // Connected patches of duplicates are kept or dropped as a whole.
+  std::vector<std::size_t> patch(t.triangles.size());
+  std::iota(patch.begin(), patch.end(), std::size_t{0});
+  const auto root = [&](std::size_t i) {
+    while (patch[i] != i)
+      i = patch[i] = patch[patch[i]];
+    return i;
+  };
+  const auto uses = edge_uses(t);
+  each_edge(uses, [&](auto first, auto last) {
+    for (auto u = first; u != last; ++u)
+      for (auto v = u + 1; v != last; ++v)
+        if (twice[u->triangle] && twice[v->triangle])
+          patch[root(u->triangle)] = root(v->triangle);
+  });
+  std::map<std::size_t, int> odd; // odd edges of a patch, if one copy stays, minus even ones
+  each_edge(uses, [&](auto first, auto last) {
+    int stay = 0, once = 0;
+    std::size_t of = 0;
+    for (auto u = first; u != last; ++u) {
+      stay += keep[u->triangle];
+      if (twice[u->triangle] && keep[u->triangle]) {
+        of = root(u->triangle);
+        ++once;
+      }
+    }
+    if (once == 1) // the patch ends here
+      odd[of] += stay % 2 == 1 ? 1 : -1;
+  });
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (twice[i])
+      if (const auto found = odd.find(root(i)); found != odd.end() && found->second > 0)
+        keep[i] = false;
+  return keep_triangles(t, [&](std::size_t i) { return keep[i]; });
+}
+
+/// Triangles with a free edge beside an edge of three or more: they bound nothing.
+std::size_t drop_fins(Triangles& t) {
+  std::size_t dropped = 0;
+  for (bool again = true; again;) {
+    std::vector<int> free(t.triangles.size(), 0), crowded(t.triangles.size(), 0);
+    const auto uses = edge_uses(t);
+    each_edge(uses, [&](auto first, auto last) {
+      for (auto u = first; u != last; ++u) {
+        free[u->triangle] += last - first == 1;
+        crowded[u->triangle] += last - first > 2;
+      }
+    });
+    const std::size_t gone =
+        keep_triangles(t, [&](std::size_t i) { return free[i] == 0 || crowded[i] == 0; });
+    dropped += gone;
+    again = gone > 0;
+  }
+  return dropped;
+}
+
+/// For each side of each triangle the neighbour across it, or -1 where the surface is open.
+std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
+  std::vector<std::array<int, 3>> across(t.triangles.size(), {-1, -1, -1});
+  const auto uses = edge_uses(t);
+  each_edge(uses, [&](auto first, auto last) {
+    const auto join = [&](const EdgeUse& u, const EdgeUse& v) {
+      across[u.triangle][u.side] = static_cast<int>(v.triangle);
+      across[v.triangle][v.side] = static_cast<int>(u.triangle);
+    };
+    const auto count = last - first;
+    if (count == 2)
+      join(first[0], first[1]);
+    if (count <= 2)
+      return;
+    if (count % 2 == 1)
+      throw Refusal("the surface cannot be told from a wall inside at " +
+                    place_of(t, first->triangle) + ": an edge has " + std::to_string(count) +
+                    " triangles, expected two; --shrink-wrap takes the outer skin");
+    // Turning about the edge, the body lies between a triangle and the next, or not.
+    const Vector3 a = t.points[at(first->a)], along = t.points[at(first->b)] - a;
+    const Vector3 axis = (1 / length(along)) * along;
+    Vector3 x, y;
+    std::vector<std::pair<double, EdgeUse>> order;
+    for (auto u = first; u != last; ++u) {
+      const Vector3 tip = t.corner(u->triangle, u->side + 2) - a;
+      const Vector3 out = tip - dot(tip, axis) * axis;
+      if (u == first) {
+        x = (1 / std::max(length(out), 1e-300)) * out;
+        y = cross(axis, x);
+      }
+      order.emplace_back(u == first ? 0 : std::atan2(dot(out, y), dot(out, x)), *u);
+      if (order.back().first < 0)
+        order.back().first += 2 * std::numbers::pi;
+    }
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto& u, const auto& v) { return u.first < v.first; });
+    // A triangle that runs from a to b has its outside ahead in the sense of turning.
+    const std::size_t shift = order[0].second.forward ? 1 : 0;
+    for (std::size_t i = 0; i < order.size(); i += 2)
+      join(order[(i + shift) % order.size()].second, order[(i + shift + 1) % order.size()].second);
+  });
+  return across;
+}
+
+/// Gives each fan of triangles around a point a point of its own.
+void split_fans(Triangles& t, const std::vector<std::array<int, 3>>& across) {
+  std::vector<std::size_t> fan(3 * t.triangles.size());
+  std::iota(fan.begin(), fan.end(), std::size_t{0});
+  const auto root = [&](std::size_t i) {
+    while (fan[i] != i)
+      i = fan[i] = fan[fan[i]];
+    return i;
+  };
+  const auto corner_of = [&](std::size_t triangle, int point) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (t.triangles[triangle][k] == point)
+        return 3 * triangle + k;
+    return 3 * triangle;
+  };
+  for (std::size_t i = 0; i < across.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (across[i][k] >= 0)
+        for (const int point : {t.triangles[i][k], t.triangles[i][(k + 1) % 3]})
+          fan[root(corner_of(i, point))] = root(corner_of(at(across[i][k]), point));
+  std::vector<int> name(fan.size(), -1);
+  std::vector<Vector3> points;
+  auto triangles = t.triangles;
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      int& known = name[root(3 * i + k)];
+      if (known < 0) {
+        known = static_cast<int>(points.size());
+        points.push_back(t.corner(i, k));
+      }
+      triangles[i][k] = known;
+    }
+  t.points = std::move(points);
+  t.triangles = std::move(triangles);
+}
+
+/// Where two pairs of neighbours still share both points of an edge, all pairs but the first get a
+/// point of their own in its middle. Returns how many did.
+std::size_t split_shared_edges(Triangles& t, const std::vector<std::array<int, 3>>& across) {
+  std::size_t done = 0;
+  std::vector<bool> touched(t.triangles.size(), false);
+  const auto uses = edge_uses(t);
+  each_edge(uses, [&](auto first, auto last) {
+    if (last - first <= 2)
+      return;
+    const std::size_t kept = at(across[first->triangle][first->side]);
+    for (auto u = first + 1; u != last; ++u) {
+      const std::size_t i = u->triangle, j = at(across[i][u->side]);
+      if (i == kept || i > j || touched[i] || touched[j])
+        continue;
+      const int middle = static_cast<int>(t.points.size());
+      t.points.push_back(.5 * (t.points[at(u->a)] + t.points[at(u->b)]));
+      for (const std::size_t half : {i, j}) {
+        touched[half] = true;
+        auto& c = t.triangles[half];
+        const auto tip =
+            std::find_if(c.begin(), c.end(), [&](int v) { return v != u->a && v != u->b; });
+        std::rotate(c.begin(), tip, c.end());
+        t.triangles.push_back({c[0], middle, c[2]});
+        t.triangles[half][2] = middle;
+        if (!t.group.empty())
+          t.group.push_back(t.group[half]);
+      }
+      ++done;
+    }
+  });
+  return done;
+}
+
+} // namespace
+
+Welded weld(Triangles& t) {
+  Welded done;
+  double far = 0;
+  for (const Vector3& p : t.points)
+    far = std::max({far, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  const double size = bounding_box(t.points).largest();
+  if (!(size > 0))
+    throw Refusal("the surface has no extent");
+  done.tolerance = std::min(4 * far * double{std::numeric_limits<float>::epsilon()}, 1e-3 * size);
+  const std::vector<int> to = coincident_points(t.points, done.tolerance);
+  for (auto& c : t.triangles)
+    for (int& v : c)
+      v = to[at(v)];
+  drop_degenerate(t);
+  for (const double share : {1e-6, 1e-5, 1e-4}) {
+    const double tolerance = share * size;
+    if (tolerance < done.tolerance)
+      continue;
+    if (join_open_edges(t, tolerance))
+      done.tolerance = tolerance;
+    for (int pass = 0; pass < 8; ++pass) {
+      const std::size_t split = split_at_junctions(t, tolerance);
+      done.split += split;
+      if (split == 0)
+        break;
+    }
+  }
+  done.duplicates = drop_duplicates(t);
+  done.fins = drop_fins(t);
+  if (t.triangles.empty())
+    throw Refusal("the surface encloses no volume: every triangle has a partner or a free edge");
+  split_fans(t, neighbours(t));
+  for (int pass = 0; pass < 10; ++pass)
+    if (split_shared_edges(t, neighbours(t)) == 0)
+      break;
+  return done;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,317 @@
+// Surfaces as other people's programs write them: welded, closed, united, wrapped.
+#include "fem/io/obj.hpp"
+#include "fem/io/stl.hpp"
+#include "fem/mesh/holes.hpp"
+#include "fem/mesh/remesh.hpp"
+#include "fem/mesh/resurface.hpp"
+#include "fem/mesh/shells.hpp"
+#include "fem/mesh/weld.hpp"
+
+#include <doctest/doctest.h>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+using namespace tactus::fem;
+
+namespace {
+
+using Corners = std::array<Vector3, 3>;
+using Soup = std::vector<Corners>;
+
+Soup box(const Vector3& low, const Vector3& size) {
+  std::array<Vector3, 8> p;
+  for (int i = 0; i < 8; ++i)
+    p[static_cast<std::size_t>(i)] =
+        low + Vector3{i % 2 * size.x, i / 2 % 2 * size.y, double(i / 4) * size.z};
+  Soup out;
+  for (const auto& [a, b, c] : std::vector<std::array<std::size_t, 3>>{{0, 2, 3},
+                                                                       {0, 3, 1},
+                                                                       {4, 5, 7},
+                                                                       {4, 7, 6},
+                                                                       {0, 1, 5},
+                                                                       {0, 5, 4},
+                                                                       {2, 6, 7},
+                                                                       {2, 7, 3},
+                                                                       {0, 4, 6},
+                                                                       {0, 6, 2},
+                                                                       {1, 3, 7},
+                                                                       {1, 7, 5}})
+    out.push_back({p[a], p[b], p[c]});
+  return out;
+}
+
+Soup sphere(const Vector3& centre, double radius, int rings) {
+  const auto at = [&](int i, int j) {
+    const double a = std::numbers::pi * i / rings, b = std::numbers::pi * j / rings;
+    return centre +
+           radius * Vector3{std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)};
+  };
+  Soup out;
+  for (int i = 0; i < rings; ++i)
+    for (int j = 0; j < 2 * rings; ++j) {
+      if (i > 0)
+        out.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
+      if (i + 1 < rings)
+        out.push_back({at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)});
+    }
+  return out;
+}
+
+Soup operator+(Soup a, const Soup& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// Every corner a point of its own, as an STL has them.
+Triangles surface(const Soup& soup) {
+  Triangles t;
+  for (const Corners& c : soup) {
+    const int n = static_cast<int>(t.points.size());
+    t.points.insert(t.points.end(), c.begin(), c.end());
+    t.triangles.push_back({n, n + 1, n + 2});
+  }
+  return t;
+}
+
+double enclosed(const Triangles& t) {
+  double sum = 0;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    sum += dot(t.corner(i, 0), cross(t.corner(i, 1), t.corner(i, 2))) / 6;
+  return sum;
+}
+
+Triangles closed(const Soup& soup) {
+  Triangles t = surface(soup);
+  weld(t);
+  close(t);
+  return t;
+}
+
+} // namespace
+
+TEST_CASE("corners that differ by rounding are one, thin features stay") {
+  Soup cube = box({}, {.01, .01, .01});
+  for (std::size_t i = 0; i < cube.size(); ++i)
+    for (Vector3& p : cube[i])
+      for (int k = 0; k < 3; ++k)
+        if (p[k] == 0)
+          p[k] = i % 2 ? -5.7e-20 : 1e-12;
+  CHECK(closed(cube).points.size() == 8);
+  // A sheet of 1e-5 of its length is a body, not a rounding error.
+  const Triangles sheet = closed(box({}, {1, 1, 1e-5}));
+  CHECK(sheet.points.size() == 8);
+  CHECK(enclosed(sheet) == doctest::Approx(1e-5).epsilon(1e-9));
+}
+
+TEST_CASE("a corner on another triangle's edge cuts it") {
+  Soup cube = box({}, {1, 1, 1});
+  const Corners half = cube[2]; // of the top: in two at the middle of its first edge
+  const Vector3 middle = .5 * (half[0] + half[1]);
+  cube[2] = {half[0], middle, half[2]};
+  cube.push_back({middle, half[1], half[2]});
+  Triangles t = surface(cube);
+  const Welded done = weld(t);
+  CHECK(done.split == 1);
+  REQUIRE_NOTHROW(close(t));
+  CHECK(enclosed(t) == doctest::Approx(1));
+}
+
+TEST_CASE("a wall between stacked boxes goes, a triangle written twice stays once") {
+  const Soup lower = box({}, {1, 1, 1}), upper = box({0, 0, 1}, {1, 1, 1});
+  Soup stacked = lower + upper; // the wall is cut along the other diagonal in one of them
+  const Triangles tower = closed(box({}, {1, 1, 1}) + [&] {
+    Soup turned = upper;
+    for (Corners& c : turned)
+      for (Vector3& p : c)
+        p.z = 2 - (p.z - 0) + 1; // mirrored at z = 1.5: same diagonals below
+    for (Corners& c : turned)
+      std::swap(c[0], c[1]);
+    return turned;
+  }());
+  CHECK(enclosed(tower) == doctest::Approx(2));
+  const Triangles doubled = closed(lower + Soup{lower[4], lower[5]});
+  CHECK(doubled.triangles.size() == 12);
+}
+
+TEST_CASE("a fin on a cube is left out") {
+  const Soup cube = box({}, {1, 1, 1});
+  Triangles t = surface(cube + Soup{{cube[0][0], cube[0][1], {.5, .5, .5}}});
+  CHECK(weld(t).fins == 1);
+  close(t);
+  CHECK(enclosed(t) == doctest::Approx(1));
+}
+
+TEST_CASE("two cubes that meet at an edge are two shells") {
+  const Triangles t = closed(box({}, {1, 1, 1}) + box({1, 1, 0}, {1, 1, 1}));
+  CHECK(t.shells == 2);
+  for (const double v : shell_volumes(t))
+    CHECK(v == doctest::Approx(1));
+  CHECK(shells_touch(t, 1e-9));
+}
+
+TEST_CASE("small holes are closed and told with place and width, large ones are left") {
+  Soup ball = sphere({.1, .2, .3}, 1, 20);
+  const Vector3 at = ball[400][0];
+  std::erase_if(ball, [&](const Corners& c) {
+    return length(c[0] - at) < .2 && length(c[1] - at) < .2 && length(c[2] - at) < .2;
+  });
+  Triangles t = surface(ball);
+  weld(t);
+  find_shells(t);
+  CHECK(!open_edge_sentence(t).empty());
+  Triangles strict = t;
+  CHECK_FALSE(close_holes(strict, 1e-4, .4).at(0).closed);
+  CHECK(!open_edge_sentence(strict).empty());
+  const auto holes = close_holes(t, .05, .4);
+  REQUIRE(holes.size() == 1);
+  CHECK(holes[0].closed);
+  CHECK(length(holes[0].centre - at) < .05);
+  CHECK(holes[0].extent > .2);
+  CHECK(holes[0].extent < .5);
+  REQUIRE_NOTHROW(close(t));
+  CHECK(enclosed(t) == doctest::Approx(4.18879).epsilon(.02));
+}
+
+TEST_CASE("nested shells are cavity and body by turns, whatever way they look") {
+  Soup all;
+  for (const double size : {4., 3., 2., 1.}) {
+    Soup next = box({-size / 2, -size / 2, -size / 2}, {size, size, size});
+    if (size == 3.)
+      for (Corners& c : next)
+        std::swap(c[0], c[1]);
+    all = all + next;
+  }
+  const auto bodies = separate_bodies(closed(all));
+  REQUIRE(bodies.size() == 2);
+  CHECK(enclosed(bodies[0]) == doctest::Approx(64 - 27));
+  CHECK(enclosed(bodies[1]) == doctest::Approx(8 - 1));
+  CHECK(bodies[0].shells == 2);
+}
+
+TEST_CASE("overlapping and touching boxes become their union, sharp edges and all") {
+  // 1 + 1 - overlap, faces not on the grid's planes, one pair rotated.
+  const Triangles cross_wise = closed(box({}, {1, 1, 1}) + box({.4, .3, .6}, {1, 1, 1}));
+  const double both = 2 - .6 * .7 * .4;
+  const Resurfaced made = united(cross_wise);
+  CHECK(made.volume == doctest::Approx(both).epsilon(.005));
+  CHECK(made.inverted == 0);
+  CHECK(std::abs(made.volume_change) < .005);
+  CHECK(separate_bodies(made.surface).size() == 1);
+  CHECK(enclosed(separate_bodies(made.surface)[0]) == doctest::Approx(both).epsilon(.003));
+  CHECK_FALSE(crossing(remeshed(made.surface, .1, .001)));
+  const Triangles face_to_face = closed(box({}, {1, 1, 1}) + box({1, .25, .3}, {.5, .5, .5}));
+  const auto joined = separate_bodies(united(face_to_face).surface);
+  REQUIRE(joined.size() == 1);
+  CHECK(enclosed(joined[0]) == doctest::Approx(1.125).epsilon(.003));
+  // A cavity stays one, and a body apart stays apart.
+  Soup inner = box({.3, .3, .3}, {.2, .2, .2});
+  for (Corners& c : inner)
+    std::swap(c[0], c[1]);
+  Triangles hollow = surface(box({}, {1, 1, 1}) + inner + box({3, 0, 0}, {1, 1, 1}));
+  weld(hollow);
+  find_shells(hollow);
+  for (std::size_t i = 0; i < hollow.triangles.size(); ++i)
+    if (hollow.shell[i] == 1)
+      std::swap(hollow.triangles[i][0], hollow.triangles[i][1]);
+  const auto apart = separate_bodies(united(hollow).surface);
+  REQUIRE(apart.size() == 2);
+  CHECK(enclosed(apart[0]) + enclosed(apart[1]) == doctest::Approx(2 - .008).epsilon(.003));
+}
+
+TEST_CASE("a rotated plate thinner than the grid's default step keeps its volume") {
+  Soup plates = box({0, 0, 0}, {1, 1, .02}) + box({.4, -.3, .01}, {.3, .9, .05});
+  for (Corners& c : plates)
+    for (Vector3& p : c)
+      p = {.8 * p.x - .6 * p.z, p.y, .6 * p.x + .8 * p.z};
+  const double both = .02 + .3 * .9 * .05 - .3 * .6 * .01;
+  const Resurfaced made = united(closed(plates));
+  CHECK(made.volume == doctest::Approx(both).epsilon(.01));
+  CHECK(enclosed(separate_bodies(made.surface)[0]) == doctest::Approx(both).epsilon(.015));
+}
+
+TEST_CASE("a wrap closes holes, unites boxes and holds a soup of triangles") {
+  Soup ball = sphere({}, 1, 40);
+  for (const Vector3& at : {Vector3{1, 0, 0}, Vector3{0, 1, 0}, Vector3{-.6, -.6, .5}})
+    std::erase_if(ball, [&](const Corners& c) { return length(c[0] - at) < .05; });
+  const double round = 4 * std::numbers::pi / 3;
+  const Resurfaced wrapped = shrink_wrapped(surface(ball), .25);
+  CHECK(wrapped.volume == doctest::Approx(round).epsilon(.01));
+  CHECK(separate_bodies(wrapped.surface).size() == 1);
+  // Too small a gap leaves the inside open: only the sheet itself could be wrapped.
+  CHECK_THROWS_AS(static_cast<void>(shrink_wrapped(surface(ball), .002)), Refusal);
+
+  const Soup boxes = box({}, {1, 1, 1}) + box({.4, .3, .6}, {1, 1, 1});
+  CHECK(shrink_wrapped(surface(boxes), .1).volume == doctest::Approx(2 - .168).epsilon(.01));
+
+  std::mt19937 random(7); // each triangle shifted, turned and enlarged: nothing fits to anything
+  std::uniform_real_distribution<double> noise(-.004, .004);
+  Soup soup = sphere({}, 1, 30);
+  for (Corners& c : soup) {
+    const Vector3 shift{noise(random), noise(random), noise(random)};
+    for (Vector3& p : c)
+      p += shift;
+    if (random() % 2)
+      std::swap(c[0], c[1]);
+  }
+  const Resurfaced skin = shrink_wrapped(surface(soup), .12);
+  CHECK(skin.volume == doctest::Approx(round).epsilon(.02));
+  Triangles again = skin.surface;
+  CHECK_NOTHROW(close(again));
+}
+
+TEST_CASE("ears of a concave polygon fill it once") {
+  const std::vector<Vector3> comb{{0, 0, 1}, {5, 0, 1}, {5, 3, 1}, {4, 3, 1}, {4, 1, 1},
+                                  {3, 1, 1}, {3, 3, 1}, {2, 3, 1}, {2, 1, 1}, {0, 1, 1}};
+  double area = 0;
+  for (const auto& [a, b, c] : cut_ears(comb)) {
+    const auto p = [&](int i) { return comb[static_cast<std::size_t>(i)]; };
+    const Vector3 n = cross(p(b) - p(a), p(c) - p(a));
+    CHECK(n.z >= 0);
+    area += n.z / 2;
+  }
+  CHECK(area == doctest::Approx(5 + 2 + 2));
+}
+
+TEST_CASE("STL text in any case, with marks and several solids, is read") {
+  const std::string facet =
+      "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 "
+      "0\n endloop\nendfacet\n";
+  std::string loud = "  SOLID left wheel\r\n";
+  for (const char c : facet)
+    loud += c == '\n' ? std::string("\r\n") : std::string(1, static_cast<char>(std::toupper(c)));
+  const Triangles t =
+      read_stl("a.stl", loud + "ENDSOLID left wheel\r\nsolid hub\n" + facet + "endsolid hub\n", 1);
+  CHECK(t.triangles.size() == 2);
+  REQUIRE(t.groups == std::vector<std::string>{"left wheel", "hub"});
+  CHECK(t.group == std::vector<int>{0, 1});
+  // Binary that begins like text, with bytes after its last triangle.
+  std::string binary = "solid facet" + std::string(73, ' ');
+  binary[80] = 1;
+  binary[81] = binary[82] = binary[83] = 0;
+  const std::array<float, 12> numbers{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+  binary.append(reinterpret_cast<const char*>(numbers.data()), 48);
+  binary.append(2, '\0');
+  CHECK(read_stl("b.stl", binary, 1).triangles.size() == 1);
+  CHECK(read_stl("b.stl", binary + "extra", 1).triangles.size() == 1);
+}
+
+TEST_CASE("OBJ indices, groups, concave faces and free form") {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0 # corner\nv 0 1 0\n";
+  const Triangles t = read_obj("a.obj", square + "o lid\nf -4/1/1 -3//2 \\\n -2 -1\nl 1 2\n", 2);
+  CHECK(t.triangles.size() == 2);
+  CHECK(t.groups == std::vector<std::string>{"lid"});
+  CHECK(t.points[2].x == 2);
+  const auto refused = [&](const std::string& text) {
+    try {
+      static_cast<void>(read_obj("a.obj", text, 1));
+    } catch (const Refusal& refusal) {
+      return std::string(refusal.what());
+    }
+    return std::string();
+  };
+  CHECK(refused(square + "surf 0 1 0 1 1 2 3 4\n").find("line 5") != std::string::npos);
+  CHECK(refused(square + "surf 0 1 0 1 1 2 3 4\n").find("surf") != std::string::npos);
+  CHECK(refused(square + "l 1 2 3\n").find("1 lines") != std::string::npos);
+  CHECK(refused(square + "f 1 2 9\n").find("vertex 9") != std::string::npos);
+}

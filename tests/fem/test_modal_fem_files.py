@@ -1,0 +1,173 @@
+"""Bodies from files as other programs write them, through modal_fem: what is repaired is said, what is
+refused names file, place and remedy."""
+import os
+import struct
+import subprocess
+
+import numpy as np
+import pytest
+
+MODAL_FEM = os.environ["MODAL_FEM"]
+
+
+def run(*words, folder, expect=0):
+    done = subprocess.run([MODAL_FEM, *map(str, words)], cwd=folder, capture_output=True, text=True, timeout=300)
+    assert done.returncode == expect, done.stdout + done.stderr
+    return done
+
+
+def refusal(*words, folder):
+    return run(*words, folder=folder, expect=1).stderr.strip().splitlines()[-1]
+
+
+def box(low=(0, 0, 0), size=(10, 10, 10)):
+    corners = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]) * np.array(size) + np.array(low)
+    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4),
+             (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5)]
+    return [[corners[i] for i in face] for face in faces]
+
+
+def write_stl(path, solids, head="solid", line="\n"):
+    with open(path, "w", newline="") as file:
+        for name, triangles in solids.items():
+            file.write(f"{head} {name}{line}")
+            for t in triangles:
+                file.write(f"facet normal 0 0 0{line}outer loop{line}")
+                for p in t:
+                    file.write("vertex " + " ".join(f"{x:.17g}" for x in p) + line)
+                file.write(f"endloop{line}endfacet{line}")
+            file.write(f"end{head.strip()} {name}{line}")
+
+
+def modes(name, *words, folder):
+    done = run(name, "--modes", 4, "--h", 4, "-o", "out.modal.npz", *words, folder=folder)
+    return np.load(folder / "out.modal.npz"), done.stdout + done.stderr
+
+
+def mass(*sizes):
+    return 2700e-9 * sum(np.prod(s) for s in sizes)
+
+
+def test_zeros_that_differ_by_rounding_close_a_surface(tmp_path):
+    """The corner of one triangle is 0, of the next -5.7e-17."""
+    cube = [[[x if x else (-5.7e-17 if i % 2 else 3e-16) for x in p] for p in t] for i, t in enumerate(box())]
+    write_stl(tmp_path / "cube.stl", {"cube": cube})
+    table, _ = modes("cube.stl", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((10, 10, 10)), rel=1e-6)
+
+
+def test_capitals_blanks_marks_and_line_ends_do_not_matter(tmp_path):
+    write_stl(tmp_path / "loud.stl", {"PART": box()}, head="  SOLID", line="\r\n")
+    text = (tmp_path / "loud.stl").read_text().upper()
+    (tmp_path / "loud.stl").write_bytes(b"\xef\xbb\xbf" + text.encode())
+    table, _ = modes("loud.stl", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((10, 10, 10)), rel=1e-6)
+
+
+def test_a_binary_file_may_begin_with_solid_and_end_with_more(tmp_path):
+    with open(tmp_path / "b.stl", "wb") as file:
+        file.write(b"solid facet".ljust(80) + struct.pack("<I", 12))
+        for t in box():
+            file.write(struct.pack("<12fH", 0, 0, 0, *np.ravel(t), 0))
+        file.write(b"and the rest")
+    table, _ = modes("b.stl", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((10, 10, 10)), rel=1e-6)
+
+
+def test_a_small_hole_is_closed_and_told_a_large_one_is_refused_with_the_remedy(tmp_path):
+    n = 12
+    grid = [[(i, j) for j in range(n)] for i in range(n)]
+    size = 36 / n
+    triangles = [t for t in box(size=(36, 36, 6)) if not all(p[2] == 6 for p in t)]
+    top = []
+    for i, j in (c for row in grid for c in row):
+        p = np.array([(i * size, j * size, 6), ((i + 1) * size, j * size, 6),
+                      ((i + 1) * size, (j + 1) * size, 6), (i * size, (j + 1) * size, 6)])
+        top.append(((i, j), [[p[0], p[1], p[2]], [p[0], p[2], p[3]]]))
+    small = triangles + [t for cell, pair in top if cell != (4, 7) for t in pair]
+    large = triangles + [t for (i, j), pair in top if not (2 < i < 9 and 2 < j < 9) for t in pair]
+    write_stl(tmp_path / "small.stl", {"lid": small})
+    table, said = modes("small.stl", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((36, 36, 6)), rel=1e-6)
+    assert "hole of 4 edges, 3 mm wide" in said and "(13.5, 22.5, 6) mm was closed" in said
+    write_stl(tmp_path / "large.stl", {"lid": large})
+    words = refusal("large.stl", folder=tmp_path)
+    assert words.startswith("modal_fem: large.stl: ") and "open at triangle" in words
+    assert "24 edges" in words and "(18, 18, 6) mm" in words and "--shrink-wrap" in words
+    table, said = modes("large.stl", "--shrink-wrap", 26, folder=tmp_path)
+    assert "wrapped" in said  # the ball of 26 mm dips into the opening of 18 mm
+    assert .85 * mass((36, 36, 6)) < table["mass"] < 1.02 * mass((36, 36, 6))
+
+
+def test_overlapping_boxes_are_one_body_of_their_union(tmp_path):
+    write_stl(tmp_path / "two.stl", {"a": box(size=(30, 10, 10)), "b": box((22.3, 3.1, 4.2), (20, 20, 4))})
+    table, said = modes("two.stl", folder=tmp_path)
+    assert "crosses itself" in said and "taken anew" in said
+    assert table["mass"] == pytest.approx(mass((30, 10, 10), (20, 20, 4)) - mass((7.7, 6.9, 4)), rel=.01)
+
+
+def test_touching_boxes_are_one_body_and_ring_as_such(tmp_path):
+    write_stl(tmp_path / "glued.stl", {"a": box(size=(30, 10, 10)), "b": box((30, 0, 0), (30, 10, 10))})
+    write_stl(tmp_path / "whole.stl", {"a": box(size=(60, 10, 10))})
+    glued, _ = modes("glued.stl", folder=tmp_path)
+    whole, _ = modes("whole.stl", folder=tmp_path)
+    assert glued["mass"] == pytest.approx(whole["mass"], rel=2e-3)
+    assert np.allclose(glued["freq"], whole["freq"], rtol=.01)
+
+
+def test_separate_solids_are_refused_by_name_and_taken_as_regions_by_multi(tmp_path):
+    write_stl(tmp_path / "set.stl", {"gong": box(size=(30, 30, 5)), "bar": box((50, 0, 0), (60, 8, 8))})
+    words = refusal("set.stl", folder=tmp_path)
+    assert "2 separate pieces" in words and "gong" in words and "bar" in words and "--multi" in words
+    assert "(80, 4, 4) mm" in words
+    table, _ = modes("set.stl", "--multi", "--material", "bar=steel", folder=tmp_path)
+    steel = 7850 / 2700
+    assert table["mass"] == pytest.approx(mass((30, 30, 5)) + steel * mass((60, 8, 8)), rel=1e-6)
+
+
+def test_a_body_in_the_cavity_of_another_is_a_body(tmp_path):
+    rattle = box((-20, -20, -20), (40, 40, 40)) + box((-15, -15, -15), (30, 30, 30)) + box((-5, -5, -5))
+    write_stl(tmp_path / "rattle.stl", {"rattle": rattle})
+    assert "2 separate pieces" in refusal("rattle.stl", folder=tmp_path)
+    table, _ = modes("rattle.stl", "--multi", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((40, 40, 40), (10, 10, 10)) - mass((30, 30, 30)), rel=1e-6)
+
+
+def test_concave_polygons_and_object_names_of_an_obj(tmp_path):
+    outline = [(0, 0), (30, 0), (30, 20), (20, 20), (20, 8), (10, 8), (10, 20), (0, 20)]  # a U
+    n = len(outline)
+    with open(tmp_path / "u.obj", "w") as file:
+        for z in (0, 6):
+            file.writelines(f"v {x} {y} {z}\n" for x, y in outline)
+        file.write("o fork\nf " + " ".join(str(n - i) for i in range(n)) + "\n")
+        file.write("f " + " ".join(str(i - n) for i in range(n)) + "\n")
+        for i in range(n):
+            j = (i + 1) % n
+            file.write(f"f {i + 1}/1 {j + 1}/2 {j + 1 + n}//3 {i + 1 + n}\n")
+    table, _ = modes("u.obj", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((30, 20, 6)) - mass((10, 12, 6)), rel=1e-6)
+
+
+def test_free_form_and_lines_are_refused_by_name(tmp_path):
+    (tmp_path / "lines.obj").write_text("v 0 0 0\nv 1 0 0\nl 1 2\n")
+    assert "1 lines" in refusal("lines.obj", folder=tmp_path)
+    (tmp_path / "form.obj").write_text("v 0 0 0\nv 1 0 0\ncstype bezier\nsurf 0 1 0 1 1 2\n")
+    assert "line 3" in refusal("form.obj", folder=tmp_path) and "cstype" in refusal("form.obj", folder=tmp_path)
+
+
+def test_a_scan_full_of_cracks_is_wrapped(tmp_path):
+    random = np.random.default_rng(3)
+    rings, triangles = 24, []
+    def at(i, j):
+        a, b = np.pi * i / rings, np.pi * j / rings
+        return 25 * np.array((np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)))
+    for i in range(rings):
+        for j in range(2 * rings):
+            for t in ([at(i, j), at(i + 1, j), at(i, j + 1)], [at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)]):
+                triangles.append([p + d for p, d in zip(t, [random.uniform(-.03, .03, 3)] * 3)])
+    write_stl(tmp_path / "scan.stl", {"scan": triangles})
+    assert "--shrink-wrap" in refusal("scan.stl", folder=tmp_path)
+    done = run("scan.stl", "--shrink-wrap", 4, "--h", 8, "--export-inp", "scan.inp", folder=tmp_path)
+    cubic_centimetres = float((done.stdout + done.stderr).split("volume ")[1].split()[0])
+    assert cubic_centimetres == pytest.approx(4 / 3 * np.pi * 2.5**3, rel=.03)
+    assert (tmp_path / "scan.inp").stat().st_size > 1e5
