@@ -214,9 +214,19 @@ std::string list_of(const vectorpair& volumes, const std::vector<int>& group, do
 /// Reads the file into gmsh: at least one solid, touching ones with common faces.
 void import_solids(const std::string& path, const LoadChoice& choice, double unit,
                    const std::function<void(const std::string&)>& say) {
-  vectorpair shapes;
-  gmsh::model::occ::importShapes(path, shapes, false, cad_format(path)); // never a script
-  gmsh::model::occ::synchronize();
+  const std::string kind = cad_format(path);
+  const auto read = [&] {
+    gmsh::clear();
+    vectorpair shapes;
+    if (!tried([&] {
+          gmsh::model::occ::importShapes(path, shapes, false, kind); // never a script
+          gmsh::model::occ::synchronize();
+        }) ||
+        (gmsh::model::getEntities(shapes), shapes.empty()))
+      throw Refusal(path + " cannot be read by the CAD kernel (Open CASCADE): is it damaged or of "
+                           "another format? save it again as STEP, or as STL");
+  };
+  read();
   const double largest = box_of(-1, -1).largest();
   if (volumes_of_model().empty()) {
     const std::string reason = without_solid(unit);
@@ -249,9 +259,7 @@ void import_solids(const std::string& path, const LoadChoice& choice, double uni
   if (volumes_of_model().size() > 1) {
     bool shared = fragment_solids(0);
     if (!shared || (pieces() > 1 && !choice.multi)) { // small gaps of the CAD system
-      gmsh::clear();
-      gmsh::model::occ::importShapes(path, shapes, false, cad_format(path)); // never a script
-      gmsh::model::occ::synchronize();
+      read();
       if (volumes_of_model().empty())
         sew(largest);
       const double fuzzy = 1e-4 * largest;
@@ -261,9 +269,7 @@ void import_solids(const std::string& path, const LoadChoice& choice, double uni
           say(format("gaps below %.2g mm between the parts were closed", 1e3 * unit * fuzzy));
         shared = true;
       } else {
-        gmsh::clear();
-        gmsh::model::occ::importShapes(path, shapes, false, cad_format(path)); // never a script
-        gmsh::model::occ::synchronize();
+        read();
         shared = fragment_solids(0);
       }
     }
@@ -317,7 +323,6 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
     Session session;
     const auto attempt = [&](const std::string& how, bool heal, double finer, int algorithm) {
       return session.run(path + " cannot be meshed" + how, [&] {
-        gmsh::clear();
         import_solids(path, choice, unit, say);
         if (heal) {
           vectorpair healed;
@@ -381,7 +386,8 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
       } catch (const Refusal& refusal) {
         const std::string what = refusal.what();
         if (choice.fillet > 0 || what.find("separate parts") != std::string::npos ||
-            what.find("no solid") != std::string::npos)
+            what.find("no solid") != std::string::npos ||
+            what.find("cannot be read") != std::string::npos)
           throw;
         if (reason.empty())
           reason = what;

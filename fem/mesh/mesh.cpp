@@ -2,6 +2,7 @@
 
 #include "fem/element/jacobian.hpp"
 #include "fem/element/quadrature.hpp"
+#include "fem/io/words.hpp"
 
 #include <algorithm>
 #include <array>
