@@ -10,8 +10,8 @@ namespace tactus::fem {
 struct LoadChoice {
   double unit = 0; ///< metres a unit of the file; 0: the file's own habit (mm; m for .inp and .msh)
   double h = 0;    ///< element size, m; 0: chosen from the body
-  double fillet = 0;  ///< radius that rounds a CAD body's concave edges, m; 0: they stay sharp
-  double coarser = 1; ///< multiplies h, for verification
+  double fillet = 0;      ///< radius that rounds a CAD body's concave edges, m; 0: they stay sharp
+  double coarser = 1;     ///< multiplies h, for verification
   double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
   bool multi = false; ///< several separate bodies may come

@@ -1,5 +1,5 @@
-#include "fem/io/gmsh_elements.hpp"
 #include "fem/mesh/gmsh_model.hpp"
+#include "fem/io/gmsh_elements.hpp"
 
 #include <algorithm>
 #include <gmsh.h>
