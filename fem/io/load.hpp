@@ -1,6 +1,7 @@
 #pragma once
 #include "fem/io/isolated.hpp"
 #include "fem/mesh/mesh.hpp"
+#include "fem/mesh/mesh_size.hpp"
 
 #include <functional>
 #include <string>
@@ -16,6 +17,9 @@ struct LoadChoice {
   bool grade_concave = true, curved = true, remesh = false;
   bool multi = false; ///< several separate bodies may come
   std::function<void(const std::string&)> say{};
+  /// Called before gmsh meshes, with what is coming; may refuse it. Runs in the child process: what
+  /// it changes in memory is lost.
+  std::function<void(const MeshSize&)> foretold{};
   std::function<void(const std::string& stage, double share)> report{};
   ChildLimits limits{}; ///< of the process that reads and meshes
 };

@@ -343,6 +343,12 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
         gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
         gmsh::option::setNumber("Mesh.Algorithm", algorithm);
+        const auto foretell = [&](double triangles) {
+          if (choice.foretold)
+            choice.foretold(foretell_tetrahedra(unit * unit * unit * solid, unit * unit * area,
+                                                unit * box_of(-1, -1).size(), unit * h, triangles));
+        };
+        foretell(0);
         set_sizes(h, {});
         std::vector<double> concave;
         if (choice.grade_concave || choice.fillet > 0) {
@@ -358,6 +364,7 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         }
         gmsh::model::mesh::generate(2);
         skin = skin_of_model(volumes_of_model(), unit);
+        foretell(static_cast<double>(skin.triangles.size()));
         gmsh::model::mesh::generate(3);
         Mesh mesh = make_quadratic(choice.curved, unit);
         check(mesh);

@@ -75,7 +75,14 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
   const double slivers = share_of_slivers(surface, 8);
   const bool fine = choice.h > 0 ? mean_edge < .6 * wanted : surface.triangles.size() > 9000;
   const bool renew = choice.remesh || slivers > .01 || fine || mean_edge > 1.6 * wanted;
+  const auto foretell = [&](double triangles) {
+    if (choice.foretold)
+      choice.foretold(foretell_tetrahedra(std::abs(solid), skin, bounding_box(surface.points).size(),
+                                          wanted, triangles));
+  };
+  foretell(renew ? 0 : static_cast<double>(surface.triangles.size()));
   const auto fill = [&](const Triangles& triangles) {
+    foretell(static_cast<double>(triangles.triangles.size()));
     Session session;
     return session.run("the surface cannot be filled", [&] {
       build_discrete(triangles);

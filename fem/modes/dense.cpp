@@ -3,6 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <cblas.h>
 
+#include <algorithm>
+#include <chrono>
+
 namespace tactus::fem {
 
 std::vector<double> transposed_product(std::span<const double> a, std::size_t p,
@@ -31,6 +34,20 @@ Eigenpairs symmetric_eigenpairs(std::span<const double> matrix, std::size_t size
   pairs.values.assign(solver.eigenvalues().data(), solver.eigenvalues().data() + n);
   pairs.vectors.assign(solver.eigenvectors().data(), solver.eigenvectors().data() + n * n);
   return pairs;
+}
+
+double dense_flops_per_second() {
+  constexpr std::size_t kSize = 512;
+  const std::vector<double> a(kSize * kSize, 1.0), b(kSize * kSize, 1.0);
+  std::vector<double> c(kSize * kSize, 0.0);
+  double best = 1e30; // the first product also wakes the library up
+  for (int i = 0; i < 3; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    add_product(1, a, kSize, b, kSize, c, kSize);
+    best = std::min(
+        best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  return 2.0 * kSize * kSize * kSize / best;
 }
 
 } // namespace tactus::fem

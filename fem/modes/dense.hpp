@@ -20,4 +20,8 @@ struct Eigenpairs {
 /// Of a small symmetric matrix, column-major.
 [[nodiscard]] Eigenpairs symmetric_eigenpairs(std::span<const double> matrix, std::size_t size);
 
+/// How fast this machine multiplies dense matrices now, in floating-point operations a second, from
+/// a product that takes some milliseconds: what estimates of time start from.
+[[nodiscard]] double dense_flops_per_second();
+
 } // namespace tactus::fem

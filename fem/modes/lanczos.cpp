@@ -203,6 +203,11 @@ Spectrum lowest_modes(const Matrices& matrices, ShiftedFactor& factor, double sh
   for (int blocks = 0; count > 0; ++blocks) {
     if (lanczos.next_width > 0)
       lanczos.step();
+    // Most pairs are found in the last few blocks: solves tell how far it is, pairs that it is
+    // done.
+    if (progress)
+      progress(std::min(.95, static_cast<double>(lanczos.solves) /
+                                 static_cast<double>(2 * count + 100)));
     const bool exhausted = lanczos.next_width == 0 || lanczos.width >= possible;
     const bool full = lanczos.width + lanczos.next_width > room;
     if (!(exhausted || full || (lanczos.width >= count + kBlock && blocks % 3 == 0)))

@@ -12,11 +12,13 @@ double estimated_frequency(const Mesh& mesh, std::span<const Material> materials
   double speed = 0;
   for (const Material& m : materials)
     speed = std::max(speed, m.bar_speed());
-  double surface = 0; // of all elements' faces: inner ones count twice and make the estimate low
-  const double size = bounding_box(mesh.nodes).largest();
-  const Vector3 box = bounding_box(mesh.nodes).size();
-  surface = 2 * (box.x * box.y + box.y * box.z + box.z * box.x);
-  const double thickness = 2 * volume(mesh) / surface;
+  return estimated_frequency(bounding_box(mesh.nodes).size(), volume(mesh), speed);
+}
+
+double estimated_frequency(const Vector3& box, double volume, double speed) {
+  const double size = std::max({box.x, box.y, box.z});
+  const double surface = 2 * (box.x * box.y + box.y * box.z + box.z * box.x);
+  const double thickness = 2 * volume / surface;
   return std::min(speed * thickness / (size * size), speed / (2 * size));
 }
 
@@ -33,14 +35,6 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   ShiftedFactor factor(matrices, shift);
   if (settings.predict)
     settings.predict(factor.cost());
-  const double vectors = 8.0 * static_cast<double>(matrices.dofs() * 5 * (settings.count + 24));
-  if (settings.memory_limit_bytes > 0 &&
-      factor.cost().memory_bytes + vectors > settings.memory_limit_bytes)
-    throw Refusal("the mesh needs " +
-                  std::to_string(static_cast<long>((factor.cost().memory_bytes + vectors) / 1e6)) +
-                  " MB, expected at most " +
-                  std::to_string(static_cast<long>(settings.memory_limit_bytes / 1e6)) +
-                  " MB: take a coarser mesh (--h)");
   report("factorising", 0);
   factor.factorise();
   report("finding modes", 0);

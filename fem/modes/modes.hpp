@@ -21,14 +21,15 @@ using Report = std::function<void(const std::string& stage, double share)>;
 
 struct ModeSettings {
   std::size_t count = 40;
-  double memory_limit_bytes = 0; ///< 0: none
   Report report{};
-  /// Called with the prediction before the factorisation starts.
+  /// Called with the prediction before the factorisation starts; refuses what is too large.
   std::function<void(const FactorCost&)> predict{};
 };
 
 /// An estimate of the lowest elastic frequency, from a bar's or plate's bending: c t / L^2.
 [[nodiscard]] double estimated_frequency(const Mesh&, std::span<const Material>);
+/// The same before there is a mesh: sides of the box in m, m^3, and the speed of sound in a bar.
+[[nodiscard]] double estimated_frequency(const Vector3& box, double volume, double bar_speed);
 
 [[nodiscard]] Modes find_modes(const Mesh&, std::span<const Material>, const Matrices&,
                                const ModeSettings&);

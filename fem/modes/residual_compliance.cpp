@@ -71,7 +71,7 @@ PushPatch push_patch(const Mesh& mesh, const Surface& skin, std::size_t vertex, 
 
 std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Material> materials,
                                        const Matrices& matrices, const Modes& modes,
-                                       std::size_t places) {
+                                       std::size_t places, const Progress& progress) {
   const Surface skin = surface_of(mesh);
   std::vector<Vector3> points;
   for (const int node : skin.node)
@@ -85,6 +85,8 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
     matrices.multiply_mass(rigid, heavy, rigid.size() / n);
   const double root = 2 * std::numbers::pi * .1 * modes.frequency_hz.front(), shift = root * root;
   ShiftedFactor factor(matrices, shift);
+  if (progress)
+    progress(0);
   factor.factorise();
 
   const Material& m = materials[0];
@@ -111,6 +113,8 @@ std::vector<float> residual_compliance(const Mesh& mesh, std::span<const Materia
       }
     }
     factor.solve(push, moved, columns);
+    if (progress)
+      progress(static_cast<double>(first + columns) / static_cast<double>(chosen.size()));
     for (std::size_t c = 0; c < columns; ++c) {
       double sum = 0;
       for (std::size_t i = 0; i < n; ++i)

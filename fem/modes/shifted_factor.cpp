@@ -128,6 +128,9 @@ void ShiftedFactor::factorise() {
     throw Refusal("the factor does not fit into memory: " +
                   std::to_string(static_cast<long>(cost_.memory_bytes / 1e6)) +
                   " MB are needed; take a coarser mesh");
+  own_->matrix.i = own_->matrix.x = nullptr; // solutions need the size alone
+  own_->row = {};
+  own_->value = {};
 }
 
 void ShiftedFactor::solve(std::span<const double> b, std::span<double> x, std::size_t columns) {

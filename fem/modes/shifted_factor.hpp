@@ -24,7 +24,7 @@ public:
   ShiftedFactor& operator=(const ShiftedFactor&) = delete;
 
   [[nodiscard]] const FactorCost& cost() const noexcept { return cost_; }
-  /// Refuses when memory runs out or the matrix is not positive definite.
+  /// Once. Refuses when memory runs out or the matrix is not positive definite.
   void factorise();
   /// x = (K + s M)^-1 b for `columns` contiguous vectors; `x` and `b` may be the same memory.
   void solve(std::span<const double> b, std::span<double> x, std::size_t columns);

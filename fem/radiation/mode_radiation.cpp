@@ -63,6 +63,11 @@ std::size_t useful_degree(std::span<const Complex> c, std::size_t highest) {
 
 ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSettings& settings) {
   const std::size_t count = modes.frequency_hz.size();
+  const auto stage = [&](const char* name) {
+    if (settings.report)
+      settings.report(name, 0);
+  };
+  stage("coarsening the skin");
   const std::vector<int> node = surface_of(mesh).node;
   const AcousticSkin fine = outer_skin(mesh);
   ModeRadiation out;
@@ -91,6 +96,7 @@ ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSetti
   for (const Vector3& x : used)
     out.reference_radius = std::max(out.reference_radius, length(x - out.centre));
 
+  stage("pairs of close acoustic elements");
   const FlowTransfer transfer(fine, coarse);
   const ExteriorField field(std::move(coarse));
 
@@ -105,6 +111,7 @@ ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSetti
   std::vector<std::vector<std::vector<Complex>>> found(count); // [mode][ratio]
   std::vector<std::size_t> degree(count, 0);
   const auto begin = std::chrono::steady_clock::now();
+  stage("radiation");
   std::size_t done = 0;
   for (std::size_t g = 0; g < groups; ++g) {
     const std::size_t from = first[g], columns = first[g + 1] - from, n = field.unknowns();
@@ -120,8 +127,7 @@ ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSetti
       const double reach = k * out.reference_radius;
       const auto highest = static_cast<std::size_t>(std::min(std::ceil(reach) + 14, 120.0));
       const auto mu = field.solve(k, flow, columns, settings.air_density, settings.sound_speed);
-      const auto c =
-          multipoles(field, k, mu, columns, highest, out.centre, out.reference_radius);
+      const auto c = multipoles(field, k, mu, columns, highest, out.centre, out.reference_radius);
       const std::size_t terms = (highest + 1) * (highest + 1);
       for (std::size_t i = 0; i < columns; ++i) {
         const std::span<const Complex> own(&c[i * terms], terms);

@@ -1,6 +1,7 @@
 #include "fem/shapes/section.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace tactus::fem {
@@ -16,11 +17,18 @@ void Section::add_mapped(std::span<const double> us, std::span<const double> vs,
     }
 }
 
-std::vector<double> divide(double a, double b, double h, int at_least, Ends concave,
-                           double smallest, double ratio) {
-  // Sizes from each concave end grow until they reach h; what remains is divided evenly.
+namespace {
+
+/// Sizes from each concave end that grow until they reach h; what remains is divided evenly.
+struct Graded {
   std::vector<double> from_low, from_high;
-  double left = b - a;
+  double left = 0, even = 0; ///< length and number of the even intervals
+};
+
+Graded grade(double a, double b, double h, int at_least, Ends concave, double smallest,
+             double ratio) {
+  Graded g;
+  g.left = b - a;
   const auto grow = [&](std::vector<double>& steps, double share) {
     double step = smallest, used = 0;
     while (step < h && used + step < share) {
@@ -28,59 +36,139 @@ std::vector<double> divide(double a, double b, double h, int at_least, Ends conc
       used += step;
       step *= ratio;
     }
-    left -= used;
+    g.left -= used;
   };
   const double share = .6 * (b - a) / (concave.low && concave.high ? 2 : 1);
   if (concave.low)
-    grow(from_low, share);
+    grow(g.from_low, share);
   if (concave.high)
-    grow(from_high, share);
-  const int even = std::max(static_cast<int>(std::ceil(left / h - 1e-9)),
-                            concave.low || concave.high ? 1 : at_least);
+    grow(g.from_high, share);
+  g.even =
+      std::max<double>(std::ceil(g.left / h - 1e-9), concave.low || concave.high ? 1 : at_least);
+  return g;
+}
+
+} // namespace
+
+double count_divisions(double a, double b, double h, int at_least, Ends concave, double smallest,
+                       double ratio) {
+  const Graded g = grade(a, b, h, at_least, concave, smallest, ratio);
+  return g.even + static_cast<double>(g.from_low.size() + g.from_high.size());
+}
+
+std::vector<double> divide(double a, double b, double h, int at_least, Ends concave,
+                           double smallest, double ratio) {
+  const Graded g = grade(a, b, h, at_least, concave, smallest, ratio);
+  const int even = static_cast<int>(g.even);
   std::vector<double> at{a};
-  for (const double step : from_low)
+  for (const double step : g.from_low)
     at.push_back(at.back() + step);
   const double begin = at.back();
   for (int i = 1; i <= even; ++i)
-    at.push_back(begin + left * i / even);
-  for (std::size_t i = from_high.size(); i-- > 0;)
-    at.push_back(at.back() + from_high[i]);
+    at.push_back(begin + g.left * i / even);
+  for (std::size_t i = g.from_high.size(); i-- > 0;)
+    at.push_back(at.back() + g.from_high[i]);
   at.back() = b;
   return at;
 }
 
-Section rectangles(const Rectangles& shape) {
-  const std::size_t columns = shape.r.size() - 1, rows = shape.z.size() - 1;
-  std::vector<bool> concave_r(shape.r.size()), concave_z(shape.z.size());
-  const auto solid = [&](std::size_t i, std::size_t j) {
-    return static_cast<bool>(shape.solid[i][j]);
-  };
-  for (std::size_t i = 1; i < columns && shape.grade; ++i)
-    for (std::size_t j = 1; j < rows; ++j)
-      if (solid(i - 1, j - 1) + solid(i, j - 1) + solid(i - 1, j) + solid(i, j) == 3)
-        concave_r[i] = concave_z[j] = true;
-  for (const std::size_t i : shape.singular_r)
-    concave_r[i] = shape.grade;
-  for (const std::size_t j : shape.singular_z)
-    concave_z[j] = shape.grade;
-  const auto cuts = [&](const std::vector<double>& breaks, const std::vector<bool>& concave,
-                        std::size_t i, int at_least) {
+namespace {
+
+/// The breaks that a section is graded into, and how each interval is cut.
+struct Cuts {
+  explicit Cuts(const Rectangles& s) : shape(s), concave_r(s.r.size()), concave_z(s.z.size()) {
+    for (std::size_t i = 1; i + 1 < s.r.size() && s.grade; ++i)
+      for (std::size_t j = 1; j + 1 < s.z.size(); ++j)
+        if (solid(i - 1, j - 1) + solid(i, j - 1) + solid(i - 1, j) + solid(i, j) == 3)
+          concave_r[i] = concave_z[j] = true;
+    for (const std::size_t i : s.singular_r)
+      concave_r[i] = s.grade;
+    for (const std::size_t j : s.singular_z)
+      concave_z[j] = s.grade;
+  }
+  /// Indices outside the grid are empty.
+  [[nodiscard]] bool solid(std::size_t i, std::size_t j) const {
+    return i < shape.r.size() - 1 && j < shape.z.size() - 1 && shape.solid[i][j];
+  }
+  template <class Divide>
+  auto along(const std::vector<double>& breaks, const std::vector<bool>& concave, std::size_t i,
+             int at_least, Divide&& cut) const {
     double smallest = shape.h;
     for (std::size_t k = 0; k + 1 < breaks.size(); ++k)
       smallest = std::min(smallest, breaks[k + 1] - breaks[k]);
-    return divide(breaks[i], breaks[i + 1], shape.h, at_least, {concave[i], concave[i + 1]},
-                  smallest / 27, 3);
-  };
+    return cut(breaks[i], breaks[i + 1], shape.h, at_least, Ends{concave[i], concave[i + 1]},
+               smallest / 27, 3);
+  }
+  template <class Divide> auto along_r(std::size_t i, Divide&& cut) const {
+    return along(shape.r, concave_r, i, 2, cut);
+  }
+  template <class Divide> auto along_z(std::size_t j, Divide&& cut) const {
+    return along(shape.z, concave_z, j, shape.least_z, cut);
+  }
+
+  const Rectangles& shape;
+  std::vector<bool> concave_r, concave_z;
+};
+
+} // namespace
+
+Section rectangles(const Rectangles& shape) {
+  const Cuts cuts(shape);
   Section section;
-  for (std::size_t i = 0; i < columns; ++i) {
-    const auto us = cuts(shape.r, concave_r, i, 2);
-    for (std::size_t j = 0; j < rows; ++j)
-      if (solid(i, j))
-        section.add_mapped(us, cuts(shape.z, concave_z, j, shape.least_z), [](double u, double v) {
+  for (std::size_t i = 0; i + 1 < shape.r.size(); ++i) {
+    const auto us = cuts.along_r(i, divide);
+    for (std::size_t j = 0; j + 1 < shape.z.size(); ++j)
+      if (cuts.solid(i, j))
+        section.add_mapped(us, cuts.along_z(j, divide), [](double u, double v) {
           return Meridian{u, v};
         });
   }
   return section;
+}
+
+SectionSize size_of(const Rectangles& shape) {
+  const Cuts cuts(shape);
+  const std::size_t columns = shape.r.size() - 1, rows = shape.z.size() - 1;
+  std::vector<double> across(columns), up(rows);
+  for (std::size_t i = 0; i < columns; ++i)
+    across[i] = cuts.along_r(i, count_divisions);
+  for (std::size_t j = 0; j < rows; ++j)
+    up[j] = cuts.along_z(j, count_divisions);
+  // Blocks are quads' interiors, breaks the lines between them; index -1 wraps and is empty.
+  SectionSize size;
+  const bool axis = shape.r[0] == 0;
+  for (std::size_t i = 0; i <= columns; ++i)
+    for (std::size_t j = 0; j <= rows; ++j) {
+      const int here = cuts.solid(i, j), left = cuts.solid(i - 1, j), below = cuts.solid(i, j - 1);
+      const int corner = cuts.solid(i - 1, j - 1);
+      const double n = i < columns ? across[i] : 0, m = j < rows ? up[j] : 0;
+      if (here) {
+        size.quads += n * m;
+        size.corners += (n - 1) * (m - 1);
+        size.sides += (n - 1) * m + n * (m - 1);
+      }
+      if (here || left) { // the vertical line at break i
+        size.corners += m - 1;
+        size.sides += m;
+        if (axis && i == 0) {
+          size.axis_quads += m;
+          size.axis_corners += m - 1;
+          size.axis_sides += m;
+        } else if (here != left) {
+          size.outer_sides += m;
+        }
+      }
+      if (here || below) {
+        size.corners += n - 1;
+        size.sides += n;
+        size.outer_sides += here != below ? n : 0;
+      }
+      if (here || left || below || corner) {
+        size.corners += 1;
+        size.axis_corners += axis && i == 0;
+      }
+    }
+  return size;
 }
 
 Section shell(const Shell& s) {
@@ -101,10 +189,48 @@ Section shell(const Shell& s) {
   return section;
 }
 
+SectionSize size_of_shell(double n, double m, Ends on_axis) {
+  SectionSize size{.quads = n * m,
+                   .corners = (n + 1) * (m + 1),
+                   .sides = n * (m + 1) + (n + 1) * m,
+                   .outer_sides = 2 * n + 2 * m};
+  for (const bool end : {on_axis.low, on_axis.high})
+    if (end) {
+      size.axis_quads += m;
+      size.axis_corners += m + 1;
+      size.axis_sides += m;
+      size.outer_sides -= m;
+    }
+  return size;
+}
+
+namespace {
+
+constexpr double kCore = .55; ///< the inner block's share of a ball's radius
+
+/// Intervals along half the inner block's side, and from there to the sphere.
+std::array<double, 2> ball_cells(double radius, double h) {
+  return {std::max(2.0, std::ceil(kCore * radius / h)),
+          std::max(2.0, std::ceil((radius - kCore * radius) / h))};
+}
+
+} // namespace
+
+SectionSize size_of_ball(double radius, double h) {
+  const auto [c, a] = ball_cells(radius, h);
+  return {.quads = 2 * c * c + 4 * a * c,
+          .corners = (c + 1) * (2 * c + 1) + a * (2 * c + 1) + 2 * a * c,
+          .sides = c * (2 * c + 1) + 2 * c * (c + 1) + a * (2 * c + 1) + 2 * a * c + 4 * a * c,
+          .outer_sides = 4 * c,
+          .axis_quads = 2 * c + 2 * a,
+          .axis_corners = 2 * c + 1 + 2 * a,
+          .axis_sides = 2 * c + 2 * a};
+}
+
 Section ball(double radius, double h) {
-  const double core = .55 * radius;
-  const int cells = std::max(2, static_cast<int>(std::ceil(core / h)));
-  const int around = std::max(2, static_cast<int>(std::ceil((radius - core) / h)));
+  const double core = kCore * radius;
+  const int cells = static_cast<int>(ball_cells(radius, h)[0]);
+  const int around = static_cast<int>(ball_cells(radius, h)[1]);
   const auto us = divide(0, 1, 1.0 / cells, cells), vs = divide(-1, 1, 1.0 / cells, 2 * cells);
   const auto ws = divide(0, 1, 1.0 / around, around);
   // The core bulges a little, so that its corners and sides meet the outer blocks at mild angles.

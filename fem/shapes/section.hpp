@@ -29,6 +29,9 @@ struct Ends {
 };
 [[nodiscard]] std::vector<double> divide(double a, double b, double h, int at_least,
                                          Ends concave = {}, double smallest = 0, double ratio = 2);
+/// How many intervals `divide` makes; allocates next to nothing, however small `h` is.
+[[nodiscard]] double count_divisions(double a, double b, double h, int at_least, Ends concave = {},
+                                     double smallest = 0, double ratio = 2);
 
 /// Rectangles between breaks in r and z where `solid(i, j)` is true. Lines through concave corners,
 /// where three of four neighbours are solid, are graded: there stress grows without bound and a
@@ -44,6 +47,14 @@ struct Rectangles {
 };
 [[nodiscard]] Section rectangles(const Rectangles&);
 
+/// What a section's mesh consists of; corners and sides on the axis count once when it turns.
+struct SectionSize {
+  double quads = 0, corners = 0, sides = 0;
+  double outer_sides = 0;                                  ///< on the body's skin
+  double axis_quads = 0, axis_corners = 0, axis_sides = 0; ///< of the above
+};
+[[nodiscard]] SectionSize size_of(const Rectangles&);
+
 /// A shell along a meridian curve: u from 0 to 1, thickness across the curve's normal.
 struct Shell {
   std::function<Meridian(double)> middle;
@@ -51,9 +62,12 @@ struct Shell {
   int along = 24, layers = 1;
 };
 [[nodiscard]] Section shell(const Shell&);
+/// Of `along` by `layers` quads; which of its ends lie on the axis.
+[[nodiscard]] SectionSize size_of_shell(double along, double layers, Ends on_axis);
 
 /// A solid ball's half section: a rectangle in the middle and three curved blocks around it.
 [[nodiscard]] Section ball(double radius, double h);
+[[nodiscard]] SectionSize size_of_ball(double radius, double h);
 
 /// Turns a section about the z axis: hex20 away from the axis, wedge15 along it. Nodes lie exactly
 /// on the body of revolution. Refuses a section that touches the axis with a corner alone.

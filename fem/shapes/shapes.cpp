@@ -23,15 +23,42 @@ double element_size(const MeshChoice& choice, double largest) {
   return choice.coarser * (choice.h > 0 ? choice.h : largest / 16);
 }
 
-int layers_of(const MeshChoice& choice, int standard) {
-  const int layers = choice.layers > 0 ? choice.layers : standard;
-  return std::max(1, static_cast<int>(std::lround(layers / choice.coarser)));
+double layers_of(const MeshChoice& choice, double standard) {
+  const double layers = choice.layers > 0 ? choice.layers : standard;
+  return std::max(1.0, std::round(layers / choice.coarser));
 }
 
 /// Sectors around the axis: sides about h long, a multiple of four so that meshes are mirror
 /// images.
-int sectors_for(double radius, double h) {
-  return std::max(16, 4 * static_cast<int>(std::ceil(2 * kPi * radius / h / 4 - 1e-9)));
+double sectors_for(double radius, double h) {
+  return std::max(16.0, 4 * std::ceil(2 * kPi * radius / h / 4 - 1e-9));
+}
+
+/// The size of a section's mesh turned about the axis. Node pairs by inclusion and exclusion: those
+/// of each element, less those of the faces that two share, plus edges, less corners.
+MeshSize turned(const SectionSize& s, double sectors, std::array<double, 2> section_cells) {
+  const double inner_sides = s.sides - s.outer_sides - s.axis_sides;
+  const double inner_corners = s.corners - s.outer_sides - s.axis_corners;
+  MeshSize size;
+  size.elements = sectors * s.quads;
+  size.nodes = sectors * (2 * (s.corners - s.axis_corners) + s.sides - s.axis_sides) +
+               s.axis_corners + s.axis_sides;
+  size.node_pairs = sectors * (210 * (s.quads - s.axis_quads) + 120 * s.axis_quads - 36 * s.quads -
+                               30 * inner_sides + 5 * inner_corners);
+  size.skin_triangles = 6 * sectors * s.outer_sides;
+  size.cells = {sectors, section_cells[0], section_cells[1]};
+  size.nodes_made = 20 * size.elements;
+  return size;
+}
+
+ShapePlan planned(const MeshSize& size, std::function<Mesh()> make) {
+  return {size, [nodes = size.nodes, make = std::move(make)] {
+            if (!(nodes < 1e8)) // twenty an element are made before they are merged
+              throw Refusal(format("the mesh would have %.3g nodes, expected at most 1e8: take a "
+                                   "larger --h",
+                                   nodes));
+            return make();
+          }};
 }
 
 void need(bool good, const std::string& shape, const std::string& expected) {
@@ -39,33 +66,62 @@ void need(bool good, const std::string& shape, const std::string& expected) {
     throw Refusal(shape + ": expected " + expected);
 }
 
-Mesh solid_of_revolution(Rectangles shape, const MeshChoice& choice, double largest) {
+ShapePlan solid_of_revolution(Rectangles shape, const MeshChoice& choice, double largest) {
   shape.h = element_size(choice, largest);
   shape.grade = choice.grade_concave;
-  shape.least_z = layers_of(choice, 3);
-  return revolve(rectangles(shape), sectors_for(shape.r.back(), shape.h));
+  shape.least_z = static_cast<int>(layers_of(choice, 3));
+  const double sectors = sectors_for(shape.r.back(), shape.h);
+  const SectionSize section = size_of(shape);
+  const double up = std::max(1.0, section.quads * (shape.z.back() - shape.z.front()));
+  const double across = std::max(1.0, section.quads * (shape.r.back() - shape.r.front()));
+  MeshSize size =
+      turned(section, sectors,
+             {std::sqrt(section.quads * across / up), std::sqrt(section.quads * up / across)});
+  for (std::size_t i = 0; i + 1 < shape.r.size(); ++i)
+    for (std::size_t j = 0; j + 1 < shape.z.size(); ++j)
+      if (shape.solid[i][j])
+        size.volume += kPi * (shape.r[i + 1] * shape.r[i + 1] - shape.r[i] * shape.r[i]) *
+                       (shape.z[j + 1] - shape.z[j]);
+  const double wide = 2 * shape.r.back();
+  size.box = {wide, wide, shape.z.back() - shape.z.front()};
+  return planned(size, [shape = std::move(shape), sectors] {
+    return revolve(rectangles(shape), static_cast<int>(sectors));
+  });
 }
 
-Mesh shell_of_revolution(Shell s, const MeshChoice& choice, double largest) {
+ShapePlan shell_of_revolution(Shell s, const MeshChoice& choice, double largest) {
   // The swept layer follows the curve; its thickness needs one quadratic element where it is thin,
   // but thin elements bend too stiffly unless they are short: twice as fine as solids.
   const double h = choice.coarser * (choice.h > 0 ? choice.h : largest / 28);
-  double arc = 0, radius = 0, thickest = 0;
+  double arc = 0, radius = 0, thickest = 0, solid = 0, low = s.middle(0).z, high = low;
   constexpr int kSamples = 400;
   for (int i = 0; i < kSamples; ++i) {
     const Meridian a = s.middle(double(i) / kSamples), b = s.middle(double(i + 1) / kSamples);
-    arc += std::hypot(b.r - a.r, b.z - a.z);
+    const double step = std::hypot(b.r - a.r, b.z - a.z);
+    arc += step;
     radius = std::max(radius, b.r);
+    low = std::min(low, b.z);
+    high = std::max(high, b.z);
     thickest = std::max(thickest, s.thickness(double(i) / kSamples));
+    solid += kPi * (a.r + b.r) * step * s.thickness((i + .5) / kSamples);
   }
-  s.along = std::max(8, static_cast<int>(std::ceil(arc / h)));
-  s.layers =
-      layers_of(choice, std::max(thickest < .05 * largest ? 1 : 2,
-                                 static_cast<int>(std::ceil(thickest * choice.coarser / h))));
-  return revolve(shell(s), sectors_for(radius, h));
+  const double along = std::max(8.0, std::ceil(arc / h));
+  const double through = std::ceil(thickest * choice.coarser / h);
+  const double standard = std::max(thickest < .05 * largest ? 1.0 : 2.0, through);
+  const double layers = layers_of(choice, standard);
+  const double sectors = sectors_for(radius, h);
+  MeshSize size = turned(size_of_shell(along, layers, {s.middle(0).r == 0, s.middle(1).r == 0}),
+                         sectors, {along, layers});
+  size.volume = solid;
+  size.box = {2 * radius + thickest, 2 * radius + thickest, high - low + thickest};
+  return planned(size, [s = std::move(s), along, layers, sectors]() mutable {
+    s.along = static_cast<int>(along);
+    s.layers = static_cast<int>(layers);
+    return revolve(shell(s), static_cast<int>(sectors));
+  });
 }
 
-Mesh disk(const Dimensions& d, const MeshChoice& choice) {
+ShapePlan disk(const Dimensions& d, const MeshChoice& choice) {
   const double r = d.at("diameter") / 2, t = d.at("thickness");
   const double patch = d.at("patch_diameter") / 2;
   Rectangles shape{.r = {0, r}, .z = {-t / 2, t / 2}, .solid = {{true}}};
@@ -79,7 +135,7 @@ Mesh disk(const Dimensions& d, const MeshChoice& choice) {
   return solid_of_revolution(shape, choice, std::max(2 * r, t));
 }
 
-Mesh hollow_disk(const Dimensions& d, const MeshChoice& choice) {
+ShapePlan hollow_disk(const Dimensions& d, const MeshChoice& choice) {
   const double r = d.at("diameter") / 2, t = d.at("thickness");
   const double c = d.at("cavity_diameter") / 2, g = d.at("cavity_thickness");
   need(c < r && g < t, "hollow_disk", "a cavity smaller than the disk");
@@ -92,37 +148,80 @@ Mesh hollow_disk(const Dimensions& d, const MeshChoice& choice) {
   return solid_of_revolution(shape, graded, std::max(2 * r, t));
 }
 
-Mesh tube_like(const char* who, double outer, double inner, double tall, const MeshChoice& choice) {
+ShapePlan tube_like(const char* who, double outer, double inner, double tall,
+                    const MeshChoice& choice) {
   need(inner < outer, who, "an inner diameter below the outer one");
   return solid_of_revolution({.r = {inner, outer}, .z = {-tall / 2, tall / 2}, .solid = {{true}}},
                              choice, std::max(2 * outer, tall));
 }
 
-Mesh box(double x, double y, double z, const MeshChoice& choice) {
+ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   const double h = element_size(choice, std::max({x, y, z})), thinnest = std::min({x, y, z});
-  const auto cut = [&](double size) {
+  const auto least = [&](double size) {
     // Twisting bends a section's width: two elements would be a hundredth too stiff.
     const int across = choice.h > 0 ? 2 : std::max(2, static_cast<int>(4 / choice.coarser));
-    const int least = size > thinnest ? across : layers_of(choice, 3);
-    return divide(-size / 2, size / 2, h, least);
+    return size > thinnest ? across : static_cast<int>(layers_of(choice, 3));
   };
-  return block(cut(x), cut(y), cut(z));
+  const auto count = [&](double side) {
+    return count_divisions(-side / 2, side / 2, h, least(side));
+  };
+  const double nx = count(x), ny = count(y), nz = count(z);
+  MeshSize size;
+  size.elements = nx * ny * nz;
+  const double corners = (nx + 1) * (ny + 1) * (nz + 1);
+  const double edges =
+      nx * (ny + 1) * (nz + 1) + (nx + 1) * ny * (nz + 1) + (nx + 1) * (ny + 1) * nz;
+  size.nodes = corners + edges;
+  // Shared faces, edges and corners lie inside the box.
+  const double faces = (nx - 1) * ny * nz + nx * (ny - 1) * nz + nx * ny * (nz - 1);
+  const double lines =
+      nx * (ny - 1) * (nz - 1) + (nx - 1) * ny * (nz - 1) + (nx - 1) * (ny - 1) * nz;
+  size.node_pairs = 210 * size.elements - 36 * faces + 6 * lines - (nx - 1) * (ny - 1) * (nz - 1);
+  size.skin_triangles = 12 * (nx * ny + ny * nz + nz * nx);
+  size.cells = {nx, ny, nz};
+  size.nodes_made = 2 * size.nodes; // the lattice's numbers
+  size.volume = x * y * z;
+  size.box = {x, y, z};
+  return planned(size, [=, least_x = least(x), least_y = least(y), least_z = least(z)] {
+    const auto cut = [h](double side, int at_least) {
+      return divide(-side / 2, side / 2, h, at_least);
+    };
+    return block(cut(x, least_x), cut(y, least_y), cut(z, least_z));
+  });
 }
 
-Mesh bar(const Dimensions& d, const MeshChoice& choice) {
+ShapePlan bar(const Dimensions& d, const MeshChoice& choice) {
   const double l = d.at("length");
   if (d.at("diameter") > 0) {
     const double r = d.at("diameter") / 2;
-    Mesh mesh = solid_of_revolution({.r = {0, r}, .z = {-l / 2, l / 2}, .solid = {{true}}}, choice,
-                                    std::max(2 * r, l));
-    for (Vector3& p : mesh.nodes) // along x
-      p = {p.z, p.x, p.y};
-    return mesh;
+    ShapePlan plan = solid_of_revolution({.r = {0, r}, .z = {-l / 2, l / 2}, .solid = {{true}}},
+                                         choice, std::max(2 * r, l));
+    plan.size.box = {l, 2 * r, 2 * r};
+    plan.make = [upright = std::move(plan.make)] {
+      Mesh mesh = upright();
+      for (Vector3& p : mesh.nodes) // along x
+        p = {p.z, p.x, p.y};
+      return mesh;
+    };
+    return plan;
   }
   return box(l, d.at("width"), d.at("thickness"), choice);
 }
 
-Mesh hollow_sphere(const Dimensions& d, const MeshChoice& choice) {
+ShapePlan sphere(const Dimensions& d, const MeshChoice& choice) {
+  const double diameter = d.at("diameter"), h = element_size(choice, diameter);
+  const double sectors = sectors_for(diameter / 2, h);
+  const SectionSize section = size_of_ball(diameter / 2, h);
+  MeshSize size =
+      turned(section, sectors, {std::sqrt(section.quads / 2), std::sqrt(2 * section.quads)});
+  size.volume = kPi * diameter * diameter * diameter / 6;
+  size.box = {diameter, diameter, diameter};
+  return planned(size, [diameter, h, sectors] {
+    return revolve(ball(diameter / 2, h), static_cast<int>(sectors));
+  });
+}
+
+ShapePlan hollow_sphere(const Dimensions& d, const MeshChoice& choice) {
   const double r = d.at("diameter") / 2, t = d.at("thickness");
   need(t < r, "hollow_sphere", "a thickness below the radius");
   const double m = r - t / 2;
@@ -135,7 +234,7 @@ Mesh hollow_sphere(const Dimensions& d, const MeshChoice& choice) {
       choice, 2 * r);
 }
 
-Mesh bowl(const Dimensions& d, const MeshChoice& choice) {
+ShapePlan bowl(const Dimensions& d, const MeshChoice& choice) {
   const double r = d.at("diameter") / 2, t = d.at("thickness"), angle = d.at("angle") * kPi / 180;
   need(t < r && angle > 0 && angle < kPi, "bowl", "a thickness below the radius, 0 < angle < 180");
   const double m = r - t / 2;
@@ -148,7 +247,7 @@ Mesh bowl(const Dimensions& d, const MeshChoice& choice) {
       choice, 2 * r);
 }
 
-Mesh bell(const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
+ShapePlan bell(const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
   const Spline curve(profile);
   double largest = 0, low = profile[0].z, high = low;
   for (const ProfilePoint& p : profile) {
@@ -156,14 +255,13 @@ Mesh bell(const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
     low = std::min(low, p.z);
     high = std::max(high, p.z);
   }
-  return shell_of_revolution(
-      {.middle =
-           [&](double u) {
-             const ProfilePoint p = curve.at(u);
-             return Meridian{u == 0 && profile[0].r == 0 ? 0 : std::max(p.r, 0.0), p.z};
-           },
-       .thickness = [&](double u) { return curve.at(u).thickness; }},
-      choice, std::max(largest, high - low));
+  return shell_of_revolution({.middle =
+                                  [curve, closed = profile[0].r == 0](double u) {
+                                    const ProfilePoint p = curve.at(u);
+                                    return Meridian{u == 0 && closed ? 0 : std::max(p.r, 0.0), p.z};
+                                  },
+                              .thickness = [curve](double u) { return curve.at(u).thickness; }},
+                             choice, std::max(largest, high - low));
 }
 
 } // namespace
@@ -213,8 +311,8 @@ const std::vector<ShapeEntry>& known_shapes() {
   return shapes;
 }
 
-Mesh make_shape(const std::string& name, const Dimensions& given,
-                const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
+ShapePlan plan_shape(const std::string& name, const Dimensions& given,
+                     const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
   const auto& shapes = known_shapes();
   const auto entry = std::find_if(shapes.begin(), shapes.end(),
                                   [&](const ShapeEntry& s) { return s.name == name; });
@@ -245,8 +343,7 @@ Mesh make_shape(const std::string& name, const Dimensions& given,
   if (name == "tube")
     return tube_like("tube", d["outer_diameter"] / 2, d["inner_diameter"] / 2, d["length"], choice);
   if (name == "sphere")
-    return revolve(ball(d["diameter"] / 2, element_size(choice, d["diameter"])),
-                   sectors_for(d["diameter"] / 2, element_size(choice, d["diameter"])));
+    return sphere(d, choice);
   if (name == "hollow_sphere")
     return hollow_sphere(d, choice);
   if (name == "bowl")
@@ -262,6 +359,11 @@ Mesh make_shape(const std::string& name, const Dimensions& given,
     return bar(d, choice);
   }
   return box(d["length"], d["width"], d["thickness"], choice);
+}
+
+Mesh make_shape(const std::string& name, const Dimensions& given,
+                const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
+  return plan_shape(name, given, profile, choice).make();
 }
 
 std::vector<ProfilePoint> read_profile(const std::string& path, double unit) {

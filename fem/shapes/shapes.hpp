@@ -1,6 +1,8 @@
 #pragma once
 #include "fem/mesh/mesh.hpp"
+#include "fem/mesh/mesh_size.hpp"
 
+#include <functional>
 #include <map>
 #include <string>
 
@@ -38,9 +40,21 @@ struct ProfilePoint {
 };
 [[nodiscard]] std::vector<ProfilePoint> read_profile(const std::string& path, double unit);
 
+/// A shape's mesh before it is made: its size, and how to make it.
+struct ShapePlan {
+  MeshSize size;
+  std::function<Mesh()> make;
+};
+
 /// The swept mesh (hex20, wedge15) of a named shape; dimensions in metres (angles in degrees).
 /// Bodies of revolution have their axis along z and their middle at the origin, plates lie in x y,
-/// bars along x. Refuses impossible dimensions.
+/// bars along x. Refuses impossible dimensions. Elements and nodes are counted exactly, in next to
+/// no time and memory whatever the element size.
+[[nodiscard]] ShapePlan plan_shape(const std::string& name,
+                                   const std::map<std::string, double>& dimensions,
+                                   const std::vector<ProfilePoint>& profile, const MeshChoice&);
+
+/// The planned mesh, made. Refuses more nodes than an int can number.
 [[nodiscard]] Mesh make_shape(const std::string& name,
                               const std::map<std::string, double>& dimensions,
                               const std::vector<ProfilePoint>& profile, const MeshChoice&);

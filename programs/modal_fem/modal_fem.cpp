@@ -38,8 +38,8 @@ void print(const ModalTable& table) {
     std::printf("%4zu  %12.3f  %4d  %6.3g", k + 1, modes.frequency_hz[k], modes.multiplicity[k],
                 decay_time(modes.frequency_hz[k], table.loss[k]));
     if (!sound.empty()) {
-      const double loss = table.loss[k] + sound.decay_rate[k] / (std::numbers::pi *
-                                                                 modes.frequency_hz[k]);
+      const double loss =
+          table.loss[k] + sound.decay_rate[k] / (std::numbers::pi * modes.frequency_hz[k]);
       std::printf("   %10.3g  %10.3g  %6d  ", decay_time(modes.frequency_hz[k], loss),
                   sound.efficiency[k], sound.highest_degree[k]);
     }
@@ -78,9 +78,11 @@ int run(const std::vector<std::string>& words) {
   const Order order = read_order(words);
   if (!order.sheet.empty() && order.output.empty())
     throw Refusal("--sheet draws the table: it needs -o NAME.modal.npz too");
-  Solved body = solve(order);
+  ProgressLine progress(order.quiet);
+  Solved body = solve(order, progress);
   if (!body.solved)
     return 0; // only exported
+  progress.stage("damping and the table", 0);
   TableNotes notes;
   notes.body_name = std::filesystem::path(order.body).stem().string();
   notes.support = body.support_words;
@@ -101,14 +103,24 @@ int run(const std::vector<std::string>& words) {
       body.radiation,
       body.residual};
   print(table);
-  if (!order.output.empty())
+  std::fflush(stdout);
+  const auto begin = [&](const std::string& path) { progress.stage("writing " + path, 0); };
+  if (!order.output.empty()) {
+    begin(order.output);
     write_table(order.output, table);
-  if (!order.csv.empty())
+  }
+  if (!order.csv.empty()) {
+    begin(order.csv);
     write_csv(order.csv, table);
-  if (!order.vtu.empty())
+  }
+  if (!order.vtu.empty()) {
+    begin(order.vtu);
     write_vtu(order.vtu, body.mesh, body.modes, 20);
-  if (!order.sheet.empty())
+  }
+  if (!order.sheet.empty()) {
+    begin(order.sheet);
     draw_sheet(order.output, order.sheet);
+  }
   return 0;
 }
 

@@ -1,6 +1,7 @@
 #include "programs/modal_fem/order.hpp"
 
 #include "fem/io/words.hpp"
+#include "programs/modal_fem/budget.hpp"
 
 #include <algorithm>
 
@@ -141,6 +142,8 @@ Order read_order(const std::vector<std::string>& words) {
       order.places.push_back(read_place(option, value(), order.unit));
     } else if (option == "--profile") {
       order.profile = value();
+    } else if (option == "--memory") {
+      order.memory_bytes = read_memory(option, value());
     } else if (option == "--threads") {
       order.threads = static_cast<int>(number(option, value(), 1, 256));
     } else if (option == "--time-limit") {
@@ -231,6 +234,7 @@ Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
               --time-limit SECONDS (1200)  stop reading and meshing a file after so long
                                        without progress
 Modes         --modes N (40)  --threads N (1)  --verify  (each mode's error from coarser meshes)
+              --memory SIZE  refuse work that takes more, such as 800M or 4G (half of what is free)
               --residual  also how far the skin yields beyond these modes, for contacts
 Sound         --radiation body         outgoing waves of each mode (boundary elements) and the
                                        damping that sound takes from it

@@ -36,9 +36,10 @@ struct Order {
   bool verify = false, several_parts = false, quiet = false, straight = false, remesh = false;
   int threads = 1;
   double time_limit_s = 1200; ///< without progress, for reading and meshing a file
-  double fillet = 0;     ///< m
-  double shrink_wrap = 0; ///< m; below 0: the gap is chosen; 0: no wrap
-  bool residual = false; ///< also what the modes left out would yield
+  double memory_bytes = 0;    ///< 0: half of what is free
+  double fillet = 0;          ///< m
+  double shrink_wrap = 0;     ///< m; below 0: the gap is chosen; 0: no wrap
+  bool residual = false;      ///< also what the modes left out would yield
   bool radiation = false;
   std::size_t acoustic_triangles = 2000;
   std::vector<double> ratios{1}; ///< of frequency, at which radiation is tabulated

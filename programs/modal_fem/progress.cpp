@@ -1,26 +1,105 @@
 #include "programs/modal_fem/progress.hpp"
 
+#include "fem/io/words.hpp"
+#include "programs/modal_fem/budget.hpp"
+
+#include <algorithm>
 #include <cstdio>
+#include <unistd.h>
 
 namespace tactus::fem {
+namespace {
 
-void ProgressLine::stage(const std::string& name, double share) {
-  const int tenth = static_cast<int>(10 * share + 1e-9);
-  if (quiet_ || (name == last_ && tenth <= tenth_))
+constexpr std::chrono::milliseconds kRewrite{500}, kLog{4500};
+
+} // namespace
+
+ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {
+  if (!quiet_)
+    watcher_ = std::thread([this] { watch(); });
+}
+
+ProgressLine::~ProgressLine() {
+  if (!watcher_.joinable())
     return;
-  last_ = name;
-  tenth_ = tenth;
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  std::fprintf(stderr, "%7.1f s  %s", seconds, name.c_str());
-  if (tenth > 0)
-    std::fprintf(stderr, " %d %%", 10 * tenth);
-  std::fputc('\n', stderr);
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+    if (rewriting_)
+      std::fputc('\n', stderr);
+  }
+  change_.notify_one();
+  watcher_.join();
+}
+
+double ProgressLine::seconds_since(Clock::time_point then) {
+  return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+void ProgressLine::watch() {
+  std::unique_lock lock(mutex_);
+  while (!stop_) {
+    change_.wait_for(lock, kRewrite);
+    if (!stop_ && !name_.empty() && Clock::now() - printed_ >= (terminal_ ? kRewrite : kLog))
+      print(false);
+  }
+}
+
+std::string ProgressLine::line() const {
+  const double spent = seconds_since(begun_);
+  std::string text = format("%7.1f s  ", seconds_since(start_)) + name_;
+  if (share_ > 0)
+    text += format(" %.0f %%", 100 * share_);
+  if (share_ >= 1 || spent < 1)
+    return text;
+  // The rate so far, once a fiftieth is done; before that what was foretold.
+  const bool measured = share_ > .02;
+  const double left = measured ? spent * (1 - share_) / share_ : foretold_s_ - spent;
+  if (left > 0)
+    text += ", about " + words_of_seconds(left) + " left";
+  else if (foretold_s_ > 0)
+    text += ", for " + words_of_seconds(spent) + " so far, " + words_of_seconds(foretold_s_) +
+            " were expected";
+  else
+    text += ", for " + words_of_seconds(spent) + " so far";
+  return text;
+}
+
+void ProgressLine::print(bool ended) {
+  printed_ = Clock::now();
+  std::fprintf(stderr, "%s%s%s", terminal_ ? "\r" : "", line().c_str(), terminal_ ? "\033[K" : "");
+  rewriting_ = terminal_ && !ended;
+  if (!rewriting_)
+    std::fputc('\n', stderr);
+  std::fflush(stderr);
+}
+
+void ProgressLine::stage(const std::string& name, double share, double foretold_s) {
+  if (quiet_)
+    return;
+  const std::lock_guard lock(mutex_);
+  const bool fresh = name != name_;
+  const bool ended = share >= 1 && (share_ < 1 || fresh);
+  if (fresh) {
+    if (rewriting_)
+      std::fputc('\n', stderr);
+    rewriting_ = false;
+    name_ = name;
+    begun_ = Clock::now();
+    share_ = foretold_s_ = 0;
+  }
+  share_ = std::clamp(std::max(share, share_), 0.0, 1.0);
+  foretold_s_ = std::max(foretold_s, foretold_s_);
+  if (fresh || ended)
+    print(ended);
 }
 
 void ProgressLine::say(const std::string& sentence) {
-  if (!quiet_)
-    std::fprintf(stderr, "           %s\n", sentence.c_str());
+  if (quiet_)
+    return;
+  const std::lock_guard lock(mutex_);
+  std::fprintf(stderr, "%s           %s\n", rewriting_ ? "\r\033[K" : "", sentence.c_str());
+  rewriting_ = false;
 }
 
 } // namespace tactus::fem

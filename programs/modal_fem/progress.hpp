@@ -1,21 +1,46 @@
 #pragma once
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <string>
+#include <thread>
 
 namespace tactus::fem {
 
-/// Lines on stderr: a stage, its share in tenths, seconds since the start.
+/// What the program is doing, on stderr: a line a stage with the share done and the time left, by
+/// the rate so far or, where a stage cannot tell its share, by what was foretold. A terminal's line
+/// is rewritten twice a second; a log gets a line when a stage begins and ends and one every 5 s in
+/// between. Stages may be told from any thread; a stage that says nothing is spoken for by a
+/// thread of this object.
 class ProgressLine {
 public:
-  explicit ProgressLine(bool quiet) : quiet_(quiet) {}
-  void stage(const std::string& name, double share);
+  explicit ProgressLine(bool quiet);
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// A stage begins (another name) or goes on; share 0 to 1, 1 ends it. `foretold_s`: how long the
+  /// whole stage should take, 0: unknown.
+  void stage(const std::string& name, double share, double foretold_s = 0);
   void say(const std::string& sentence);
 
 private:
-  bool quiet_;
-  std::string last_;
-  int tenth_ = -1;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  using Clock = std::chrono::steady_clock;
+  void watch();
+  void print(bool ended);
+  [[nodiscard]] std::string line() const;
+  [[nodiscard]] static double seconds_since(Clock::time_point);
+
+  bool quiet_, terminal_;
+  std::mutex mutex_;
+  std::condition_variable change_;
+  bool stop_ = false;
+  std::string name_;
+  double share_ = 0, foretold_s_ = 0;
+  bool rewriting_ = false; ///< a terminal's line that the next one replaces
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point begun_ = start_, printed_ = start_;
+  std::thread watcher_;
 };
 
 } // namespace tactus::fem

@@ -5,34 +5,32 @@
 #include "fem/io/words.hpp"
 #include "fem/mesh/surface.hpp"
 #include "fem/modes/residual_compliance.hpp"
-#include "programs/modal_fem/progress.hpp"
+#include "programs/modal_fem/forecast.hpp"
+#include "programs/modal_fem/outputs.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <unistd.h>
+#include <fstream>
 
 namespace tactus::fem {
 namespace {
 
-double free_memory() {
-  double kilobytes = 0;
-  if (std::FILE* file = std::fopen("/proc/meminfo", "r")) {
-    char line[128];
-    while (std::fgets(line, sizeof line, file))
-      if (std::sscanf(line, "MemAvailable: %lf", &kilobytes) == 1)
-        break;
-    std::fclose(file);
-  }
-  return 1024 * kilobytes;
-}
-
-Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress) {
+Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress, Forecast& forecast) {
   MeshChoice choice = order.choice;
+  choice.coarser = coarser;
   if (!order.is_file) {
     const auto profile = order.profile.empty() ? std::vector<ProfilePoint>{}
                                                : read_profile(order.profile, order.unit);
-    choice.coarser = coarser;
-    return make_shape(order.body, order.dimensions, profile, choice);
+    const auto plan_for = [&](const MeshChoice& c) {
+      return plan_shape(order.body, order.dimensions, profile, c);
+    };
+    const ShapePlan plan = plan_for(choice);
+    forecast.mesh(plan.size, [&](double h) {
+      MeshChoice other = choice;
+      other.h = h;
+      return plan_for(other).size;
+    });
+    progress.stage("meshing", 0, forecast.meshing_seconds());
+    return plan.make();
   }
   LoadChoice load{.unit = order.unit_given ? order.unit : 0,
                   .h = choice.h,
@@ -46,6 +44,10 @@ Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress) {
   load.say = [&](const std::string& sentence) { progress.say(sentence); };
   load.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
   load.limits.silence_s = order.time_limit_s;
+  load.limits.memory_bytes = forecast.budget().bytes();
+  load.foretold = [&](const MeshSize& size) { // in the child: it has no progress line
+    forecast.mesh(size, [size](double h) { return resized_tetrahedra(size, h); });
+  };
   return load_body(order.body, load);
 }
 
@@ -88,6 +90,11 @@ std::vector<Material> materials_of(const Order& order, const Mesh& mesh) {
   return materials;
 }
 
+void check_residual(const Order& order, const Material& material) {
+  if (order.residual && !material.isotropic())
+    throw Refusal("--residual needs an isotropic material, " + material.name + " is orthotropic");
+}
+
 std::vector<Support> supports_of(const Order& order, const Mesh& mesh) {
   std::vector<Support> supports;
   if (order.places.empty())
@@ -117,20 +124,35 @@ std::vector<Support> supports_of(const Order& order, const Mesh& mesh) {
   return supports;
 }
 
+/// The modes, with progress; `prefix` comes before the stages' names.
+Modes modes_of(const Mesh& mesh, std::span<const Material> materials, const Matrices& matrices,
+               std::size_t count, ProgressLine& progress, Forecast& forecast,
+               const std::string& prefix = "") {
+  ModeSettings settings{.count = count};
+  settings.report = [&](const std::string& stage, double share) {
+    progress.stage(prefix + stage, share, stage == "factorising" ? forecast.factor_seconds() : 0);
+  };
+  settings.predict = [&](const FactorCost& cost) { forecast.factor(cost); };
+  return find_modes(mesh, materials, matrices, settings);
+}
+
 /// Errors from the same body on meshes 1.5 and 2.25 times as coarse. The observed order is
 /// p = ln((f3 - f2) / (f2 - f1)) / ln 1.5, kept within 1 and 4; the error (f2 - f1) / (1.5^p - 1).
-std::vector<double> verify(const Order& order, const Modes& fine, ProgressLine& progress) {
+std::vector<double> verify(const Order& order, const Modes& fine, ProgressLine& progress,
+                           Forecast& forecast) {
   constexpr double kStep = 1.5;
   std::array<std::vector<double>, 2> coarse;
   for (std::size_t i = 0; i < 2; ++i) {
     progress.say(
         format("verifying on a mesh %.2f times as coarse", i == 0 ? kStep : kStep * kStep));
-    const Mesh mesh = mesh_of(order, i == 0 ? kStep : kStep * kStep, progress);
+    const Mesh mesh = mesh_of(order, i == 0 ? kStep : kStep * kStep, progress, forecast);
     check(mesh);
     const auto materials = materials_of(order, mesh);
     const Matrices matrices = assemble(mesh, materials, supports_of(order, mesh));
-    coarse[i] =
-        find_modes(mesh, materials, matrices, {.count = fine.frequency_hz.size()}).frequency_hz;
+    forecast.made(mesh);
+    coarse[i] = modes_of(mesh, materials, matrices, fine.frequency_hz.size(), progress, forecast,
+                         "verifying: ")
+                    .frequency_hz;
   }
   std::vector<double> errors;
   for (std::size_t k = 0; k < fine.frequency_hz.size(); ++k) {
@@ -148,95 +170,114 @@ std::vector<double> verify(const Order& order, const Modes& fine, ProgressLine& 
   return errors;
 }
 
-void check_units(const Mesh& mesh, ProgressLine& progress) {
-  const double largest = bounding_box(mesh.nodes).largest();
-  if (largest > 20 || largest < 1e-4)
-    progress.say(format("warning: the body is %g m large; are its lengths in the unit you meant? "
-                        "(--unit um|mm|cm|m|in)",
-                        largest));
+/// What can be refused without a mesh: names of files and materials.
+void check_early(const Order& order) {
+  for (const std::string& path : {order.is_file ? order.body : std::string(), order.profile,
+                                  order.import_values, order.import_vectors})
+    if (!path.empty() && !std::ifstream(path))
+      throw Refusal("cannot read " + path + ": no such file");
+  for (const auto& [region, name] : order.materials)
+    (void)find_material(name);
+  if (order.is_file)
+    return;
+  const auto materials = materials_of(order, Mesh{}); // one region, as shapes have
+  (void)elastic_matrix(materials[0]);
+  check_residual(order, materials[0]);
+}
+
+void describe(const Mesh& mesh, ProgressLine& progress) {
+  const Vector3 size = bounding_box(mesh.nodes).size();
+  progress.say(format("%zu elements (%s), %zu nodes, %zu degrees of freedom; %.4g x %.4g x %.4g mm",
+                      mesh.elements.size(), mesh.element_names().c_str(), mesh.nodes.size(),
+                      mesh.dofs(), 1e3 * size.x, 1e3 * size.y, 1e3 * size.z));
+  for (const Element& e : mesh.elements)
+    if (is_linear(e.shape)) {
+      progress.say("warning: linear elements (" + mesh.element_names() +
+                   ") make frequencies 5 to 30 % too high; take quadratic ones");
+      break;
+    }
+}
+
+void say_inaudible(const Solved& body, ProgressLine& progress) {
+  const auto& f = body.modes.frequency_hz;
+  if (f.empty())
+    return;
+  const std::string odd =
+      words_of_inaudible(f.front(), f.back(), bounding_box(body.mesh.nodes).largest(), false);
+  if (!odd.empty())
+    progress.say("warning: " + odd);
+}
+
+void radiate_into(Solved& body, const Order& order, ProgressLine& progress,
+                  const Forecast& forecast) {
+  RadiationSettings sound{.triangles = order.acoustic_triangles,
+                          .ratios = order.ratios,
+                          .air_density = order.air_density,
+                          .sound_speed = order.sound_speed,
+                          .memory_limit_bytes = forecast.budget().bytes()};
+  sound.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
+  sound.say = [&](const std::string& sentence) { progress.say(sentence); };
+  body.radiation = radiate(body.mesh, body.modes, sound);
+  if (body.modes.frequency_hz.back() * order.ratios.back() > body.radiation.resolved_hz)
+    progress.say(format("above %.0f Hz a wave in air has fewer than four acoustic elements: expect "
+                        "more than 0.3 dB there, or take more --acoustic-triangles",
+                        body.radiation.resolved_hz));
 }
 
 } // namespace
 
-Solved solve(const Order& order) {
-  ProgressLine progress(order.quiet);
+Solved solve(const Order& order, ProgressLine& progress) {
+  check_early(order);
+  check_outputs(order);
   set_solver_threads(order.threads);
+  Forecast forecast(order, progress);
   Solved body;
   progress.stage("meshing", 0);
-  body.mesh = mesh_of(order, 1, progress);
+  body.mesh = mesh_of(order, 1, progress, forecast);
+  progress.stage("checking the mesh", 0);
   check(body.mesh);
-  check_units(body.mesh, progress);
-  const Vector3 size = bounding_box(body.mesh.nodes).size();
-  progress.say(format("%zu elements (%s), %zu nodes, %zu degrees of freedom; %.4g x %.4g x %.4g mm",
-                      body.mesh.elements.size(), body.mesh.element_names().c_str(),
-                      body.mesh.nodes.size(), body.mesh.dofs(), 1e3 * size.x, 1e3 * size.y,
-                      1e3 * size.z));
-  for (const Element& e : body.mesh.elements)
-    if (is_linear(e.shape)) {
-      progress.say("warning: linear elements (" + body.mesh.element_names() +
-                   ") make frequencies 5 to 30 % too high; take quadratic ones");
-      break;
-    }
+  describe(body.mesh, progress);
+  forecast.made(body.mesh);
   const Parts parts = connected_parts(body.mesh);
   if (parts.count > 1 && !order.several_parts)
     throw Refusal("the mesh falls into " + std::to_string(parts.count) +
                   " parts that share no node, expected one (allow it with --multi)");
   body.materials = materials_of(order, body.mesh);
+  check_residual(order, body.materials[0]);
   const std::vector<Support> supports = supports_of(order, body.mesh);
   for (std::size_t i = 0; i < supports.size(); ++i)
     body.support_words = (i ? body.support_words + "; " : "") + supports[i].name;
-  if (!order.inp.empty())
+  if (!order.inp.empty()) {
+    progress.stage("writing " + order.inp, 0);
     write_inp(order.inp, body.mesh, body.materials, supports, order.modes);
+  }
+  progress.stage("assembling", 0);
   body.matrices =
       std::make_unique<Matrices>(assemble(body.mesh, body.materials, supports, [&](double share) {
         progress.stage("assembling", share);
       }));
-  if (!order.petsc.empty())
+  if (!order.petsc.empty()) {
+    progress.stage("writing " + order.petsc, 0);
     write_petsc(order.petsc, *body.matrices);
+  }
   if (order.output.empty() && order.csv.empty() && order.vtu.empty() &&
       !(order.inp.empty() && order.petsc.empty()))
     return body;
-  if (!order.import_values.empty()) {
+  if (!order.import_values.empty())
     body.modes = import_modes(order.import_values, order.import_vectors, body.mesh, *body.matrices);
-  } else {
-    ModeSettings settings{.count = order.modes, .memory_limit_bytes = free_memory()};
-    settings.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
-    settings.predict = [&](const FactorCost& cost) {
-      // Measured on laptops and servers alike: 8 Gflop/s in the factor, 1.5 Gentries/s in a solve.
-      const double solves = 2.5 * static_cast<double>(order.modes) + 40;
-      const double seconds = cost.operations / 8e9 + 2 * solves * cost.entries / 3e9;
-      progress.say(format("about %.0f MB and %.0f s ahead (factor: %.3g entries)",
-                          (cost.memory_bytes + 8e0 * static_cast<double>(body.mesh.dofs()) *
-                                                   (5.0 * static_cast<double>(order.modes) + 120)) /
-                              1e6,
-                          std::max(1.0, seconds), cost.entries));
-    };
-    body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);
-  }
+  else
+    body.modes =
+        modes_of(body.mesh, body.materials, *body.matrices, order.modes, progress, forecast);
   body.solved = true;
+  say_inaudible(body, progress);
   if (order.verify)
-    body.relative_error = verify(order, body.modes, progress);
-  if (order.residual) {
-    if (!body.materials[0].isotropic())
-      throw Refusal("--residual needs an isotropic material, " + body.materials[0].name +
-                    " is orthotropic");
-    progress.stage("compliance beyond the modes", 0);
-    body.residual = residual_compliance(body.mesh, body.materials, *body.matrices, body.modes);
-  }
-  if (order.radiation) {
-    RadiationSettings sound{.triangles = order.acoustic_triangles,
-                            .ratios = order.ratios,
-                            .air_density = order.air_density,
-                            .sound_speed = order.sound_speed,
-                            .memory_limit_bytes = free_memory()};
-    sound.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
-    sound.say = [&](const std::string& sentence) { progress.say(sentence); };
-    body.radiation = radiate(body.mesh, body.modes, sound);
-    if (body.modes.frequency_hz.back() * order.ratios.back() > body.radiation.resolved_hz)
-      progress.say(format("above %.0f Hz a wave in air has fewer than four acoustic elements: expect "
-                          "more than 0.3 dB there, or take more --acoustic-triangles",
-                          body.radiation.resolved_hz));
-  }
+    body.relative_error = verify(order, body.modes, progress, forecast);
+  if (order.residual)
+    body.residual = residual_compliance(
+        body.mesh, body.materials, *body.matrices, body.modes, kCompliancePlaces,
+        [&](double share) { progress.stage("compliance beyond the modes", share); });
+  if (order.radiation)
+    radiate_into(body, order, progress, forecast);
   progress.say(format("%zu right-hand sides solved", body.modes.solves));
   return body;
 }

@@ -2,6 +2,7 @@
 #include "fem/modes/body.hpp"
 #include "fem/radiation/mode_radiation.hpp"
 #include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/progress.hpp"
 
 #include <memory>
 
@@ -17,10 +18,10 @@ struct Solved {
   std::vector<double> relative_error;
   ModeRadiation radiation;
   std::vector<float> residual; ///< m/N at the skin's vertices
-  bool solved = false; ///< false: only exported
+  bool solved = false;         ///< false: only exported
 };
 
-/// Meshes, checks, assembles, solves as ordered; says what it does on stderr.
-[[nodiscard]] Solved solve(const Order&);
+/// Checks outputs and names, foretells, meshes, assembles and solves as ordered.
+[[nodiscard]] Solved solve(const Order&, ProgressLine&);
 
 } // namespace tactus::fem

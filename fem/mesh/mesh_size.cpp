@@ -1,0 +1,112 @@
+#include "fem/mesh/mesh_size.hpp"
+
+#include "fem/mesh/mesh.hpp"
+#include "fem/mesh/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::fem {
+namespace {
+
+/// Sides, longest first, of the block with a body's volume and skin, and at least its longest side:
+/// a curled shell's block is its development.
+std::array<double, 3> equivalent_block(double volume, double skin, double largest) {
+  const auto others = [&](double a) { // b c and b + c
+    return std::array{volume / a, (skin / 2 - volume / a) / a};
+  };
+  const auto [product, sum] = others(largest);
+  const double root = sum * sum - 4 * product;
+  if (!(root > 0)) // more compact than any block
+    return {largest, std::sqrt(product), std::sqrt(product)};
+  const double b = (sum + std::sqrt(root)) / 2;
+  if (b <= largest)
+    return {largest, b, product / b};
+  // A square plate: S = 2 a^2 + 4 V / a, of whose roots the larger is sought.
+  double a = std::sqrt(skin / 2);
+  for (int i = 0; i < 60; ++i)
+    a = std::sqrt(std::max(skin / 2 - 2 * volume / a, 0.0) + 1e-300);
+  return {a, a, volume / (a * a)};
+}
+
+} // namespace
+
+namespace {
+
+void set_cells(MeshSize& size, double skin) {
+  size.cells = equivalent_block(size.volume, skin, std::max({size.box.x, size.box.y, size.box.z}));
+  const double scale = std::cbrt(size.nodes / 4 / (size.cells[0] * size.cells[1] * size.cells[2]));
+  for (double& c : size.cells)
+    c *= scale;
+}
+
+/// Node pairs of tet10 by inclusion and exclusion (10 * 11 / 2 = 55 a tetrahedron, 21 a face
+/// shared, 6 an inner edge, 1 an inner corner), the number of edges by Euler's formula.
+double pairs_of_tet10(double tetrahedra, double faces, double nodes) {
+  const double corners = std::max(0.0, (nodes - tetrahedra - faces / 2) / 2),
+               edges = nodes - corners;
+  return 55 * tetrahedra - 21 * (2 * tetrahedra - faces / 2) + 6 * (edges - 1.5 * faces) -
+         (corners - faces / 2);
+}
+
+/// A cutting plane of tet10 has this share of the nodes on one of hex20 with as many nodes in all.
+constexpr double kTet10OnPlanes = .65;
+
+} // namespace
+
+MeshSize size_of(const Mesh& mesh) {
+  MeshSize size;
+  size.elements = static_cast<double>(mesh.elements.size());
+  size.nodes = static_cast<double>(mesh.nodes.size());
+  double tetrahedra = 0;
+  for (const Element& e : mesh.elements)
+    tetrahedra += e.shape == Shape::tet10 || e.shape == Shape::tet4;
+  const Surface surface = surface_of(mesh);
+  size.skin_triangles = static_cast<double>(surface.triangles.size());
+  const double share = tetrahedra / size.elements;
+  size.nodes_on_planes = 1 - (1 - kTet10OnPlanes) * share;
+  size.node_pairs = share * pairs_of_tet10(size.elements, size.skin_triangles / 4, size.nodes) +
+                    (1 - share) * 28 * size.nodes;
+  double skin = 0;
+  for (const auto& t : surface.triangles) {
+    const auto at = [&](std::size_t k) {
+      return mesh.nodes[static_cast<std::size_t>(surface.node[static_cast<std::size_t>(t[k])])];
+    };
+    skin += .5 * length(cross(at(1) - at(0), at(2) - at(0)));
+  }
+  size.volume = volume(mesh);
+  size.box = bounding_box(mesh.nodes).size();
+  set_cells(size, skin);
+  return size;
+}
+
+MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box, double h,
+                             double faces) {
+  MeshSize size;
+  size.volume = volume;
+  size.skin_area = skin_area;
+  size.h = h;
+  size.box = box;
+  if (!(faces > 0))
+    faces = 2.5 * skin_area / (h * h);
+  // Walls thinner than h have a prism of three on every second face.
+  size.elements = std::cbrt(std::pow(5 * volume / (h * h * h), 3) + std::pow(1.53 * faces, 3));
+  size.nodes = 1.33 * size.elements + faces;
+  size.node_pairs = pairs_of_tet10(size.elements, faces, size.nodes);
+  size.skin_triangles = 4 * faces;
+  size.nodes_on_planes = kTet10OnPlanes;
+  size.nodes_made = 10 * size.elements;
+  set_cells(size, skin_area);
+  return size;
+}
+
+MeshSize resized_tetrahedra(const MeshSize& size, double h) {
+  const auto even = [&](double at) {
+    return foretell_tetrahedra(size.volume, size.skin_area, size.box, at);
+  };
+  const double faces = even(h).skin_triangles / 4;
+  return foretell_tetrahedra(size.volume, size.skin_area, size.box, h,
+                             faces * size.skin_triangles / even(size.h).skin_triangles);
+}
+
+} // namespace tactus::fem

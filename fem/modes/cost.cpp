@@ -1,0 +1,137 @@
+#include "fem/modes/cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace tactus::fem {
+namespace {
+
+constexpr double kBlock = 8; // columns solved at once, as in lowest_modes
+
+/// Nested dissection of a block: halves across the longest side, down to one element. `touching`
+/// counts the block's ends, along each direction, that lie on older separators.
+class Dissection {
+public:
+  explicit Dissection(double on_planes) : on_planes_(on_planes) {}
+  FactorCost operator()(std::array<double, 3> cells) {
+    for (double& c : cells)
+      c = std::max(c, 1.0);
+    return split(cells, {0, 0, 0}, 0);
+  }
+
+private:
+  using Touching = std::array<int, 3>;
+
+  /// Nodes on a plane of a by b elements: hex20's, times `on_planes`.
+  [[nodiscard]] double plane(double a, double b) const {
+    return on_planes_ * ((a + 1) * (b + 1) + a * (b + 1) + (a + 1) * b);
+  }
+
+  static FactorCost front(double columns, double rows_below) {
+    const double s = 3 * columns, b = 3 * rows_below;
+    return {.entries = s * s / 2 + s * b, .operations = s * s * s / 3 + s * s * b + s * b * b};
+  }
+
+  [[nodiscard]] double older_nodes(const std::array<double, 3>& c, const Touching& t) const {
+    return t[0] * plane(c[1], c[2]) + t[1] * plane(c[0], c[2]) + t[2] * plane(c[0], c[1]);
+  }
+
+  FactorCost split(std::array<double, 3> cells, Touching touching, int level) {
+    const auto [at, added] = known_.try_emplace({level, touching});
+    if (!added)
+      return at->second;
+    const auto longest =
+        static_cast<std::size_t>(std::max_element(cells.begin(), cells.end()) - cells.begin());
+    const std::size_t p = (longest + 1) % 3, q = (longest + 2) % 3;
+    FactorCost cost;
+    if (cells[longest] <= 1.5) { // a leaf: an element's own nodes, that is, next to none
+      cost = front(2, older_nodes(cells, touching));
+    } else {
+      const double separator =
+          plane(cells[p], cells[q]) *
+          // ends on older separators have been counted with them
+          std::max(.2, 1 - .5 * (touching[p] / cells[p] + touching[q] / cells[q]));
+      cost = front(separator, older_nodes(cells, touching));
+      cells[longest] /= 2;
+      const int ends = touching[longest];
+      Touching low = touching, high = touching; // the halves: one old end each, as far as there are
+      low[longest] = 1 + (ends > 0);
+      high[longest] = 1 + (ends > 1);
+      for (const Touching& half : {low, high}) {
+        const FactorCost part = split(cells, half, level + 1);
+        cost.entries += part.entries;
+        cost.operations += part.operations;
+      }
+    }
+    return known_[{level, touching}] = cost;
+  }
+
+  double on_planes_;
+  std::map<std::pair<int, Touching>, FactorCost> known_;
+};
+
+} // namespace
+
+FactorCost foretell_factor(const MeshSize& size) {
+  FactorCost cost = Dissection(size.nodes_on_planes)(size.cells);
+  // Supernodes are stored as rectangles: a fifth more. Beside them the matrix itself, 16 bytes each
+  // of 9 entries a pair of nodes.
+  cost.memory_bytes = 8 * 1.2 * cost.entries + 144 * size.node_pairs;
+  return cost;
+}
+
+Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
+  const MeshSize& mesh = work.mesh;
+  const FactorCost factor = exact ? *exact : foretell_factor(mesh);
+  const double vector = 8 * mesh.dofs(), pairs = mesh.node_pairs;
+  const double found = std::min(work.modes, mesh.dofs()) + 4;
+  const double room = std::min(4 * found + 12 * kBlock, mesh.dofs()) + kBlock;
+  const double lanes = 2 * kBlock * vector; // columns side by side in a product with K or M
+
+  constexpr double kProgram = 60e6; // what the program and its libraries take without a body
+  const double raw = kProgram + 24 * mesh.nodes + 104 * mesh.elements;
+  const double assembled = raw + 88 * pairs;
+  const double shapes = std::min(work.modes, mesh.dofs()) * vector;
+  // CHOLMOD permutes a copy of the matrix while it factorises.
+  const double factorising = factor.memory_bytes + 144 * pairs;
+  const double factored = factor.memory_bytes - 144 * pairs;
+
+  Cost cost;
+  const auto stage = [&](double bytes, const char* name) {
+    if (bytes > cost.bytes) {
+      cost.bytes = bytes;
+      cost.stage = name;
+    }
+  };
+  stage(kProgram + 60 * mesh.nodes_made + 80 * mesh.nodes + 104 * mesh.elements, "meshing");
+  stage(assembled + factorising, "the factor");
+  const double projected = 4 * 8 * room * room; // the small eigenproblem and its copies
+  stage(assembled + factored + projected + std::max(room + found + 6 * kBlock, 4 * found) * vector +
+            lanes,
+        "the modes' basis");
+  stage(assembled + 88 * pairs + 2 * shapes + lanes, "the table");
+  if (work.residual)
+    stage(assembled + shapes + factorising + 4 * kBlock * vector,
+          "the compliance beyond the modes");
+  const double panels = work.acoustic_triangles, unknowns = panels / 2;
+  // Some 200 neighbours of a panel are integrated in closed form and kept, 220 bytes each.
+  const double air = panels > 0 ? 16 * unknowns * unknowns + 220 * 60 * panels : 0;
+  // The skin is coarsened before the air is solved.
+  stage(assembled + shapes + air + 700 * mesh.skin_triangles * (panels > 0), "the air around it");
+
+  // Measured on one core: half of the dense speed in the factor, 1.5 Gentries/s in a solve, a
+  // microsecond a node pair to assemble, 120 ns a pair of panels.
+  const double solves = 2.5 * work.modes + 40;
+  const double solutions = work.solutions > 0 ? work.solutions : work.modes;
+  cost.factor_seconds = factor.operations / (.5 * work.flops_per_second);
+  cost.seconds = 1e-6 * pairs + (1 + work.residual) * cost.factor_seconds +
+                 2 * solves * factor.entries / 3e9 + 4e-9 * mesh.dofs() * solves * solves;
+  if (panels > 0)
+    cost.seconds +=
+        solutions * (1.2e-7 * panels * panels +
+                     8. / 3 * unknowns * unknowns * unknowns / (.5 * work.flops_per_second));
+  return cost;
+}
+
+} // namespace tactus::fem

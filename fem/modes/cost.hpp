@@ -1,0 +1,40 @@
+#pragma once
+#include "fem/mesh/mesh_size.hpp"
+#include "fem/modes/shifted_factor.hpp"
+
+#include <optional>
+
+namespace tactus::fem {
+
+/// What is asked of a mesh.
+struct Workload {
+  MeshSize mesh;
+  double modes = 40;
+  bool residual = false;
+  double acoustic_triangles = 0; ///< 0: no radiation
+  double solutions = 0;          ///< of the air: groups of modes times ratios; 0: one a mode
+  double flops_per_second = 8e9; ///< of a dense product, on the threads used
+};
+
+/// What the work will take: the largest of the stages' memory, in the whole process, and where.
+struct Cost {
+  double bytes = 0;
+  double seconds = 0;        ///< all stages, within a factor of two or three
+  double factor_seconds = 0; ///< of those, the factorisation
+  const char* stage = "";
+};
+
+/// The factor's entries and operations before the equations are ordered: nested dissection of a
+/// block of `cells` elements by planes across its longest side (George 1973). A separator of s
+/// unknowns whose block has b on older separators adds s^2/2 + s b entries and
+/// s^3/3 + s^2 b + s b^2 operations.
+[[nodiscard]] FactorCost foretell_factor(const MeshSize&);
+
+/// The whole work's cost; with `exact`, of the symbolic factorisation, in place of the foretold
+/// factor. Memory is right within kCostMargin on meshes of shapes and of gmsh
+/// (tests/fem/cost_test.cpp and test_modal_fem_budget.py).
+[[nodiscard]] Cost foretell(const Workload&, const std::optional<FactorCost>& exact = {});
+
+inline constexpr double kCostMargin = 1.3;
+
+} // namespace tactus::fem

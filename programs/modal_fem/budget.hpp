@@ -1,0 +1,41 @@
+#pragma once
+#include "fem/modes/cost.hpp"
+
+#include <functional>
+#include <string>
+
+namespace tactus::fem {
+
+/// Memory that is free to this process: what the machine has left, or less where a control group
+/// (of version 1 or 2) sets a limit. Bytes; 0 where nobody knows.
+[[nodiscard]] double free_memory();
+
+/// 4G, 800M, 1.5GiB, 64k: bytes, powers of 1000 but for "i". Refuses what it cannot read.
+[[nodiscard]] double read_memory(const std::string& option, const std::string& word);
+
+/// How much memory the whole program may take, and the work it is compared with.
+class Budget {
+public:
+  /// 0 bytes: half of what is free.
+  explicit Budget(double bytes);
+  [[nodiscard]] double bytes() const noexcept { return bytes_; }
+
+  /// The same work with another element size (m) or, of gmsh's meshes, scaled from this one.
+  using Resized = std::function<Workload(double h)>;
+
+  /// Refuses work beyond the budget in one sentence: what it would take, what is allowed, and the
+  /// element size, number of modes or of acoustic triangles that fits. `unit` in metres is what the
+  /// user's --h counts in. A prediction that is not `exact` is forgiven kCostMargin.
+  void hold(const std::string& body, const Workload&, const Resized&, double unit,
+            const std::optional<FactorCost>& exact = {}) const;
+
+private:
+  double bytes_;
+  bool given_;
+};
+
+/// "850 MB", "12.3 GB", "4e+15 GB"; "12 s", "25 min", "3 h", "40 days".
+[[nodiscard]] std::string words_of_bytes(double bytes);
+[[nodiscard]] std::string words_of_seconds(double seconds);
+
+} // namespace tactus::fem

@@ -1,0 +1,46 @@
+#pragma once
+#include "fem/modes/modes.hpp"
+#include "programs/modal_fem/budget.hpp"
+#include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/progress.hpp"
+
+namespace tactus::fem {
+
+/// What is said or refused before work is done: memory, time, room on the disk, odd sizes.
+class Forecast {
+public:
+  Forecast(const Order&, ProgressLine&);
+
+  /// Before gmsh meshes or a shape is built. Refuses what is beyond the budget; says once when the
+  /// body's size makes its modes inaudible. `resized`: the mesh's size for another h, if it has
+  /// one.
+  void mesh(const MeshSize&, const std::function<MeshSize(double h)>& resized);
+  /// Of a mesh that is there, before it is assembled.
+  void made(const Mesh&, double seconds_spent = 0);
+  /// After the symbolic factorisation: the same with its exact count, and the time ahead.
+  void factor(const FactorCost&);
+
+  [[nodiscard]] double meshing_seconds() const noexcept { return meshing_s_; }
+  [[nodiscard]] double factor_seconds() const noexcept { return factor_s_; }
+  [[nodiscard]] const Budget& budget() const noexcept { return budget_; }
+
+private:
+  [[nodiscard]] Workload workload(const MeshSize&) const;
+  void hold(const std::optional<FactorCost>&);
+  void say_odd_size();
+
+  const Order& order_;
+  ProgressLine& progress_;
+  Budget budget_;
+  MeshSize size_;
+  std::function<MeshSize(double)> resized_;
+  bool said_ = false;
+  double flops_, meshing_s_ = 0, factor_s_ = 0;
+};
+
+/// One sentence when none of the modes can be heard, with the unit that would make the body sound;
+/// else empty. `largest` in m, frequencies in Hz.
+[[nodiscard]] std::string words_of_inaudible(double lowest_hz, double highest_hz, double largest,
+                                             bool estimated);
+
+} // namespace tactus::fem
