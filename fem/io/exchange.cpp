@@ -160,6 +160,20 @@ void write_petsc(const std::string& path, const Matrices& m) {
   file.commit();
 }
 
+void write_petsc_vectors(const std::string& path, std::span<const double> vectors,
+                         std::size_t size) {
+  SafeFile file(path);
+  for (std::size_t first = 0; first < vectors.size(); first += size) {
+    std::string text;
+    put_big(text, kVectorClass, 4);
+    put_big(text, size, 4);
+    for (const double x : vectors.subspan(first, size))
+      put_big(text, std::bit_cast<std::uint64_t>(x), 8);
+    file.write(text);
+  }
+  file.commit();
+}
+
 namespace {
 
 /// All PETSc vectors in a file, one after the other.
@@ -191,7 +205,7 @@ std::vector<std::vector<double>> read_vectors(const std::string& path) {
 } // namespace
 
 Modes import_modes(const std::string& values_path, const std::string& vectors_path,
-                   const Mesh& mesh, const Matrices& m) {
+                   const Mesh& mesh, const Matrices& m, bool rigid_among_them) {
   const auto values = read_vectors(values_path), vectors = read_vectors(vectors_path);
   const std::size_t n = m.dofs(), rigid = rigid_motions(mesh, m).size() / n;
   if (values.size() != 1 || values[0].size() < vectors.size())
@@ -208,14 +222,16 @@ Modes import_modes(const std::string& values_path, const std::string& vectors_pa
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return values[0][a] < values[0][b]; });
-  if (order.size() <= rigid)
+  const std::size_t left_out = rigid_among_them ? rigid : 0;
+  if (order.size() <= left_out)
     throw Refusal(vectors_path + " has " + std::to_string(order.size()) +
-                  " vectors, expected more than the " + std::to_string(rigid) + " rigid motions");
+                  " vectors, expected more than the " + std::to_string(left_out) +
+                  " rigid motions");
   Modes modes;
   modes.rigid = rigid;
-  for (std::size_t k = rigid; k < order.size(); ++k)
+  for (std::size_t k = left_out; k < order.size(); ++k)
     modes.shapes.insert(modes.shapes.end(), vectors[order[k]].begin(), vectors[order[k]].end());
-  modes.frequency_hz.resize(order.size() - rigid);
+  modes.frequency_hz.resize(order.size() - left_out);
   sort_by_quotient(m, modes);
   make_canonical(mesh, modes);
   const double residual = *std::max_element(modes.residual.begin(), modes.residual.end());

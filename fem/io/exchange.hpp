@@ -13,10 +13,15 @@ void write_inp(const std::string& path, const Mesh&, std::span<const Material>,
 /// directions have a unit diagonal in K and none in M.
 void write_petsc(const std::string& path, const Matrices&);
 
+/// Vectors of `size` numbers, one after the other, as PETSc binary vectors.
+void write_petsc_vectors(const std::string& path, std::span<const double> vectors,
+                         std::size_t size);
+
 /// Modes from a SLEPc run: eigenvalues (lambda = omega^2) and vectors as PETSc binary vectors
 /// (`-eps_view_values binary:FILE -eps_view_vectors binary:FILE`). Values of rigid motions are left
-/// out by count; the others are normalised and put into canonical directions.
+/// out by count, unless they were deflated; the others are normalised and put into canonical
+/// directions.
 [[nodiscard]] Modes import_modes(const std::string& values, const std::string& vectors, const Mesh&,
-                                 const Matrices&);
+                                 const Matrices&, bool rigid_among_them = true);
 
 } // namespace tactus::fem

@@ -16,11 +16,14 @@ namespace {
 // What the signal handler may read: one file is written at a time.
 char g_partial[4096];
 std::atomic<bool> g_writing{false};
+std::atomic<void (*)()> g_also{nullptr};
 
 extern "C" void on_interrupt(int) {
   end_isolated_child();
   if (g_writing.load())
     unlink(g_partial);
+  if (const auto also = g_also.load())
+    also();
   constexpr char text[] = "\nstopped; nothing was written\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, sizeof text - 1);
   _exit(130);
@@ -32,6 +35,8 @@ void clean_up_on_interrupt() {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
 }
+
+void also_on_interrupt(void (*action)()) { g_also = action; }
 
 SafeFile::SafeFile(std::string path) : path_(std::move(path)), partial_(path_ + ".partial") {
   if (partial_.size() >= sizeof g_partial)

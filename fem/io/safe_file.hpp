@@ -27,4 +27,7 @@ private:
 /// end this process with status 130.
 void clean_up_on_interrupt();
 
+/// What the interrupt does besides: a function that a signal handler may call, or null.
+void also_on_interrupt(void (*)());
+
 } // namespace tactus::fem

@@ -105,11 +105,16 @@ Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
     }
   };
   stage(kProgram + 60 * mesh.nodes_made + 80 * mesh.nodes + 104 * mesh.elements, "meshing");
-  stage(assembled + factorising, "the factor");
-  const double projected = 4 * 8 * room * room; // the small eigenproblem and its copies
-  stage(assembled + factored + projected + std::max(room + found + 6 * kBlock, 4 * found) * vector +
-            lanes,
-        "the modes' basis");
+  if (work.factor_elsewhere) { // both triangles are exported at once
+    stage(assembled + 300 * pairs, "the matrices' export");
+    stage(assembled + 4 * found * vector + lanes, "the modes' import");
+  } else {
+    stage(assembled + factorising, "the factor");
+    const double projected = 4 * 8 * room * room; // the small eigenproblem and its copies
+    stage(assembled + factored + projected +
+              std::max(room + found + 6 * kBlock, 4 * found) * vector + lanes,
+          "the modes' basis");
+  }
   stage(assembled + 88 * pairs + 2 * shapes + lanes, "the table");
   if (work.residual)
     stage(assembled + shapes + factorising + 4 * kBlock * vector,

@@ -13,6 +13,7 @@ struct Workload {
   bool residual = false;
   double acoustic_triangles = 0; ///< 0: no radiation
   double solutions = 0;          ///< of the air: groups of modes times ratios; 0: one a mode
+  bool factor_elsewhere = false; ///< on other processes: not counted here
   double flops_per_second = 8e9; ///< of a dense product, on the threads used
 };
 

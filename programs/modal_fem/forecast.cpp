@@ -66,6 +66,7 @@ Workload Forecast::workload(const MeshSize& mesh) const {
   Workload work{.mesh = mesh,
                 .modes = static_cast<double>(order_.modes),
                 .residual = order_.residual,
+                .factor_elsewhere = order_.slepc,
                 .flops_per_second = flops_};
   if (order_.radiation) {
     work.acoustic_triangles = static_cast<double>(order_.acoustic_triangles);

@@ -142,6 +142,12 @@ Order read_order(const std::vector<std::string>& words) {
       order.places.push_back(read_place(option, value(), order.unit));
     } else if (option == "--profile") {
       order.profile = value();
+    } else if (option == "--engine") {
+      if (const std::string& word = value(); word != "cholmod" && word != "slepc")
+        throw Refusal("--engine " + word + ": expected cholmod or slepc");
+      order.slepc = words[i] == "slepc";
+    } else if (option == "--ranks") {
+      order.ranks = static_cast<int>(number(option, value(), 1, 4096));
     } else if (option == "--memory") {
       order.memory_bytes = read_memory(option, value());
     } else if (option == "--threads") {
@@ -200,6 +206,8 @@ Order read_order(const std::vector<std::string>& words) {
       order.dimensions[key] = (d->is_length ? order.unit : 1) * number(option, value(), 0, 1e9);
     }
   }
+  if (order.ranks > 0 && !order.slepc)
+    throw Refusal("--ranks is the number of processes of --engine slepc, which is not chosen");
   return order;
 }
 
@@ -234,6 +242,7 @@ Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
               --time-limit SECONDS (1200)  stop reading and meshing a file after so long
                                        without progress
 Modes         --modes N (40)  --threads N (1)  --verify  (each mode's error from coarser meshes)
+              --engine slepc --ranks N  (2)  the factor on N processes of mpirun
               --memory SIZE  refuse work that takes more, such as 800M or 4G (half of what is free)
               --residual  also how far the skin yields beyond these modes, for contacts
 Sound         --radiation body         outgoing waves of each mode (boundary elements) and the

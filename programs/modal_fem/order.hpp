@@ -35,6 +35,8 @@ struct Order {
   std::size_t modes = 40;
   bool verify = false, several_parts = false, quiet = false, straight = false, remesh = false;
   int threads = 1;
+  bool slepc = false;         ///< solve with SLEPc on `ranks` processes
+  int ranks = 0;              ///< 0: not given
   double time_limit_s = 1200; ///< without progress, for reading and meshing a file
   double memory_bytes = 0;    ///< 0: half of what is free
   double fillet = 0;          ///< m

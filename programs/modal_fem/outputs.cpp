@@ -75,7 +75,7 @@ void check_output(const Output& out) {
 void check_outputs(const Order& order) {
   const auto all = outputs(order, {});
   const auto same = [](const std::string& a, const std::string& b) {
-    return fs::weakly_canonical(a) == fs::weakly_canonical(b);
+    return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
     check_output(all[i]);

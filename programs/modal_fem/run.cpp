@@ -7,6 +7,7 @@
 #include "fem/modes/residual_compliance.hpp"
 #include "programs/modal_fem/forecast.hpp"
 #include "programs/modal_fem/outputs.hpp"
+#include "programs/modal_fem/slepc_engine.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -228,6 +229,8 @@ void radiate_into(Solved& body, const Order& order, ProgressLine& progress,
 
 Solved solve(const Order& order, ProgressLine& progress) {
   check_early(order);
+  if (order.slepc)
+    check_slepc();
   check_outputs(order);
   set_solver_threads(order.threads);
   Forecast forecast(order, progress);
@@ -263,7 +266,10 @@ Solved solve(const Order& order, ProgressLine& progress) {
   if (order.output.empty() && order.csv.empty() && order.vtu.empty() &&
       !(order.inp.empty() && order.petsc.empty()))
     return body;
-  if (!order.import_values.empty())
+  if (order.slepc)
+    body.modes = slepc_modes(body.mesh, body.materials, *body.matrices, order.modes,
+                             order.ranks > 0 ? order.ranks : 2, progress);
+  else if (!order.import_values.empty())
     body.modes = import_modes(order.import_values, order.import_vectors, body.mesh, *body.matrices);
   else
     body.modes =

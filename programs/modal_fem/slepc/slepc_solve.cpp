@@ -1,0 +1,289 @@
+// The lowest modes of K u = lambda M u on several processes, for modal_fem --engine slepc.
+//
+//   mpirun -n RANKS slepc_solve MATRICES RIGID VALUES VECTORS COUNT RIGID_COUNT SHIFT [SLEPc's
+//   options]
+//
+// MATRICES holds K and M, RIGID the RIGID_COUNT motions without strain that are deflated, both in
+// PETSc's binary form; VALUES (one vector) and VECTORS get what was found, ascending. SHIFT is s in
+// rad^2/s^2: Krylov-Schur on (K + s M)^-1 M with MUMPS' distributed factor. A single start vector
+// meets the second copy of a multiple eigenvalue by rounding alone, so the number is checked: K -
+// sigma M, sigma in a gap above the last mode asked for, has as many negative pivots as there are
+// eigenvalues below sigma (Sylvester). Missing ones are sought beside those found.
+//
+// On stdout "stage SHARE NAME" while it works; at the end "peak BYTES" of the largest process.
+#include <algorithm>
+#include <cstdio>
+#include <slepceps.h>
+#include <string>
+#include <sys/resource.h>
+#include <vector>
+
+namespace {
+
+void tell(double share, const char* stage) {
+  PetscPrintf(PETSC_COMM_WORLD, "stage %.3f %s\n", share, stage);
+  std::fflush(stdout);
+}
+
+/// Keeps what PETSc first complained of.
+std::string g_complaint;
+PetscErrorCode keep_complaint(MPI_Comm, int, const char*, const char*, PetscErrorCode status,
+                              PetscErrorType type, const char* text, void*) {
+  if (type == PETSC_ERROR_INITIAL && text)
+    g_complaint = text;
+  return status;
+}
+
+PetscErrorCode fail(const std::string& sentence) {
+  PetscFPrintf(PETSC_COMM_WORLD, stderr, "slepc_solve: %s\n", sentence.c_str());
+  return PETSC_ERR_USER;
+}
+
+struct Counted {
+  double found_before = 0, wanted = 1;
+};
+
+PetscErrorCode monitor(EPS, PetscInt, PetscInt found, PetscScalar*, PetscScalar*, PetscReal*,
+                       PetscInt, void* context) {
+  const auto* counted = static_cast<const Counted*>(context);
+  const double share = (counted->found_before + static_cast<double>(found)) / counted->wanted;
+  tell(std::min(.99, share), "finding modes");
+  return 0;
+}
+
+/// K - sigma M, to be factorised by MUMPS.
+PetscErrorCode prepare_factor(KSP solver) {
+  PC preconditioner = nullptr;
+  PetscCall(KSPSetType(solver, KSPPREONLY));
+  PetscCall(KSPGetPC(solver, &preconditioner));
+  PetscCall(PCSetType(preconditioner, PCCHOLESKY));
+  PetscCall(PCFactorSetMatSolverType(preconditioner, MATSOLVERMUMPS));
+  return 0;
+}
+
+/// How many eigenvalues of (K, M) lie below sigma.
+PetscErrorCode count_below(Mat stiffness, Mat mass, PetscReal sigma, PetscInt& below) {
+  Mat shifted = nullptr, factor = nullptr;
+  PetscCall(MatDuplicate(stiffness, MAT_COPY_VALUES, &shifted));
+  PetscCall(MatAXPY(shifted, -sigma, mass, SUBSET_NONZERO_PATTERN));
+  PetscCall(MatSetOption(shifted, MAT_SYMMETRIC, PETSC_TRUE));
+  KSP solver = nullptr;
+  PC preconditioner = nullptr;
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, &solver));
+  PetscCall(KSPSetOperators(solver, shifted, shifted));
+  PetscCall(prepare_factor(solver));
+  PetscCall(KSPGetPC(solver, &preconditioner));
+  PetscCall(PCFactorSetUpMatSolverType(preconditioner));
+  PetscCall(PCFactorGetMatrix(preconditioner, &factor));
+  PetscCall(MatMumpsSetIcntl(factor, 24, 1)); // null pivots are found,
+  PetscCall(MatMumpsSetIcntl(factor, 13, 1)); // and the root is not left to ScaLAPACK: MUMPS counts
+  PetscCall(KSPSetUp(solver));
+  PetscInt zero = 0, above = 0;
+  PetscCall(MatGetInertia(factor, &below, &zero, &above));
+  PetscCall(KSPDestroy(&solver));
+  PetscCall(MatDestroy(&shifted));
+  return 0;
+}
+
+struct Pair {
+  PetscReal value;
+  Vec vector;
+};
+
+/// Whether a vector of unit length in M is none that the first `known` pairs span: rounding lets
+/// deflated ones return.
+PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t known, Vec vector,
+                        bool& fresh) {
+  Vec weighted = nullptr;
+  PetscCall(VecDuplicate(vector, &weighted));
+  PetscCall(MatMult(mass, vector, weighted));
+  PetscReal length = 0, within = 0;
+  PetscCall(VecDot(vector, weighted, &length));
+  for (std::size_t k = 0; k < known; ++k) {
+    PetscReal along = 0;
+    PetscCall(VecDot(pairs[k].vector, weighted, &along));
+    within += along * along;
+  }
+  PetscCall(VecDestroy(&weighted));
+  fresh = within < .5 * length;
+  return 0;
+}
+
+/// Adds converged pairs M-orthogonal to `pairs` and `rigid`, `wanted` of them at least.
+PetscErrorCode seek(EPS solver, const std::vector<Vec>& rigid, std::vector<Pair>& pairs,
+                    PetscInt wanted, Counted& counted) {
+  std::vector<Vec> deflated = rigid;
+  for (const Pair& pair : pairs)
+    deflated.push_back(pair.vector);
+  if (!deflated.empty())
+    PetscCall(
+        EPSSetDeflationSpace(solver, static_cast<PetscInt>(deflated.size()), deflated.data()));
+  counted.found_before = static_cast<double>(pairs.size());
+  PetscCall(EPSSetDimensions(solver, wanted, PETSC_DEFAULT, PETSC_DEFAULT));
+  PetscCall(EPSSolve(solver));
+  PetscInt found = 0;
+  PetscCall(EPSGetConverged(solver, &found));
+  Mat mass = nullptr;
+  PetscCall(EPSGetOperators(solver, nullptr, &mass));
+  const std::size_t known = pairs.size();
+  for (PetscInt k = 0; k < found; ++k) {
+    Pair pair{};
+    PetscCall(MatCreateVecs(mass, &pair.vector, nullptr));
+    PetscCall(EPSGetEigenpair(solver, k, &pair.value, nullptr, pair.vector, nullptr));
+    bool fresh = false;
+    PetscCall(is_fresh(mass, pairs, known, pair.vector, fresh));
+    if (fresh)
+      pairs.push_back(pair);
+    else
+      PetscCall(VecDestroy(&pair.vector));
+  }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& a, const Pair& b) { return a.value < b.value; });
+  return 0;
+}
+
+/// Where to count: between two pairs, as far apart as there are from the one numbered `count` on,
+/// or above the last, if those are all of one group. `last` is the pair below.
+PetscReal gap_above(const std::vector<Pair>& pairs, std::size_t count, std::size_t& last) {
+  constexpr PetscReal kGroup = 1 + 1e-4;
+  PetscReal widest = kGroup;
+  last = pairs.size() - 1;
+  for (std::size_t k = count - 1; k + 1 < pairs.size(); ++k)
+    if (const PetscReal gap = pairs[k + 1].value / pairs[k].value; gap > widest) {
+      widest = gap;
+      last = k;
+    }
+  return pairs[last].value * (1 + (widest - 1) / 2);
+}
+
+PetscErrorCode write(const std::vector<Pair>& pairs, const char* values, const char* vectors) {
+  PetscViewer target = nullptr;
+  PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, vectors, FILE_MODE_WRITE, &target));
+  PetscCall(PetscViewerBinarySetSkipInfo(target, PETSC_TRUE));
+  for (const Pair& pair : pairs)
+    PetscCall(VecView(pair.vector, target));
+  PetscCall(PetscViewerDestroy(&target));
+  Vec list = nullptr;
+  PetscCall(
+      VecCreateMPI(PETSC_COMM_WORLD, PETSC_DECIDE, static_cast<PetscInt>(pairs.size()), &list));
+  PetscInt first = 0, end = 0;
+  PetscCall(VecGetOwnershipRange(list, &first, &end));
+  for (PetscInt k = first; k < end; ++k)
+    PetscCall(VecSetValue(list, k, pairs[static_cast<std::size_t>(k)].value, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(list));
+  PetscCall(VecAssemblyEnd(list));
+  PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, values, FILE_MODE_WRITE, &target));
+  PetscCall(PetscViewerBinarySetSkipInfo(target, PETSC_TRUE));
+  PetscCall(VecView(list, target));
+  PetscCall(PetscViewerDestroy(&target));
+  PetscCall(VecDestroy(&list));
+  return 0;
+}
+
+PetscErrorCode run(char** words) {
+  PetscInt count = 0, rigid_count = 0;
+  PetscReal shift = 0;
+  PetscCall(PetscOptionsStringToInt(words[5], &count));
+  PetscCall(PetscOptionsStringToInt(words[6], &rigid_count));
+  PetscCall(PetscOptionsStringToReal(words[7], &shift));
+
+  tell(0, "reading the matrices");
+  Mat stiffness = nullptr, mass = nullptr;
+  PetscViewer source = nullptr;
+  PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[1], FILE_MODE_READ, &source));
+  for (Mat* matrix : {&stiffness, &mass}) {
+    PetscCall(MatCreate(PETSC_COMM_WORLD, matrix));
+    PetscCall(MatSetType(*matrix, MATAIJ));
+    PetscCall(MatLoad(*matrix, source));
+    PetscCall(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  }
+  PetscCall(PetscViewerDestroy(&source));
+  std::vector<Vec> rigid(static_cast<std::size_t>(rigid_count));
+  if (rigid_count > 0) {
+    PetscCall(PetscViewerBinaryOpen(PETSC_COMM_WORLD, words[2], FILE_MODE_READ, &source));
+    for (Vec& motion : rigid) {
+      PetscCall(MatCreateVecs(stiffness, &motion, nullptr));
+      PetscCall(VecLoad(motion, source));
+    }
+    PetscCall(PetscViewerDestroy(&source));
+  }
+
+  tell(0, "factorising");
+  EPS solver = nullptr;
+  ST transform = nullptr;
+  KSP linear = nullptr;
+  Counted counted{.wanted = static_cast<double>(count)};
+  PetscCall(EPSCreate(PETSC_COMM_WORLD, &solver));
+  PetscCall(EPSSetOperators(solver, stiffness, mass));
+  PetscCall(EPSSetProblemType(solver, EPS_GHEP));
+  PetscCall(EPSSetWhichEigenpairs(solver, EPS_TARGET_MAGNITUDE));
+  PetscCall(EPSSetTarget(solver, -shift));
+  PetscCall(EPSSetTolerances(solver, 1e-10, 500));
+  PetscCall(EPSMonitorSet(solver, monitor, &counted, nullptr));
+  PetscCall(EPSGetST(solver, &transform));
+  PetscCall(STSetType(transform, STSINVERT));
+  PetscCall(STGetKSP(transform, &linear));
+  PetscCall(prepare_factor(linear));
+  PetscCall(EPSSetFromOptions(solver));
+
+  std::vector<Pair> pairs;
+  PetscInt missing = count;
+  for (int attempt = 0; attempt < 4 && missing > 0; ++attempt) {
+    const std::size_t before = pairs.size();
+    PetscCall(seek(solver, rigid, pairs, missing, counted));
+    const bool enough = pairs.size() >= static_cast<std::size_t>(count);
+    if (pairs.size() == before && !enough)
+      break;
+    if (!enough) {
+      missing = count - static_cast<PetscInt>(pairs.size());
+      continue;
+    }
+    tell(0, "counting the modes again");
+    std::size_t last = 0;
+    const PetscReal sigma = gap_above(pairs, static_cast<std::size_t>(count), last);
+    PetscInt below = 0;
+    PetscCall(count_below(stiffness, mass, sigma, below));
+    missing = below - rigid_count - static_cast<PetscInt>(last + 1);
+  }
+  if (missing != 0)
+    return fail("SLEPc's modes are not the lowest " + std::to_string(count) + ": " +
+                std::to_string(missing) + " are missing by the matrix's inertia");
+
+  tell(0, "writing the modes");
+  PetscCall(write(pairs, words[3], words[4]));
+  for (Pair& pair : pairs)
+    PetscCall(VecDestroy(&pair.vector));
+  for (Vec& motion : rigid)
+    PetscCall(VecDestroy(&motion));
+  PetscCall(EPSDestroy(&solver));
+  PetscCall(MatDestroy(&stiffness));
+  PetscCall(MatDestroy(&mass));
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  double own = 1024. * static_cast<double>(usage.ru_maxrss), most = 0;
+  MPI_Reduce(&own, &most, 1, MPI_DOUBLE, MPI_MAX, 0, PETSC_COMM_WORLD);
+  PetscCall(PetscPrintf(PETSC_COMM_WORLD, "peak %.0f\n", most));
+  return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 8) {
+    std::fputs("slepc_solve: run by modal_fem --engine slepc\n", stderr);
+    return 2;
+  }
+  if (SlepcInitialize(&argc, &argv, nullptr, nullptr) != 0)
+    return 1;
+  PetscPushErrorHandler(keep_complaint, nullptr);
+  const PetscErrorCode status = run(argv);
+  if (status != 0 && status != PETSC_ERR_USER) {
+    std::replace(g_complaint.begin(), g_complaint.end(), '\n', ' ');
+    fail("SLEPc failed: " + (g_complaint.empty() ? "no reason given" : g_complaint));
+  }
+  if (status != 0) {
+    MPI_Abort(PETSC_COMM_WORLD, 1);
+    return 1;
+  }
+  return SlepcFinalize() != 0;
+}

@@ -1,0 +1,17 @@
+#pragma once
+#include "fem/modes/modes.hpp"
+#include "programs/modal_fem/progress.hpp"
+
+namespace tactus::fem {
+
+/// Refuses, naming the Debian packages, when mpirun or this build's SLEPc program is missing.
+void check_slepc();
+
+/// The same modes as find_modes(), from SLEPc with MUMPS on `ranks` processes of mpirun: exports K,
+/// M and the rigid motions into a private folder in $TMPDIR (or /tmp), imports what is found, and
+/// removes the folder, whatever happens. mpirun's own settings (OMPI_MCA_...) choose the machines;
+/// $TMPDIR must then lie on a disk they share. Refuses in one sentence what fails.
+[[nodiscard]] Modes slepc_modes(const Mesh&, std::span<const Material>, const Matrices&,
+                                std::size_t count, int ranks, ProgressLine&);
+
+} // namespace tactus::fem
