@@ -49,22 +49,42 @@ void print(const ModalTable& table) {
   }
 }
 
-/// Draws the sheet with the Python program beside this one. Python is isolated (-I: no module of the
-/// folder it is started in, no PYTHON variables), and starts in / lest a `matplotlibrc` be read here.
-void draw_sheet(const std::string& table, const std::string& picture) {
-  const auto here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  const std::string script = (here / "modal_sheet.py").string();
-  const std::string from = std::filesystem::absolute(table), to = std::filesystem::absolute(picture);
+std::string sheet_script() {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "modal_sheet.py")
+      .string();
+}
+
+/// Runs Debian's Python; whether it ended well. Python is isolated (-I: no module of the folder it
+/// is started in, no PYTHON variables), and starts in / lest a `matplotlibrc` be read here.
+bool python(std::vector<std::string> words) {
+  words.insert(words.begin(), {"python3", "-I"});
+  std::vector<char*> arguments;
+  for (std::string& word : words)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   const pid_t child = fork();
   if (child == 0) {
     if (chdir("/") == 0)
-      execl("/usr/bin/python3", "python3", "-I", script.c_str(), from.c_str(), to.c_str(),
-            static_cast<char*>(nullptr));
+      execv("/usr/bin/python3", arguments.data());
     _exit(127);
   }
   int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0 || status != 0)
-    throw Refusal("the picture sheet was not drawn: it needs python3-matplotlib and " + script);
+  return child > 0 && waitpid(child, &status, 0) == child && status == 0;
+}
+
+/// Refuses at once what draw_sheet() would miss at the end.
+void check_sheet() {
+  if (!std::filesystem::exists(sheet_script()) ||
+      !python({"-c", "import importlib.util, sys; "
+                     "sys.exit(importlib.util.find_spec('matplotlib') is None)"}))
+    throw Refusal("--sheet needs python3-matplotlib and " + sheet_script());
+}
+
+/// Draws the sheet with the Python program beside this one.
+void draw_sheet(const std::string& table, const std::string& picture) {
+  if (!python({sheet_script(), std::filesystem::absolute(table).string(),
+               std::filesystem::absolute(picture).string()}))
+    throw Refusal("the picture sheet " + picture + " was not drawn by " + sheet_script());
 }
 
 std::string now() {
@@ -78,6 +98,8 @@ int run(const std::vector<std::string>& words) {
   const Order order = read_order(words);
   if (!order.sheet.empty() && order.output.empty())
     throw Refusal("--sheet draws the table: it needs -o NAME.modal.npz too");
+  if (!order.sheet.empty())
+    check_sheet();
   ProgressLine progress(order.quiet);
   Solved body = solve(order, progress);
   if (!body.solved)

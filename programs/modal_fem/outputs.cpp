@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -48,29 +48,29 @@ fs::path folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-void check_output(const Output& out) {
-  const std::string who = std::string(out.option) + " " + out.path;
-  const fs::path folder = folder_of(out.path);
+} // namespace
+
+void check_output(const std::string& option, const std::string& path) {
+  const std::string who = option + " " + path;
+  const fs::path folder = folder_of(path);
   std::error_code error;
   if (!fs::is_directory(folder, error))
     throw Refusal(who + ": there is no folder " + folder.string());
-  if (fs::path(out.path).filename().empty() || fs::is_directory(out.path, error))
+  if (fs::path(path).filename().empty() || fs::is_directory(path, error))
     throw Refusal(who + " is a folder, expected the name of a file in it");
-  if (fs::exists(out.path, error) && !fs::is_regular_file(out.path, error))
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error))
     throw Refusal(who +
                   " is a device or pipe, expected a file: outputs appear complete or not at all");
-  if (fs::exists(out.path, error) && ::access(out.path.c_str(), W_OK) != 0)
+  if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0)
     throw Refusal(who + ": cannot write: " + std::strerror(errno));
   // The file is written beside its place and renamed: that must be possible, and is tried.
-  const std::string trial = out.path + ".partial";
-  const int file = ::open(trial.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  std::string trial = path + ".pXXXXXX"; // as long as .partial
+  const int file = ::mkstemp(trial.data());
   if (file < 0)
     throw Refusal(who + ": cannot write: " + std::strerror(errno));
   ::close(file);
   ::unlink(trial.c_str());
 }
-
-} // namespace
 
 void check_outputs(const Order& order) {
   const auto all = outputs(order, {});
@@ -78,7 +78,7 @@ void check_outputs(const Order& order) {
     return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    check_output(all[i]);
+    check_output(all[i].option, all[i].path);
     if (order.is_file && same(all[i].path, order.body))
       throw Refusal(std::string(all[i].option) + " " + all[i].path + " is the body's own file");
     for (std::size_t j = 0; j < i; ++j)

@@ -9,6 +9,9 @@ namespace tactus::fem {
 /// existing file.
 void check_outputs(const Order&);
 
+/// The same for one file.
+void check_output(const std::string& option, const std::string& path);
+
 /// Refuses outputs that the disk has no room for, foretold from the mesh.
 void check_room(const Order&, const MeshSize&);
 

@@ -1,3 +1,4 @@
+#include "programs/modal_fem/outputs.hpp"
 #include "programs/modal_fem/raw.hpp"
 
 #include "core/modal/npz.hpp"
@@ -98,6 +99,7 @@ int run_raw(const std::vector<std::string>& words) {
   }
   if (input.empty() || output.empty())
     throw Refusal("raw needs a table and -o NAME.modal.npz");
+  check_output("-o", output);
   if (settings.ring && settings.points == 0)
     throw Refusal("--points all: rings need a number");
   const std::string text = read_bytes(input);

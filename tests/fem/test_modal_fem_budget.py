@@ -1,6 +1,7 @@
 """What modal_fem foretells and refuses before it works, and what it says while it does."""
 import os
 import re
+import resource
 import subprocess
 import time
 
@@ -154,6 +155,38 @@ def test_the_body_is_not_overwritten_and_old_tables_are_kept(tmp_path):
     if os.geteuid() != 0:
         old.chmod(0o444)
         assert "old.modal.npz" in refusal(*DISK, "-o", "old.modal.npz", folder=tmp_path)
+
+
+def test_an_output_that_fails_at_the_end_leaves_the_old_file(tmp_path):
+    def small_files():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+    for option, name in [("-o", "old.modal.npz"), ("--csv", "old.csv"), ("--vtu", "old.vtu")]:
+        old = tmp_path / name
+        old.write_bytes(b"precious")
+        done = subprocess.run([PROGRAM, *map(str, DISK), "--h", "20", "--modes", "80", option, name], cwd=tmp_path,
+                              capture_output=True, text=True, timeout=60, preexec_fn=small_files)
+        assert done.returncode == 1 and f"cannot write {name}" in done.stderr, done.stderr
+        assert old.read_bytes() == b"precious" and not list(tmp_path.glob("*.p*artial"))
+
+
+def test_raw_checks_its_output_first_and_trials_leave_nothing(tmp_path):
+    (tmp_path / "x.modal.npz.partial").write_text("another run's")
+    run(*DISK, "--h", 25, "--modes", 2, "--csv", "x.csv", "-o", "y.modal.npz", folder=tmp_path)
+    done = run("raw", "y.modal.npz", "--hit", "25,0,6", "-o", "/dev/full", folder=tmp_path, expect=1)
+    assert "device" in done.stderr
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["x.csv", "x.modal.npz.partial", "y.modal.npz"]
+
+
+def test_a_file_is_held_to_the_budget_before_it_is_filled(tmp_path):
+    corners = [(x, y, z) for z in (0, 60) for y in (0, 60) for x in (0, 60)]
+    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4),
+             (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5)]
+    with open(tmp_path / "cube.obj", "w") as file:
+        file.writelines("v %g %g %g\n" % c for c in corners)
+        file.writelines("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
+    for h in (1e-6, 0.05):
+        said = refusal("cube.obj", "--h", h, "--memory", "2G", folder=tmp_path)
+        assert said.startswith("modal_fem: cube.obj: ") and 0.5 < float(re.search(r"--h ([\d.]+)", said)[1]) < 6
 
 
 def test_names_are_checked_before_meshing(tmp_path):
