@@ -109,9 +109,27 @@ PetscErrorCode is_fresh(Mat mass, const std::vector<Pair>& pairs, std::size_t kn
   return 0;
 }
 
-/// Adds converged pairs M-orthogonal to `pairs` and `rigid`, `wanted` of them at least.
-PetscErrorCode seek(EPS solver, const std::vector<Vec>& rigid, std::vector<Pair>& pairs,
-                    PetscInt wanted, Counted& counted) {
+/// Adds converged pairs M-orthogonal to `pairs` and `rigid`, `wanted` of them at least. The factor
+/// goes when it returns: two at once, this one and that of the count, would be the peak.
+PetscErrorCode seek(Mat stiffness, Mat mass, PetscReal shift, const std::vector<Vec>& rigid,
+                    std::vector<Pair>& pairs, PetscInt wanted, Counted& counted) {
+  tell(0, "factorising");
+  EPS solver = nullptr;
+  ST transform = nullptr;
+  KSP linear = nullptr;
+  PetscCall(EPSCreate(PETSC_COMM_WORLD, &solver));
+  PetscCall(EPSSetOperators(solver, stiffness, mass));
+  PetscCall(EPSSetProblemType(solver, EPS_GHEP));
+  PetscCall(EPSSetWhichEigenpairs(solver, EPS_TARGET_MAGNITUDE));
+  PetscCall(EPSSetTarget(solver, -shift));
+  PetscCall(EPSSetTolerances(solver, 1e-10, 500));
+  PetscCall(EPSMonitorSet(solver, monitor, &counted, nullptr));
+  PetscCall(EPSGetST(solver, &transform));
+  PetscCall(STSetType(transform, STSINVERT));
+  PetscCall(STGetKSP(transform, &linear));
+  PetscCall(prepare_factor(linear));
+  PetscCall(EPSSetFromOptions(solver));
+
   std::vector<Vec> deflated = rigid;
   for (const Pair& pair : pairs)
     deflated.push_back(pair.vector);
@@ -123,8 +141,6 @@ PetscErrorCode seek(EPS solver, const std::vector<Vec>& rigid, std::vector<Pair>
   PetscCall(EPSSolve(solver));
   PetscInt found = 0;
   PetscCall(EPSGetConverged(solver, &found));
-  Mat mass = nullptr;
-  PetscCall(EPSGetOperators(solver, nullptr, &mass));
   const std::size_t known = pairs.size();
   for (PetscInt k = 0; k < found; ++k) {
     Pair pair{};
@@ -137,6 +153,7 @@ PetscErrorCode seek(EPS solver, const std::vector<Vec>& rigid, std::vector<Pair>
     else
       PetscCall(VecDestroy(&pair.vector));
   }
+  PetscCall(EPSDestroy(&solver));
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.value < b.value; });
   return 0;
@@ -208,29 +225,12 @@ PetscErrorCode run(char** words) {
     PetscCall(PetscViewerDestroy(&source));
   }
 
-  tell(0, "factorising");
-  EPS solver = nullptr;
-  ST transform = nullptr;
-  KSP linear = nullptr;
   Counted counted{.wanted = static_cast<double>(count)};
-  PetscCall(EPSCreate(PETSC_COMM_WORLD, &solver));
-  PetscCall(EPSSetOperators(solver, stiffness, mass));
-  PetscCall(EPSSetProblemType(solver, EPS_GHEP));
-  PetscCall(EPSSetWhichEigenpairs(solver, EPS_TARGET_MAGNITUDE));
-  PetscCall(EPSSetTarget(solver, -shift));
-  PetscCall(EPSSetTolerances(solver, 1e-10, 500));
-  PetscCall(EPSMonitorSet(solver, monitor, &counted, nullptr));
-  PetscCall(EPSGetST(solver, &transform));
-  PetscCall(STSetType(transform, STSINVERT));
-  PetscCall(STGetKSP(transform, &linear));
-  PetscCall(prepare_factor(linear));
-  PetscCall(EPSSetFromOptions(solver));
-
   std::vector<Pair> pairs;
   PetscInt missing = count;
   for (int attempt = 0; attempt < 4 && missing > 0; ++attempt) {
     const std::size_t before = pairs.size();
-    PetscCall(seek(solver, rigid, pairs, missing, counted));
+    PetscCall(seek(stiffness, mass, shift, rigid, pairs, missing, counted));
     const bool enough = pairs.size() >= static_cast<std::size_t>(count);
     if (pairs.size() == before && !enough)
       break;
@@ -255,7 +255,6 @@ PetscErrorCode run(char** words) {
     PetscCall(VecDestroy(&pair.vector));
   for (Vec& motion : rigid)
     PetscCall(VecDestroy(&motion));
-  PetscCall(EPSDestroy(&solver));
   PetscCall(MatDestroy(&stiffness));
   PetscCall(MatDestroy(&mass));
   rusage usage{};
