@@ -13,6 +13,7 @@
 #include "fem/io/safe_file.hpp"
 #include "fem/io/words.hpp"
 #include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/outputs.hpp"
 #include "programs/modal_fem/raw.hpp"
 #include "programs/modal_fem/run.hpp"
 
@@ -98,6 +99,7 @@ int run(const std::vector<std::string>& words) {
   const Order order = read_order(words);
   if (!order.sheet.empty() && order.output.empty())
     throw Refusal("--sheet draws the table: it needs -o NAME.modal.npz too");
+  check_outputs(order);
   if (!order.sheet.empty())
     check_sheet();
   ProgressLine progress(order.quiet);

@@ -6,7 +6,6 @@
 #include "fem/mesh/surface.hpp"
 #include "fem/modes/residual_compliance.hpp"
 #include "programs/modal_fem/forecast.hpp"
-#include "programs/modal_fem/outputs.hpp"
 #include "programs/modal_fem/slepc_engine.hpp"
 
 #include <algorithm>
@@ -231,7 +230,6 @@ Solved solve(const Order& order, ProgressLine& progress) {
   check_early(order);
   if (order.slepc)
     check_slepc();
-  check_outputs(order);
   set_solver_threads(order.threads);
   Forecast forecast(order, progress);
   Solved body;

@@ -21,7 +21,7 @@ struct Solved {
   bool solved = false;         ///< false: only exported
 };
 
-/// Checks outputs and names, foretells, meshes, assembles and solves as ordered.
+/// Checks names, foretells, meshes, assembles and solves as ordered.
 [[nodiscard]] Solved solve(const Order&, ProgressLine&);
 
 } // namespace tactus::fem

@@ -196,7 +196,7 @@ def test_names_are_checked_before_meshing(tmp_path):
                             (["--import-modes", "none.bin", "none.bin"], "none.bin")]:
         done = run(*DISK, "--h", 0.7, "--memory", "900G", *words, folder=tmp_path, expect=1, timeout=60)
         assert expected in done.stderr and "meshing" not in done.stderr
-    assert "cannot read none.stl" in refusal("none.stl", "-o", "none/t.npz", folder=tmp_path)
+    assert "cannot read none.stl" in refusal("none.stl", "-o", "t.npz", folder=tmp_path)
 
 
 @pytest.mark.parametrize("words, said", [
