@@ -19,7 +19,8 @@ struct LoadChoice {
   std::function<void(const std::string&)> say{};
   /// Called before gmsh meshes, with what is coming; may refuse it. Runs in the child process: what
   /// it changes in memory is lost.
-  std::function<void(const MeshSize&)> foretold{};
+  std::function<void(const MeshSize&, const std::function<void(const std::string&)>& say)>
+      foretold{};
   std::function<void(const std::string& stage, double share)> report{};
   ChildLimits limits{}; ///< of the process that reads and meshes
 };

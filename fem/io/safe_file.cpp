@@ -34,7 +34,7 @@ extern "C" void on_interrupt(int) {
 void clean_up_on_interrupt() {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
-  std::signal(SIGXFSZ, SIG_IGN); // a file beyond the user's limit is an error of write, told as such
+  std::signal(SIGXFSZ, SIG_IGN); // beyond a file size limit, write() then fails and says so
 }
 
 void also_on_interrupt(void (*action)()) { g_also = action; }

@@ -346,7 +346,8 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         const auto foretell = [&](double triangles) {
           if (choice.foretold)
             choice.foretold(foretell_tetrahedra(unit * unit * unit * solid, unit * unit * area,
-                                                unit * box_of(-1, -1).size(), unit * h, triangles));
+                                                unit * box_of(-1, -1).size(), unit * h, triangles),
+                            say);
         };
         foretell(0);
         set_sizes(h, {});
@@ -394,7 +395,8 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         const std::string what = refusal.what();
         if (choice.fillet > 0 || what.find("separate parts") != std::string::npos ||
             what.find("no solid") != std::string::npos ||
-            what.find("cannot be read") != std::string::npos)
+            what.find("cannot be read") != std::string::npos ||
+            what.find("--memory") != std::string::npos)
           throw;
         if (reason.empty())
           reason = what;

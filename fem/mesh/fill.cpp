@@ -77,8 +77,9 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
   const bool renew = choice.remesh || slivers > .01 || fine || mean_edge > 1.6 * wanted;
   const auto foretell = [&](double triangles) {
     if (choice.foretold)
-      choice.foretold(foretell_tetrahedra(std::abs(solid), skin, bounding_box(surface.points).size(),
-                                          wanted, triangles));
+      choice.foretold(foretell_tetrahedra(std::abs(solid), skin,
+                                          bounding_box(surface.points).size(), wanted, triangles),
+                      choice.say);
   };
   foretell(renew ? 0 : static_cast<double>(surface.triangles.size()));
   const auto fill = [&](const Triangles& triangles) {

@@ -84,10 +84,16 @@ void Forecast::hold(const std::optional<FactorCost>& exact) {
   budget_.hold(body, workload(size_), resized, order_.unit, exact);
 }
 
-void Forecast::say_odd_size() {
+void Forecast::say_odd_size(const Say& say) {
   if (said_ || !(size_.volume > 0))
     return;
   said_ = true;
+  const auto tell = [&](const std::string& sentence) {
+    if (say)
+      say(sentence);
+    else
+      progress_.say(sentence);
+  };
   double speed = 0;
   for (const auto& [region, name] : order_.materials)
     speed = std::max(speed, find_material(name).bar_speed());
@@ -100,16 +106,17 @@ void Forecast::say_odd_size() {
   const std::string odd = words_of_inaudible(first / 3 > kHighestAudible ? first : 1e3,
                                              last < kLowestAudible ? last : 1e3, largest, true);
   if (!odd.empty())
-    progress_.say("warning: " + odd);
+    tell("warning: " + odd);
   else if (largest > 20 || largest < 1e-4)
-    progress_.say("warning: the body is " + words_of_length(largest) +
-                  " long; are its lengths in the unit you meant? (--unit um|mm|cm|m|in)");
+    tell("warning: the body is " + words_of_length(largest) +
+         " long; are its lengths in the unit you meant? (--unit um|mm|cm|m|in)");
 }
 
-void Forecast::mesh(const MeshSize& size, const std::function<MeshSize(double)>& resized) {
+void Forecast::mesh(const MeshSize& size, const std::function<MeshSize(double)>& resized,
+                    const Say& say) {
   size_ = size;
   resized_ = resized;
-  say_odd_size();
+  say_odd_size(say);
   hold({});
   check_room(order_, size_);
   // Swept: a microsecond a node made. gmsh: 40 us a tetrahedron, Delaunay, optimised, quadratic.
@@ -123,7 +130,7 @@ void Forecast::made(const Mesh& mesh, double) {
     size_.cells = planned.cells; // of the section: nearer than the equivalent block
   size_.skin_area = planned.skin_area;
   size_.h = planned.h;
-  say_odd_size();
+  say_odd_size({});
   hold({});
   check_room(order_, size_);
 }

@@ -9,12 +9,15 @@ namespace tactus::fem {
 /// What is said or refused before work is done: memory, time, room on the disk, odd sizes.
 class Forecast {
 public:
+  using Say = std::function<void(const std::string& sentence)>;
+
   Forecast(const Order&, ProgressLine&);
 
   /// Before gmsh meshes or a shape is built. Refuses what is beyond the budget; says once when the
   /// body's size makes its modes inaudible. `resized`: the mesh's size for another h, if it has
   /// one.
-  void mesh(const MeshSize&, const std::function<MeshSize(double h)>& resized);
+  /// `say` in place of the progress line, for a child process.
+  void mesh(const MeshSize&, const std::function<MeshSize(double h)>& resized, const Say& say = {});
   /// Of a mesh that is there, before it is assembled.
   void made(const Mesh&, double seconds_spent = 0);
   /// After the symbolic factorisation: the same with its exact count, and the time ahead.
@@ -27,7 +30,7 @@ public:
 private:
   [[nodiscard]] Workload workload(const MeshSize&) const;
   void hold(const std::optional<FactorCost>&);
-  void say_odd_size();
+  void say_odd_size(const Say& say);
 
   const Order& order_;
   ProgressLine& progress_;

@@ -50,8 +50,8 @@ Grid coarse_grid(const modal::ModalTable& table, const modal::Surface& surface, 
   for (const Vec3& v : table.vertex_m)
     skin.vertex.push_back({v.x, v.y, v.z});
   skin.triangle.assign(table.triangle.begin(), table.triangle.end());
-  const auto share = static_cast<double>(whole.point.size()) /
-                     static_cast<double>(surface.triangles());
+  const auto share =
+      static_cast<double>(whole.point.size()) / static_cast<double>(surface.triangles());
   skin = with_triangles(skin, static_cast<std::size_t>(static_cast<double>(points) / share));
   Grid grid;
   double sum = 0, all = 0;
@@ -150,10 +150,10 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
     throw Refusal("no face of the body looks to --side");
   RawSettings own = settings;
   own.side = side;
-  const Grid grid = settings.ring         ? rings(surface, own, whole)
-                    : settings.points == 0 ? whole
-                                           : coarse_grid(table, surface, side, flat,
-                                                         settings.points, whole);
+  const Grid grid = settings.ring ? rings(surface, own, whole)
+                    : settings.points == 0
+                        ? whole
+                        : coarse_grid(table, surface, side, flat, settings.points, whole);
   modal::BodySettings body;
   body.sample_rate = settings.sample_rate;
   body.radiation = modal::Radiation::kNone;
@@ -183,8 +183,8 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
     for (std::size_t k = 0; k < modes; ++k)
       normal[p * modes + k] = static_cast<float>(-gain[k]);
   }
-  const auto finer = static_cast<std::size_t>(
-      std::clamp(std::floor(1e6 / settings.sample_rate), 1.0, 16.0));
+  const auto finer =
+      static_cast<std::size_t>(std::clamp(std::floor(1e6 / settings.sample_rate), 1.0, 16.0));
   const double step = 1 / (settings.sample_rate * static_cast<double>(finer));
   std::vector<float> speed(out.samples * modes);
   for (std::size_t h = 0; h < out.hits; ++h) {
@@ -192,9 +192,9 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
     if (at.distance > .1 * surface.diagonal())
       throw Refusal(format("--hit %zu lies %.3g mm off the body", h + 1, 1e3 * at.distance));
     out.hit_m.push_back(at.position);
-    const std::vector<double> force =
-        settings.impulse_n_s > 0 ? std::vector<double>{}
-                                 : blow(loaded, settings, at.position, 1 / step);
+    const std::vector<double> force = settings.impulse_n_s > 0
+                                          ? std::vector<double>{}
+                                          : blow(loaded, settings, at.position, 1 / step);
     model.gains(at, at.normal, gain);
     for (std::size_t k = 0; k < modes; ++k) {
       const std::complex<double> s = model.rate[k], turn = std::exp(s * step);
@@ -202,8 +202,7 @@ modal::RawTable make_raw(const modal::ModalTable& table, const RawSettings& sett
       const std::complex<double> push = gain[k] * (turn - 1.0) / s;
       std::complex<double> z = gain[k] * settings.impulse_n_s;
       for (std::size_t n = 0, fine = 0; n < out.samples; ++n) {
-        speed[n * modes + k] =
-            static_cast<float>(z.real() + s.real() / s.imag() * z.imag());
+        speed[n * modes + k] = static_cast<float>(z.real() + s.real() / s.imag() * z.imag());
         for (std::size_t i = 0; i < finer; ++i, ++fine)
           z = turn * z + (fine < force.size() ? push * force[fine] : 0.0);
       }

@@ -44,9 +44,10 @@ Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress, Forecas
   load.say = [&](const std::string& sentence) { progress.say(sentence); };
   load.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
   load.limits.silence_s = order.time_limit_s;
-  load.limits.memory_bytes = forecast.budget().bytes();
-  load.foretold = [&](const MeshSize& size) { // in the child: it has no progress line
-    forecast.mesh(size, [size](double h) { return resized_tetrahedra(size, h); });
+  load.limits.memory_bytes = static_cast<std::uint64_t>(forecast.budget().bytes());
+  load.foretold = [&](const MeshSize& size, const auto& say) { // in the child
+    forecast.mesh(
+        size, [size](double h) { return resized_tetrahedra(size, h); }, say);
   };
   return load_body(order.body, load);
 }
