@@ -54,6 +54,12 @@ void StruckBody::prepare(double sample_rate) {
   }
 }
 
+void StruckBody::set_options(const Options& options) noexcept {
+  options_ = options;
+  if (silent_samples_ >= kSilence)
+    smooth_gain_ = options_.gain;
+}
+
 void StruckBody::publish(std::unique_ptr<BodyModel> model, bool same_body) {
   drop_retired();
   auto* next = new Handover{std::move(model), same_body, nullptr};
@@ -353,9 +359,13 @@ void StruckBody::finish(std::size_t frames) noexcept {
   const std::size_t listeners = model_ ? model_->settings.listeners : kMostListeners;
   const double start = smooth_gain_;
   const std::size_t fade = fade_left_;
+  std::size_t silent = silent_samples_ + frames;
   for (std::size_t l = 0; l < listeners; ++l) {
     auto& sound = chunk_.heard[l];
     delay_[l].run(sound.data(), frames);
+    for (std::size_t n = frames; n > 0 && frames - n < silent; --n)
+      if (sound[n - 1] != 0)
+        silent = frames - n;
     smooth_gain_ = start;
     fade_left_ = fade;
     std::size_t n = 0;
@@ -376,6 +386,7 @@ void StruckBody::finish(std::size_t frames) noexcept {
       sound[n] = sound[n] - sound[n] == 0 ? sound[n] : 0; // what is not finite
     last_[l] = sound[frames - 1];
   }
+  silent_samples_ = std::min(silent, kSilence);
   if (listeners == 1) { // is heard on both sides
     chunk_.heard[1] = chunk_.heard[0];
     last_[1] = last_[0];

@@ -72,7 +72,8 @@ public:
     double gain = 0.1;         ///< of the sound, 1/Pa (1 for `none`: s/m)
     double cull_db = 90;
   };
-  void set_options(const Options& options) noexcept { options_ = options; }
+  /// A new gain is smoothed while something sounds; in silence it holds at once.
+  void set_options(const Options& options) noexcept;
   [[nodiscard]] const Options& options() const noexcept { return options_; }
   /// Modes that the last blow left out as inaudible, and those that ring now.
   [[nodiscard]] std::size_t culled() const noexcept { return culled_; }
@@ -163,6 +164,8 @@ private:
   std::array<float, kMostListeners> left_over_{}, last_{};
   std::size_t fade_left_ = 0;
   double smooth_gain_ = 0.1;
+  static constexpr std::size_t kSilence = 64; ///< samples of zeros that count as silence
+  std::size_t silent_samples_ = kSilence;     ///< that have gone out since the last sound
 };
 
 } // namespace tactus::modal

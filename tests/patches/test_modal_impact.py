@@ -168,6 +168,15 @@ def test_misuse_is_one_sentence_and_changes_nothing(tmp_path, message, sentence)
     assert abs(result["left"]).max() > 0
 
 
+def test_a_gain_of_creation_holds_from_the_first_blow(tmp_path):
+    def play(gain):
+        patch, box = struck(tmp_path, "-gain", gain)
+        patch.at(1.4, box, "hit 30 40 0 1")
+        return patch.render(0.1, path=[tmp_path])["left"]
+    loud, quiet = play(0.1), play(0.001)
+    assert abs(100 * quiet - loud).max() < 1e-5 * abs(loud).max()
+
+
 def test_a_moving_listener_never_clicks(tmp_path):
     patch, box = struck(tmp_path, "-radiation", "modal")
     patch.at(10, box, "hit 30 40 0 1")

@@ -239,6 +239,37 @@ TEST_CASE("size and material scale frequencies, shapes and mass as elasticity sa
   CHECK(stiff.rate[stiff.place_of[0]].imag() == doctest::Approx(2 * f).epsilon(1e-6));
 }
 
+TEST_CASE("a gain that is set in silence holds from the first sample, and is smoothed in sound") {
+  const auto play = [](double gain) {
+    Rig rig;
+    rig.options.gain = gain;
+    rig.hit({0.05, 0.03, 0}, 1); // takes the options first
+    return rig.run(2000).left;
+  };
+  const auto one = play(1), quiet = play(0.001);
+  float loudest = 0;
+  for (const float x : one)
+    loudest = std::max(loudest, std::abs(x));
+  for (std::size_t n = 0; n < one.size(); ++n)
+    CHECK(std::abs(1000 * quiet[n] - one[n]) <= 1e-5F * loudest);
+  // 40 dB less while it rings: half a percent of the distance a sample.
+  Rig rig;
+  rig.hit({0.05, 0.03, 0}, 1);
+  static_cast<void>(rig.run(4800));
+  Rig loud;
+  loud.hit({0.05, 0.03, 0}, 1);
+  static_cast<void>(loud.run(4800));
+  rig.options.gain = 0.01;
+  rig.body.set_options(rig.options);
+  const auto changing = rig.run(2000).left, steady = loud.run(2000).left;
+  double gain = 1;
+  for (std::size_t n = 0; n < steady.size(); ++n) {
+    gain += 0.005 * (0.01 - gain);
+    CHECK(static_cast<double>(changing[n]) ==
+          doctest::Approx(gain * static_cast<double>(steady[n])).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("retuning while it sounds keeps modal displacement and velocity, and makes no step") {
   Rig rig;
   rig.hit({0.05, 0.03, 0}, 1);
