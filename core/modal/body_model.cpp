@@ -1,5 +1,7 @@
 #include "core/modal/body_model.hpp"
 
+#include "core/modal/delay_line.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -208,9 +210,15 @@ void BodyModel::find_weights() {
       }
     }
     delay_s[l] = transfer.delay_s;
+    if (const double samples = transfer.delay_s * settings.sample_rate;
+        samples < static_cast<double>(DelayLine::kHalf)) {
+      delay_s[l] = std::floor(samples) / settings.sample_rate;
+      delay_in_weight_s[l] = transfer.delay_s - delay_s[l];
+    }
     for (std::size_t k = 0; k < heard; ++k) {
       // z stands for q' = Im(s z)/omega_d.
-      const auto w = transfer.pressure[k] * rates[k] / rates[k].imag();
+      const auto w = transfer.pressure[k] * rates[k] / rates[k].imag() *
+                     std::polar(1.0, -rates[k].imag() * delay_in_weight_s[l]);
       weight[l][k] = std::isfinite(std::abs(w)) ? w : 0;
     }
   }

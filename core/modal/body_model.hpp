@@ -78,7 +78,9 @@ struct BodyModel {
   std::size_t heard = 0;
   std::vector<std::complex<double>> rate;                               ///< of `mode`
   std::array<std::vector<std::complex<double>>, kMostListeners> weight; ///< of the first `heard`
-  std::array<double, kMostListeners> delay_s{};
+  std::array<double, kMostListeners> delay_s{}; ///< of the delay line
+  /// Besides: the fraction of a sample that the weights of a near listener hold (DelayLine).
+  std::array<double, kMostListeners> delay_in_weight_s{};
   bool plays_raw = false; ///< blows start recordings instead of contacts
   std::array<RawListener, kMostListeners> raw;
   ModeBank bank;

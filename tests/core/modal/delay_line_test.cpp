@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -14,11 +15,12 @@ TEST_CASE("a delay line gives the same bits sample by sample and in blocks of an
     for (const std::size_t block : {1UL, 5UL, 64UL, 100UL, 4096UL}) {
       CAPTURE(delay);
       CAPTURE(block);
+      const bool bends = block % 2 == 1;
       DelayLine one, other;
       for (DelayLine* line : {&one, &other}) {
         line->prepare(4801);
         line->set(1.5 * delay, false, true);
-        line->set(delay, false, false); // a fade first
+        line->set(delay, bends, false); // a glide first
       }
       std::vector<float> in(12000);
       for (std::size_t n = 0; n < in.size(); ++n)
@@ -33,20 +35,113 @@ TEST_CASE("a delay line gives the same bits sample by sample and in blocks of an
     }
 }
 
-TEST_CASE("a delayed tone is the tone at that earlier time, within the cubic's error") {
-  constexpr double kTurn = 2 * std::numbers::pi / 40; // a 40th of the sample rate
-  for (const double delay : {1.0, 7.25, 100.5, 1000.9}) {
-    DelayLine line;
-    line.prepare(2000);
-    line.set(delay, false, true);
-    std::vector<float> sound(4000);
-    for (std::size_t n = 0; n < sound.size(); ++n)
-      sound[n] = static_cast<float>(std::sin(kTurn * static_cast<double>(n)));
-    line.run(sound.data(), sound.size());
-    // Lagrange's remainder of the cubic: at most 9/16 h^4/24 of the fourth derivative.
-    const double error = 9.0 / 16 / 24 * std::pow(kTurn, 4) + 1e-6;
-    for (std::size_t n = 1010; n < sound.size(); ++n)
-      CHECK(std::abs(static_cast<double>(sound[n]) -
-                     std::sin(kTurn * (static_cast<double>(n) - delay))) < error);
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// What a resting line does to a tone: its gain, and the phase against the exact delay.
+std::complex<double> response(double delay, double radians_per_sample) {
+  DelayLine line;
+  line.prepare(2000);
+  line.set(delay, false, true);
+  constexpr std::size_t kSettled = 1100, kCount = 6000;
+  std::vector<float> sound(kCount);
+  for (std::size_t n = 0; n < kCount; ++n)
+    sound[n] = static_cast<float>(std::sin(radians_per_sample * static_cast<double>(n)));
+  line.run(sound.data(), kCount);
+  std::complex<double> sum = 0;
+  double weight = 0;
+  for (std::size_t n = kSettled; n < kCount; ++n) {
+    const double u = static_cast<double>(n - kSettled) / (kCount - kSettled);
+    const double window = 1 - std::cos(2 * kPi * u);
+    sum += window * static_cast<double>(sound[n]) *
+           std::polar(1.0, -radians_per_sample * (static_cast<double>(n) - delay));
+    weight += window;
   }
+  return 2.0 * std::complex<double>(0, 1) * sum / weight;
+}
+
+} // namespace
+
+TEST_CASE(
+    "a delayed tone is flat within 0.1 dB to 20 kHz at 44.1 kHz and arrives within 0.01 samples") {
+  for (const double delay : {20.5, 33.25, 57.5, 100.75, 1000.1})
+    for (const double frequency : {100.0, 1000.0, 8000.0, 12000.0, 16000.0, 18000.0, 20000.0}) {
+      CAPTURE(delay);
+      CAPTURE(frequency);
+      const double omega = 2 * kPi * frequency / 44100;
+      const auto gain = response(delay, omega);
+      CHECK(std::abs(20 * std::log10(std::abs(gain))) < 0.1);
+      CHECK(std::abs(std::arg(gain)) / omega < 0.01);
+    }
+}
+
+TEST_CASE(
+    "a delay shorter than the kernel's half is exact when whole and good at low frequencies") {
+  for (const double delay : {0.0, 1.0, 2.0, 7.0, 19.0})
+    CHECK(std::abs(response(delay, 2.8) - 1.0) < 1e-4);
+  for (const double delay : {2.5, 5.25, 13.75})
+    CHECK(std::abs(20 * std::log10(std::abs(response(delay, kPi / 2)))) < 0.25);
+}
+
+TEST_CASE("a delay that is moved in steps at 1 kHz glides as one that moves smoothly") {
+  // A listener that goes away at 1 m/s: 1/346.1 samples a sample.
+  constexpr double kSpeed = 1 / 346.1, kTone = 2 * kPi * 3000 / 48000;
+  constexpr std::size_t kCount = 48000, kUpdate = 48;
+  for (const bool bends : {true, false}) {
+    DelayLine line;
+    line.prepare(4800);
+    line.set(100, bends, true);
+    std::vector<float> sound(kCount);
+    for (std::size_t n = 0; n < kCount; ++n) {
+      if (n % kUpdate == 0)
+        line.set(100 + kSpeed * static_cast<double>(n), bends, false);
+      sound[n] = line.step(static_cast<float>(std::sin(kTone * static_cast<double>(n))));
+    }
+    // What is further away from the tone than the cross-fade's or the window's own width, against
+    // it.
+    const int width = bends ? 28 : 300;
+    double near = 0, far = 0;
+    constexpr std::size_t kWindow = 8192;
+    for (int offset = -4000; offset <= 4000; offset += 5) {
+      const double omega = kTone + 2 * kPi * offset / 48000.0;
+      std::complex<double> sum = 0;
+      for (std::size_t n = 0; n < kWindow; ++n) {
+        const double u = 2 * kPi * static_cast<double>(n) / kWindow;
+        const double window =
+            0.35875 - 0.48829 * std::cos(u) + 0.14128 * std::cos(2 * u) - 0.01168 * std::cos(3 * u);
+        sum += window * static_cast<double>(sound[n + 20000]) *
+               std::polar(1.0, -omega * static_cast<double>(n));
+      }
+      (std::abs(offset) > width ? far : near) += std::norm(sum);
+    }
+    CAPTURE(bends);
+    CHECK(10 * std::log10(far / near) < -60);
+  }
+}
+
+TEST_CASE("a gliding delay is the exact one at every sample, and no jump makes it too fast") {
+  constexpr double kTone = 0.4;
+  DelayLine line;
+  line.prepare(4800);
+  line.set(50, true, true);
+  line.set(3000, true, false); // 20 m
+  std::vector<float> sound(40000);
+  double last = 0, fastest = 0;
+  for (std::size_t n = 0; n < sound.size(); ++n)
+    sound[n] = line.step(static_cast<float>(std::sin(kTone * static_cast<double>(n))));
+  // The phase by the tone's quarter-turned twin: instantaneous frequency from three samples.
+  for (std::size_t n = 200; n < sound.size(); ++n) { // the onset rings
+    const double middle = static_cast<double>(sound[n - 1]);
+    if (std::abs(middle) < 0.5)
+      continue;
+    const double turn = std::acos(std::clamp(
+        0.5 * (static_cast<double>(sound[n]) + static_cast<double>(sound[n - 2])) / middle, -1.0,
+        1.0));
+    fastest = std::max(fastest, std::abs(turn / kTone - 1));
+    last = turn;
+  }
+  CHECK(fastest < DelayLine::kFastest + 0.01);
+  CHECK(last == doctest::Approx(kTone).epsilon(1e-4));
+  CHECK(std::abs(static_cast<double>(sound.back()) - std::sin(kTone * (39999.0 - 3000))) < 1e-4);
 }
