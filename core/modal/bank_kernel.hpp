@@ -15,7 +15,7 @@ inline constexpr std::size_t kLeap = 16;  ///< samples from one state to the nex
 inline constexpr std::size_t kHalfLeap = kLeap / 2;
 inline constexpr std::size_t kMostLeaps = 4; ///< in one call
 inline constexpr std::size_t kMostSamples = kLeap * kMostLeaps;
-inline constexpr std::size_t kMostEars = 8; ///< pick-ups in one call
+inline constexpr std::size_t kMostEars = 12; ///< pick-ups in one call
 
 /// One number of each of kLanes modes.
 struct alignas(64) Lane {

@@ -85,15 +85,42 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   const std::span<const std::complex<double>> all(rate);
   bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, settings.listeners,
                   settings.vector_set);
-  solver = ContactSolver(all, settings.sample_rate, settings.voices + 1,
-                         table.free && table.mass_kg > 0, settings.listeners, settings.vector_set);
+  solver =
+      ContactSolver(all, settings.sample_rate, settings.voices + 1, table.free && table.mass_kg > 0,
+                    3 * settings.listeners, settings.vector_set);
   find_weights();
   for (std::size_t k = 0; k < heard; ++k)
     loudness.push_back(ear[k] * loudest_weight(k));
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     bank.jump_to_weight(l, weight[l]);
-    solver.set_weight(l, weight[l]);
   }
+  for (auto& part : scratch_weight_)
+    part.assign(heard, 0);
+  refresh_ears();
+}
+
+void BodyModel::refresh_ears() noexcept {
+  if (ears_version_ == bank.glide_version())
+    return;
+  ears_version_ = bank.glide_version();
+  ear_count = 0;
+  const auto add = [&](std::size_t listener, ModeBank::Part part) {
+    auto& weights = scratch_weight_[0];
+    for (std::size_t k = 0; k < heard; ++k)
+      weights[k] = bank.weight(listener, part, k);
+    solver.set_weight(ear_count, weights);
+    ears[ear_count++] = {listener, part};
+  };
+  for (std::size_t l = 0; l < settings.listeners; ++l) {
+    const Glide& glide = bank.glide(l);
+    if (glide.moving())
+      add(l, ModeBank::kMiddle);
+    if (glide.moving() && glide.has_old())
+      add(l, ModeBank::kOld);
+    if (!glide.moving() || glide.has_fresh())
+      add(l, ModeBank::kFresh);
+  }
+  solver.set_listening(ear_count);
 }
 
 double BodyModel::loudest_weight(std::size_t k) const noexcept {
@@ -181,12 +208,10 @@ void BodyModel::find_weights() {
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     weight[l].assign(heard, 0);
     if (plays_raw) {
-      old_weight[l].assign(heard, 0);
       raw[l].set(table.raw, settings.listener[l], table.air_density_kg_per_m3,
                  table.sound_speed_m_per_s);
       continue;
     }
-    old_weight[l].assign(heard, 0);
     if (l >= settings.listeners)
       continue;
     ListenerTransfer transfer;
@@ -309,7 +334,20 @@ std::complex<double> same_motion(std::complex<double> z, std::complex<double> be
 
 } // namespace
 
+void BodyModel::release_from(BodyModel& before) noexcept {
+  if (before.bank.release_left() == 0)
+    return;
+  before.bank.read_released(std::span(before.scratch_state).first(before.heard));
+  for (std::size_t i = 0; i < heard; ++i) {
+    const std::size_t j = before.place_of[mode[i]];
+    scratch_state[i] =
+        j < before.heard ? same_motion(before.scratch_state[j], before.rate[j], rate[i]) : 0.0;
+  }
+  bank.write_released(std::span(scratch_state).first(heard), before.bank.release_left());
+}
+
 void BodyModel::continue_from(BodyModel& before) noexcept {
+  release_from(before);
   before.bank.read_states(std::span(before.scratch_state).first(before.heard));
   for (std::size_t i = 0; i < heard; ++i) {
     const std::size_t j = before.place_of[mode[i]];
@@ -317,10 +355,11 @@ void BodyModel::continue_from(BodyModel& before) noexcept {
         j < before.heard ? same_motion(before.scratch_state[j], before.rate[j], rate[i]) : 0.0;
   }
   bank.write_states(std::span(scratch_state).first(heard));
-  fade_from(before);
+  glide_from(before);
 }
 
 void BodyModel::continue_touched(BodyModel& before) noexcept {
+  release_from(before);
   before.solver.read_states(before.scratch_state);
   for (std::size_t i = 0; i < mode.size(); ++i) {
     const std::size_t j = before.place_of[mode[i]];
@@ -331,26 +370,28 @@ void BodyModel::continue_touched(BodyModel& before) noexcept {
   solver.write_states(scratch_state);
   const double longer = settings.size / before.settings.size;
   solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1, longer);
-  fade_from(before);
+  glide_from(before);
 }
 
-void BodyModel::fade_from(const BodyModel& before) noexcept {
+void BodyModel::glide_from(BodyModel& before) noexcept {
   bank.set_clock(before.bank.clock());
-  for (std::size_t l = 0; l < kMostListeners; ++l) {
-    for (std::size_t i = 0; i < heard; ++i) {
-      const std::size_t j = before.place_of[mode[i]];
-      if (j >= before.heard) {
-        old_weight[l][i] = weight[l][i];
-        continue;
+  for (std::size_t l = 0; l < std::min(settings.listeners, before.settings.listeners); ++l) {
+    for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kFresh})
+      for (std::size_t i = 0; i < heard; ++i) {
+        const std::size_t j = before.place_of[mode[i]];
+        if (j >= before.heard) {
+          scratch_weight_[part][i] = weight[l][i];
+          continue;
+        }
+        // What this displacement and velocity sounded like until now: the same w_i (q' + alpha q) +
+        // w_r omega q, written for the new rate. The glide begins without a step.
+        const std::complex<double> w = before.bank.weight(l, part, j), s = before.rate[j];
+        scratch_weight_[part][i] = {(w.real() * s.imag() + w.imag() * (rate[i].real() - s.real())) /
+                                        rate[i].imag(),
+                                    w.imag()};
       }
-      // What this displacement and velocity sounded like until now: the same w_i (q' + alpha q) +
-      // w_r omega q, written for the new rate. The fade begins without a step.
-      const std::complex<double> w = before.weight[l][j], s = before.rate[j];
-      old_weight[l][i] = {(w.real() * s.imag() + w.imag() * (rate[i].real() - s.real())) /
-                              rate[i].imag(),
-                          w.imag()};
-    }
-    bank.jump_to_weight(l, old_weight[l]);
+    bank.take_glide(l, before.bank.glide(l),
+                    {scratch_weight_[0], scratch_weight_[1], scratch_weight_[2]});
     bank.set_weight(l, weight[l]);
   }
 }

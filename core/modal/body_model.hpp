@@ -78,7 +78,7 @@ struct BodyModel {
   std::size_t heard = 0;
   std::vector<std::complex<double>> rate;                               ///< of `mode`
   std::array<std::vector<std::complex<double>>, kMostListeners> weight; ///< of the first `heard`
-  std::array<double, kMostListeners> delay_s{}; ///< of the delay line
+  std::array<double, kMostListeners> delay_s{};                         ///< of the delay line
   /// Besides: the fraction of a sample that the weights of a near listener hold (DelayLine).
   std::array<double, kMostListeners> delay_in_weight_s{};
   bool plays_raw = false; ///< blows start recordings instead of contacts
@@ -92,7 +92,13 @@ struct BodyModel {
   std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
   std::vector<double> ear;                         ///< A-weighting of the heard modes
   std::vector<double> loudness; ///< of the heard modes: at the loudest listener and to the ear
-  std::array<std::vector<std::complex<double>>, kMostListeners> old_weight; ///< while a fade lasts
+  /// What the contact solver listens with: a listener, and which of its gliding weights.
+  struct Ear {
+    std::size_t listener = 0;
+    ModeBank::Part part = ModeBank::kFresh;
+  };
+  std::array<Ear, 3 * kMostListeners> ears{};
+  std::size_t ear_count = 0;
 
   static constexpr double kContactLimit = 60000; ///< Hz
 
@@ -110,17 +116,24 @@ struct BodyModel {
   /// The nearest place of the surface to a point in metres, in the body's present size.
   [[nodiscard]] SurfacePoint nearest(const Vec3& point) const noexcept;
   /// Lets this model go on where another of the same table was: modal displacement and velocity
-  /// stay, and so does the sound, whose weights change in a fade.
+  /// stay, and so does the sound, whose weights glide.
   void continue_from(BodyModel& before) noexcept;
   /// The same while something touches the body: motion is in the solvers. Contacts are still to be
   /// taken over.
   void continue_touched(BodyModel& before) noexcept;
 
+  /// Gives the contact solver the weights that the bank's glides are at now, if they have changed.
+  void refresh_ears() noexcept;
+
 private:
-  void fade_from(const BodyModel& before) noexcept;
+  void glide_from(BodyModel& before) noexcept;
+  void release_from(BodyModel& before) noexcept;
   [[nodiscard]] double decay_rate(std::size_t mode, double omega) const;
   void find_rates();
   void find_weights();
+
+  std::array<std::vector<std::complex<double>>, 3> scratch_weight_; ///< as long as `heard`
+  std::uint64_t ears_version_ = 0; ///< of the bank's weights that the solver has
 };
 
 } // namespace tactus::modal

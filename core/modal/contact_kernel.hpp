@@ -45,7 +45,7 @@ template <class T> struct ConstSplitView {
 /// overlap.
 template <class T> struct ContactPass {
   static constexpr std::size_t kMost = 2;
-  static constexpr std::size_t kMostEars = 8;
+  static constexpr std::size_t kMostEars = 12;
   std::size_t count = 0; ///< a whole multiple of kContactLanes
   SplitView<T> z{};
   ConstSplitView<T> turn{}; ///< p - 1: a step's change of the state

@@ -39,6 +39,7 @@ public:
     }
     for (std::size_t l = 0; l < ears_.size(); ++l)
       ears_[l] = std::as_const(weights_[l]).view();
+    listening_ = ears_.size();
     set_steps(1);
   }
 
@@ -102,7 +103,7 @@ public:
       pass_.gain = slots_[slot].place_gain.data();
     }
     pass_.steps = steps;
-    pass_.ears = ends_sample ? ears_.size() : 0;
+    pass_.ears = ends_sample ? listening_ : 0;
     kernel_->advance(pass_);
     pass_.pushes = steps;
     pass_.force[0] = pass_.force[1] = 0;
@@ -164,6 +165,10 @@ public:
     for (std::size_t i = 0; i < slots_.size(); ++i)
       slots_[i].echo_known = false;
   }
+  void set_listening(std::size_t listeners) noexcept override {
+    listening_ = std::min(listeners, ears_.size());
+    heard_ = false;
+  }
   [[nodiscard]] double hear(std::size_t listener) noexcept override {
     if (heard_)
       return pass_.heard[listener];
@@ -187,7 +192,7 @@ public:
     const T size = static_cast<T>(impulse);
     for (std::size_t k = 0; k < count; ++k)
       state_.real[k] += static_cast<T>(gain[k]) * size;
-    for (std::size_t l = 0; l < ears_.size() && heard_; ++l)
+    for (std::size_t l = 0; l < listening_ && heard_; ++l)
       pass_.heard[l] += impulse * apart(count, [&](std::size_t k) {
                           return static_cast<T>(gain[k]) * ears_[l].imaginary[k];
                         });
@@ -311,7 +316,7 @@ private:
   void find_echo(std::size_t slot) noexcept {
     Slot& s = slots_[slot];
     s.echo_known = true;
-    for (std::size_t l = 0; l < ears_.size(); ++l) {
+    for (std::size_t l = 0; l < listening_; ++l) {
       Echo& echo = echo_[slot * ears_.size() + l];
       const ConstSplitView<T> w = ears_[l];
       echo[0] = kernel_->hear(w, std::as_const(s.push).view(), padded_);
@@ -327,12 +332,12 @@ private:
   void hear_force(std::size_t slot, std::size_t lag, double force) noexcept {
     if (!slots_[slot].echo_known)
       find_echo(slot);
-    for (std::size_t l = 0; l < ears_.size(); ++l)
+    for (std::size_t l = 0; l < listening_; ++l)
       pass_.heard[l] += force * echo_[slot * ears_.size() + l][lag];
   }
 
   const ContactKernel<T>* kernel_;
-  std::size_t modes_, padded_ = 0;
+  std::size_t modes_, padded_ = 0, listening_ = 0;
   unsigned most_steps_;
   std::vector<double> alpha_, omega_;
   Split<double> finest_, change_; ///< p - 1 of the shortest step; (p - 1)/s of the step at work

@@ -51,6 +51,8 @@ public:
   [[nodiscard]] virtual double place(std::size_t slot) const noexcept = 0;
   virtual void set_weight(std::size_t listener,
                           std::span<const std::complex<double>> weight) noexcept = 0;
+  /// Only so many listeners hear from now on, the first ones.
+  virtual void set_listening(std::size_t listeners) noexcept = 0;
   /// Sum over modes of Im(w z).
   [[nodiscard]] virtual double hear(std::size_t listener) noexcept = 0;
   /// The same with other weights, slower.

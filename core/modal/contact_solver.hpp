@@ -79,6 +79,7 @@ public:
   void set_weight(std::size_t listener, std::span<const std::complex<double>> weight) noexcept {
     swings_->set_weight(listener, weight);
   }
+  void set_listening(std::size_t listeners) noexcept { swings_->set_listening(listeners); }
   [[nodiscard]] double hear(std::size_t listener) noexcept { return swings_->hear(listener); }
   /// A contact goes on with the body's new rates and shapes: same compression and striker.
   /// Both solvers' modal states must be in place; gains as in begin().

@@ -45,6 +45,8 @@ public:
   /// Ends at once where the owner has put all three values to the target.
   void stop() noexcept { *this = {}; }
   [[nodiscard]] bool waits() const noexcept { return waits_; }
+  /// A target that waits is not to come.
+  void forget_target() noexcept { waits_ = false; }
 
   /// Samples up to the next exchange.
   [[nodiscard]] std::size_t left() const noexcept { return kSegment - position_; }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace tactus::modal {
 namespace {
@@ -21,14 +23,15 @@ ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rat
     : modes_(rate.size()), blocks_((rate.size() + kLanes - 1) / kLanes), sample_rate_(sample_rate),
       kernel_(bank_kernel(set)), poles_(blocks_), state_(blocks_),
       gain_(std::min(drives, kMostDrives), std::vector<Lane>(blocks_)),
-      pickups_(std::min(pickups, kMostPickups)), echo_(gain_.size() * pickups_.size() * 2),
-      echo_stale_(gain_.size() * pickups_.size(), 1), active_(blocks_), is_active_(blocks_, 0),
+      pickups_(std::min(pickups, kMostPickups)), echo_(gain_.size() * pickups_.size() * 3),
+      active_(blocks_), is_active_(blocks_, 0), released_(blocks_), released_active_(blocks_),
       history_(gain_.size()) {
   if (!kernel_)
     kernel_ = bank_kernel(VectorSet::kBaseline);
   for (Pickup& pickup : pickups_) {
-    pickup.weight.resize(blocks_);
-    pickup.old_weight.resize(blocks_);
+    for (auto& weight : pickup.weight)
+      weight.resize(blocks_);
+    pickup.target.resize(blocks_);
   }
   make_poles(rate);
 }
@@ -78,10 +81,10 @@ void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
       for (std::size_t m = 0; m < kHalfLeap; ++m)
         put(poles.power[m], lane,
             std::polar(1.0, rate[k].imag() * (static_cast<double>(m) + 0.5) / sample_rate_));
-      constexpr double kMiddle = kHalfLeap + 0.5;
+      constexpr double kCentre = kHalfLeap + 0.5;
       put(poles.power[PoleBlock::kWholeLeap], lane, power(kLeap));
-      put(poles.power[PoleBlock::kToMiddle], lane, power(kMiddle));
-      put(poles.power[PoleBlock::kFromMiddle], lane, power(-kMiddle));
+      put(poles.power[PoleBlock::kToMiddle], lane, power(kCentre));
+      put(poles.power[PoleBlock::kFromMiddle], lane, power(-kCentre));
       put(poles.power[PoleBlock::kOneSample], lane, power(1));
     }
   }
@@ -96,7 +99,8 @@ void ModeBank::set_gain(std::size_t drive, std::span<const double> gain) noexcep
     gain_[drive][block].v[lane] = static_cast<float>(gain[k] / sample_rate_);
   }
   for (std::size_t i = 0; i < pickups_.size(); ++i)
-    echo_stale_[drive * pickups_.size() + i] = 1;
+    for (const std::size_t part : {kOld, kMiddle, kFresh})
+      echo(drive, i, part).known = false;
 }
 
 void ModeBank::write_weight(std::vector<ComplexLane>& to,
@@ -112,25 +116,19 @@ void ModeBank::set_weight(std::size_t pickup,
                           std::span<const std::complex<double>> weight) noexcept {
   if (pickup >= pickups_.size())
     return;
-  settle();
   Pickup& at = pickups_[pickup];
-  if (at.fade_left > 0) {
-    // A fade under way goes on from the mixture it has reached.
-    const float rest = static_cast<float>(at.fade_left) / static_cast<float>(kFade);
-    for (std::size_t b = 0; b < blocks_; ++b)
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        float& real = at.old_weight[b].real.v[i];
-        float& imaginary = at.old_weight[b].imaginary.v[i];
-        real = at.weight[b].real.v[i] + rest * (real - at.weight[b].real.v[i]);
-        imaginary = at.weight[b].imaginary.v[i] + rest * (imaginary - at.weight[b].imaginary.v[i]);
-      }
-  } else {
-    std::copy(at.weight.begin(), at.weight.end(), at.old_weight.begin());
+  const auto& last = at.glide.waits() ? at.target : at.weight[kFresh];
+  bool same = true;
+  for (std::size_t k = 0; k < std::min(modes_, weight.size()) && same; ++k) {
+    const auto [block, lane] = place(k);
+    same = last[block].real.v[lane] == static_cast<float>(weight[k].real()) &&
+           last[block].imaginary.v[lane] == static_cast<float>(weight[k].imag());
   }
-  at.fade_left = kFade;
-  write_weight(at.weight, weight);
-  for (std::size_t d = 0; d < gain_.size(); ++d)
-    echo_stale_[d * pickups_.size() + pickup] = 1;
+  if (same)
+    return;
+  settle();
+  write_weight(at.target, weight);
+  exchange(pickup, at.glide.start(), true);
 }
 
 void ModeBank::jump_to_weight(std::size_t pickup,
@@ -138,51 +136,113 @@ void ModeBank::jump_to_weight(std::size_t pickup,
   if (pickup >= pickups_.size())
     return;
   settle();
-  pickups_[pickup].fade_left = 0;
-  write_weight(pickups_[pickup].weight, weight);
+  pickups_[pickup].glide.stop();
+  write_weight(pickups_[pickup].weight[kFresh], weight);
   for (std::size_t d = 0; d < gain_.size(); ++d)
-    echo_stale_[d * pickups_.size() + pickup] = 1;
+    echo(d, pickup, kFresh).known = false;
+  ++glide_version_;
 }
 
-void ModeBank::work_out_echo(std::size_t drive, std::size_t pickup) noexcept {
-  const std::size_t index = drive * pickups_.size() + pickup;
-  if (!echo_stale_[index])
+void ModeBank::take_glide(
+    std::size_t pickup, const Glide& glide,
+    const std::array<std::span<const std::complex<double>>, 3>& weight) noexcept {
+  if (pickup >= pickups_.size())
     return;
-  echo_stale_[index] = 0;
-  for (const bool old : {false, true}) {
-    Echo& out = echo(drive, pickup, old);
-    out.fill(0);
-    if (old && pickups_[pickup].fade_left == 0)
-      continue;
-    const auto& weight = old ? pickups_[pickup].old_weight : pickups_[pickup].weight;
-    std::array<double, kLeap> sum{};
-    for (std::size_t b = 0; b < blocks_; ++b) {
-      const ComplexLane& pole = poles_[b].one_sample();
-      ComplexLane heard;
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        heard.real.v[i] = gain_[drive][b].v[i] * weight[b].real.v[i];
-        heard.imaginary.v[i] = gain_[drive][b].v[i] * weight[b].imaginary.v[i];
-      }
-      for (std::size_t m = 0; m < kLeap; ++m) {
-        float part = 0;
-        for (std::size_t i = 0; i < kLanes; ++i) {
-          float& real = heard.real.v[i];
-          float& imaginary = heard.imaginary.v[i];
-          part += imaginary;
-          const float turned = pole.real.v[i] * real - pole.imaginary.v[i] * imaginary;
-          imaginary = pole.real.v[i] * imaginary + pole.imaginary.v[i] * real;
-          real = turned;
-        }
-        sum[m] += static_cast<double>(part);
-      }
-    }
-    for (std::size_t m = 0; m < kLeap; ++m)
-      out[kLeap + m] = static_cast<float>(sum[m]);
+  settle();
+  Pickup& at = pickups_[pickup];
+  at.glide = glide;
+  at.glide.forget_target();
+  for (const std::size_t part : {kOld, kMiddle, kFresh}) {
+    write_weight(at.weight[part], weight[part]);
+    for (std::size_t d = 0; d < gain_.size(); ++d)
+      echo(d, pickup, part).known = false;
   }
+  ++glide_version_;
+}
+
+/// Moves the weights on, and what is known of them.
+void ModeBank::exchange(std::size_t pickup, Glide::Exchange exchange, bool waited) noexcept {
+  if (exchange == Glide::Exchange::kNone)
+    return;
+  ++glide_version_;
+  auto& weight = pickups_[pickup].weight;
+  const auto move_on = [&](Part from, Part to) {
+    std::swap(weight[from], weight[to]);
+    for (std::size_t d = 0; d < gain_.size(); ++d)
+      std::swap(echo(d, pickup, from), echo(d, pickup, to));
+  };
+  if (exchange == Glide::Exchange::kRotate)
+    move_on(kMiddle, kOld);
+  move_on(kFresh, kMiddle);
+  const auto& fresh = waited ? pickups_[pickup].target : weight[kMiddle];
+  std::copy(fresh.begin(), fresh.end(), weight[kFresh].begin());
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    if (waited)
+      echo(d, pickup, kFresh).known = false;
+    else
+      echo(d, pickup, kFresh) = echo(d, pickup, kMiddle);
+}
+
+void ModeBank::advance_glides(std::size_t samples) noexcept {
+  for (std::size_t i = 0; i < pickups_.size(); ++i) {
+    const bool waited = pickups_[i].glide.waits();
+    exchange(i, pickups_[i].glide.advance(samples), waited);
+  }
+}
+
+std::size_t ModeBank::glide_left() const noexcept {
+  std::size_t left = Glide::kSegment;
+  for (const Pickup& pickup : pickups_)
+    if (pickup.glide.moving())
+      left = std::min(left, pickup.glide.left());
+  return left;
+}
+
+std::complex<double> ModeBank::weight(std::size_t pickup, Part part,
+                                      std::size_t mode) const noexcept {
+  const auto [block, lane] = place(mode);
+  return entry(pickups_[pickup].weight[part][block], lane);
+}
+
+void ModeBank::work_out_echo(std::size_t drive, std::size_t pickup, std::size_t part) noexcept {
+  KnownEcho& found = echo(drive, pickup, part);
+  if (found.known)
+    return;
+  found.known = true;
+  found.echo.fill(0);
+  const auto& weight = pickups_[pickup].weight[part];
+  std::array<double, kLeap> sum{};
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    const ComplexLane& pole = poles_[b].one_sample();
+    ComplexLane heard;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      heard.real.v[i] = gain_[drive][b].v[i] * weight[b].real.v[i];
+      heard.imaginary.v[i] = gain_[drive][b].v[i] * weight[b].imaginary.v[i];
+    }
+    for (std::size_t m = 0; m < kLeap; ++m) {
+      float part_sum = 0;
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        float& real = heard.real.v[i];
+        float& imaginary = heard.imaginary.v[i];
+        part_sum += imaginary;
+        const float turned = pole.real.v[i] * real - pole.imaginary.v[i] * imaginary;
+        imaginary = pole.real.v[i] * imaginary + pole.imaginary.v[i] * real;
+        real = turned;
+      }
+      sum[m] += static_cast<double>(part_sum);
+    }
+  }
+  for (std::size_t m = 0; m < kLeap; ++m)
+    found.echo[kLeap + m] = static_cast<float>(sum[m]);
 }
 
 BankView ModeBank::view() noexcept {
   return {poles_.data(), decays_.data(), state_.data(), std::span(active_).first(active_count_)};
+}
+
+BankView ModeBank::released_view() noexcept {
+  return {poles_.data(), decays_.data(), released_.data(),
+          std::span(released_active_).first(released_count_)};
 }
 
 void ModeBank::wake(std::size_t drive) noexcept {
@@ -211,7 +271,7 @@ void ModeBank::process(std::span<const float* const> force, std::span<float* con
   std::size_t done = 0;
   while (done < frames) {
     const std::size_t to_grid = kMostSamples - static_cast<std::size_t>(clock_ % kMostSamples);
-    const std::size_t count = std::min(frames - done, to_grid);
+    const std::size_t count = std::min({frames - done, to_grid, glide_left()});
     for (std::size_t d = 0; d < gain_.size(); ++d)
       force_[d] = d < force.size() && force[d] ? force[d] + done : nullptr;
     for (std::size_t i = 0; i < pickups_.size(); ++i)
@@ -244,11 +304,17 @@ void ModeBank::chunk(std::size_t frames) noexcept {
   for (std::size_t i = 0; i < pickups_.size(); ++i) {
     if (!out_[i])
       continue;
-    ears_[ear_count_++] = {i, false};
-    if (pickups_[i].fade_left > 0)
-      ears_[ear_count_++] = {i, true};
+    const Glide& glide = pickups_[i].glide;
+    const std::size_t first = ear_count_;
+    if (glide.moving())
+      ears_[ear_count_++] = {i, kMiddle};
+    if (glide.moving() && glide.has_old())
+      ears_[ear_count_++] = {i, kOld};
+    if (!glide.moving() || glide.has_fresh())
+      ears_[ear_count_++] = {i, kFresh};
     for (std::size_t n = 0; n < pushing_count_; ++n)
-      work_out_echo(pushing_[n], i);
+      for (std::size_t e = first; e < ear_count_; ++e)
+        work_out_echo(pushing_[n], i, ears_[e].part);
   }
   for (std::size_t done = 0; done < frames;) {
     const std::size_t to_grid = kLeap - static_cast<std::size_t>(clock_ % kLeap);
@@ -263,6 +329,7 @@ void ModeBank::chunk(std::size_t frames) noexcept {
     done += count;
   }
   mix();
+  advance_glides(frames);
   if (clock_ % kRestPeriod == 0)
     rest();
 }
@@ -270,8 +337,7 @@ void ModeBank::chunk(std::size_t frames) noexcept {
 std::size_t ModeBank::make_ears(std::size_t at) noexcept {
   for (std::size_t e = 0; e < ear_count_; ++e) {
     const Pickup& pickup = pickups_[ears_[e].pickup];
-    kernel_pickups_[e] = {(ears_[e].old ? pickup.old_weight : pickup.weight).data(),
-                          heard_[e].data() + at};
+    kernel_pickups_[e] = {pickup.weight[ears_[e].part].data(), heard_[e].data() + at};
   }
   return ear_count_;
 }
@@ -284,12 +350,22 @@ void ModeBank::whole_leaps(std::size_t at, std::size_t leaps) noexcept {
   for (std::size_t n = 0; n < pushing_count_; ++n)
     for (std::size_t e = 0; e < ear_count_; ++e)
       kernel_->echo(force_[pushing_[n]] + at,
-                    echo(pushing_[n], ears_[e].pickup, ears_[e].old).data(), leaps,
+                    echo(pushing_[n], ears_[e].pickup, ears_[e].part).echo.data(), leaps,
                     heard_[e].data() + at);
+  if (release_left_ == 0)
+    return;
+  for (std::size_t e = 0; e < ear_count_; ++e)
+    kernel_pickups_[e].out = heard_released_[e].data() + at;
+  kernel_->run(released_view(), leaps, {}, std::span(kernel_pickups_).first(ear_count_));
 }
 
 void ModeBank::part_of_leap(std::size_t at, std::size_t count, bool ends) noexcept {
   kernel_->listen(view(), phase_, count, std::span(kernel_pickups_).first(make_ears(at)));
+  if (release_left_ > 0) {
+    for (std::size_t e = 0; e < ear_count_; ++e)
+      kernel_pickups_[e].out = heard_released_[e].data() + at;
+    kernel_->listen(released_view(), phase_, count, std::span(kernel_pickups_).first(ear_count_));
+  }
   for (std::size_t d = 0; d < gain_.size(); ++d)
     std::copy_n(force_[d] + at, count, history_[d].begin() + static_cast<std::ptrdiff_t>(phase_));
   for (std::size_t n = 0; n < pushing_count_; ++n)
@@ -307,6 +383,8 @@ void ModeBank::settle() noexcept {
     if (std::any_of(history_[d].begin(), history_[d].end(), [](float f) { return f != 0; }))
       kernel_drives_[count++] = {gain_[d].data(), history_[d].data()};
   kernel_->advance(view(), phase_, std::span(kernel_drives_).first(count));
+  if (release_left_ > 0)
+    kernel_->advance(released_view(), phase_, {});
   for (auto& history : history_)
     history.fill(0);
   phase_ = 0;
@@ -317,25 +395,48 @@ void ModeBank::add_echo(std::size_t drive, std::size_t from, std::size_t to,
                         std::size_t at) noexcept {
   for (std::size_t e = 0; e < ear_count_; ++e) {
     std::array<float, kLeap> sum{};
-    kernel_->echo(history_[drive].data(), echo(drive, ears_[e].pickup, ears_[e].old).data(), 1,
-                  sum.data());
+    kernel_->echo(history_[drive].data(), echo(drive, ears_[e].pickup, ears_[e].part).echo.data(),
+                  1, sum.data());
     for (std::size_t i = from; i < to; ++i)
       heard_[e][at + i - from] += sum[i];
   }
 }
 
 void ModeBank::mix() noexcept {
+  if (release_left_ > 0)
+    mix_released();
+  for (std::size_t i = 0; i < pickups_.size(); ++i)
+    if (out_[i])
+      std::fill_n(out_[i], frames_, 0.0F);
   for (std::size_t e = 0; e < ear_count_; ++e) {
-    Pickup& pickup = pickups_[ears_[e].pickup];
-    float* out = out_[ears_[e].pickup];
-    if (!ears_[e].old) {
+    const auto [pickup, part] = ears_[e];
+    const Glide& glide = pickups_[pickup].glide;
+    float* const out = out_[pickup];
+    if (!glide.moving()) {
       std::copy_n(heard_[e].begin(), frames_, out);
       continue;
     }
-    for (std::size_t n = 0; n < frames_ && pickup.fade_left > 0; ++n, --pickup.fade_left)
-      out[n] += static_cast<float>(pickup.fade_left) / static_cast<float>(kFade) *
-                (heard_[e][n] - out[n]);
+    for (std::size_t n = 0; n < frames_; ++n) {
+      const Glide::Blend blend = glide.blend(n);
+      const double share = part == kOld ? blend.old : part == kMiddle ? blend.middle : blend.fresh;
+      out[n] += static_cast<float>(share) * heard_[e][n];
+    }
   }
+}
+
+/// Adds what is being released, under half a cosine's turn.
+void ModeBank::mix_released() noexcept {
+  const std::size_t count = std::min(frames_, release_left_);
+  for (std::size_t n = 0; n < count; ++n) {
+    const auto share = static_cast<float>(release_share(release_left_ - n));
+    for (std::size_t e = 0; e < ear_count_; ++e)
+      heard_[e][n] += share * heard_released_[e][n];
+  }
+  release_left_ -= count;
+  if (release_left_ > 0)
+    return;
+  std::fill(released_.begin(), released_.end(), ComplexLane{});
+  released_count_ = 0;
 }
 
 void ModeBank::rest() noexcept {
@@ -348,8 +449,8 @@ void ModeBank::rest() noexcept {
     float loudest = 0;
     for (const Pickup& pickup : pickups_)
       for (std::size_t i = 0; i < kLanes; ++i)
-        loudest = std::max({loudest, std::abs(pickup.weight[b].real.v[i]),
-                            std::abs(pickup.weight[b].imaginary.v[i])});
+        loudest = std::max({loudest, std::abs(pickup.weight[kFresh][b].real.v[i]),
+                            std::abs(pickup.weight[kFresh][b].imaginary.v[i])});
     for (std::size_t i = 0; i < kLanes; ++i) {
       float& real = state_[b].real.v[i];
       float& imaginary = state_[b].imaginary.v[i];
@@ -385,17 +486,63 @@ void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
   list_active();
 }
 
-void ModeBank::read_states(std::span<std::complex<double>> z) noexcept {
-  settle();
+void ModeBank::read(const std::vector<ComplexLane>& from,
+                    std::span<std::complex<double>> z) const noexcept {
   for (std::size_t b = 0; b < blocks_; ++b) {
     const std::size_t first = b * kLanes,
                       last = std::min(first + kLanes, std::min(modes_, z.size()));
-    const ComplexLane& from = state_[b];
     const ComplexLane* turn = poles_[b].even ? &poles_[b].power[PoleBlock::kFromMiddle] : nullptr;
     for (std::size_t k = first; k < last; ++k) {
-      const auto value = entry(from, k - first);
+      const auto value = entry(from[b], k - first);
       z[k] = turn ? product(value, entry(*turn, k - first)) : value;
     }
+  }
+}
+
+void ModeBank::read_states(std::span<std::complex<double>> z) noexcept {
+  settle();
+  read(state_, z);
+}
+
+void ModeBank::read_released(std::span<std::complex<double>> z) noexcept {
+  settle();
+  read(released_, z);
+}
+
+void ModeBank::write_released(std::span<const std::complex<double>> z, std::size_t left) noexcept {
+  write_states(z);
+  release();
+  release_left_ = std::min(left, kRelease);
+}
+
+double ModeBank::release_share(std::size_t left) noexcept {
+  const double u = static_cast<double>(kRelease - left) / kRelease;
+  return 0.5 + 0.5 * std::cos(std::numbers::pi * u);
+}
+
+void ModeBank::release() noexcept {
+  settle();
+  const auto share = static_cast<float>(release_share(release_left_));
+  for (std::size_t b = 0; b < blocks_; ++b)
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      float& real = released_[b].real.v[i];
+      float& imaginary = released_[b].imaginary.v[i];
+      real = share * real + state_[b].real.v[i];
+      imaginary = share * imaginary + state_[b].imaginary.v[i];
+    }
+  silence();
+  list_released();
+  release_left_ = released_count_ > 0 ? kRelease : 0;
+}
+
+void ModeBank::list_released() noexcept {
+  released_count_ = 0;
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    bool rings = false;
+    for (std::size_t i = 0; i < kLanes; ++i)
+      rings = rings || released_[b].real.v[i] != 0 || released_[b].imaginary.v[i] != 0;
+    if (rings)
+      released_active_[released_count_++] = static_cast<std::uint32_t>(b);
   }
 }
 
@@ -419,14 +566,16 @@ void ModeBank::write_states(std::span<const std::complex<double>> z) noexcept {
 
 void ModeBank::skip(std::size_t samples) noexcept {
   clock_ += samples;
-  for (Pickup& pickup : pickups_)
-    pickup.fade_left -= std::min(pickup.fade_left, samples);
+  while (samples > 0) {
+    const std::size_t part = std::min(samples, glide_left());
+    advance_glides(part);
+    samples -= part;
+  }
 }
 
 void ModeBank::silence() noexcept {
+  settle();
   std::fill(state_.begin(), state_.end(), ComplexLane{});
-  for (auto& history : history_)
-    history.fill(0);
   std::fill(is_active_.begin(), is_active_.end(), static_cast<unsigned char>(0));
   active_count_ = 0;
 }

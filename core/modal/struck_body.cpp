@@ -13,7 +13,6 @@ constexpr double kMostForce = 1e6;   // N taken from the inlet
 constexpr double kMostHeight = 10;   // m
 constexpr double kUnreal = 1e12;     // N
 constexpr double kQuietest = 1e-8;   // of full scale: a mode below it is put to rest
-constexpr std::size_t kFade = 512;   // samples, of the sound of a body that is exchanged
 constexpr double kGainSpeed = 0.005; // of the way, per sample
 
 /// Within bounds, and zero for what is no number.
@@ -33,6 +32,8 @@ template <class S> void make_sane(std::span<const S> from, double most, float* t
 StruckBody::~StruckBody() {
   drop_retired();
   delete incoming_.load();
+  for (const Leaving& body : leaving_)
+    delete body.body;
 }
 
 void StruckBody::drop_retired() noexcept {
@@ -51,6 +52,11 @@ void StruckBody::prepare(double sample_rate) {
     if (model_)
       line.set(model_->delay_s[static_cast<std::size_t>(&line - delay_.data())] * sample_rate,
                false, true);
+  }
+  for (Leaving& body : leaving_) {
+    retire(std::exchange(body.body, nullptr));
+    for (DelayLine& line : body.delay)
+      line.prepare(static_cast<std::size_t>(0.1 * sample_rate) + 1);
   }
 }
 
@@ -75,27 +81,31 @@ void StruckBody::adopt() noexcept {
       goes_on && coupled_now_ && next->model->settings.sample_rate == model_->settings.sample_rate;
   if (!touched)
     leave_contact();
-  if (touched) {
+  // In silence everything holds at once.
+  const bool in_silence =
+      !model_ || (!touched && silent_samples_ >= kSilence && model_->bank.asleep());
+  if (goes_on && in_silence) {
+    next->model->bank.set_clock(model_->bank.clock());
+  } else if (touched) {
     next->model->continue_touched(*model_);
   } else if (goes_on) {
     next->model->continue_from(*model_);
   } else {
     blows_ = {};
     next_landing_ = kNever;
-    left_over_ = last_;
-    fade_left_ = kFade;
     pulses_ = {};
-    recordings_ = {};
     if (model_)
       next->model->bank.set_clock(model_->bank.clock());
   }
   std::swap(model_, next->model);
   if (touched)
     take_over_contacts(*next->model);
+  if (goes_on)
+    retire(next);
+  else
+    leave(next);
   for (std::size_t l = 0; l < kMostListeners; ++l) {
-    if (!goes_on)
-      delay_[l].clear();
-    delay_[l].set(model_->delay_s[l] * sample_rate_, options_.doppler, !goes_on);
+    delay_[l].set(model_->delay_s[l] * sample_rate_, options_.doppler, !goes_on || in_silence);
   }
   if (!point_set_ || !goes_on) {
     const Surface& surface = model_->loaded->surface;
@@ -116,8 +126,64 @@ void StruckBody::adopt() noexcept {
   find_next_landing();
   for (std::size_t i = 0; i < pulses_.size(); ++i)
     pulses_[i].active = false;
-  next->next = retired_.load(std::memory_order_relaxed);
-  while (!retired_.compare_exchange_weak(next->next, next, std::memory_order_acq_rel)) {
+}
+
+/// What is left of a body is deleted by another thread.
+void StruckBody::retire(Handover* body) noexcept {
+  if (!body)
+    return;
+  body->next = retired_.load(std::memory_order_relaxed);
+  while (!retired_.compare_exchange_weak(body->next, body, std::memory_order_acq_rel)) {
+  }
+}
+
+/// The body before rings on by itself while it is faded out. Of more than there is room for, the
+/// one that is nearest to its end goes.
+void StruckBody::leave(Handover* before) noexcept {
+  Recordings recordings = std::exchange(recordings_, {});
+  BodyModel* const model = before->model.get();
+  const bool sounds = model && model->settings.sample_rate == sample_rate_ &&
+                      (silent_samples_ < kSilence || !model->bank.asleep());
+  if (!sounds)
+    return retire(before);
+  Leaving* room = &leaving_[0];
+  for (Leaving& other : leaving_)
+    if (other.body == nullptr || (room->body != nullptr && other.left < room->left))
+      room = &other;
+  retire(room->body);
+  room->body = before;
+  room->recordings = recordings;
+  for (Recording& r : room->recordings)
+    r.released = true;
+  std::swap(room->delay, delay_);
+  for (DelayLine& line : delay_)
+    line.clear();
+  model->bank.release();
+  const double travel =
+      *std::max_element(model->delay_s.begin(), model->delay_s.end()) * sample_rate_;
+  room->left = ModeBank::kRelease + static_cast<std::size_t>(std::min(travel, 0.1 * sample_rate_)) +
+               2 * DelayLine::kHalf;
+}
+
+void StruckBody::add_leaving(std::size_t listener_count, std::size_t frames) noexcept {
+  for (Leaving& body : leaving_) {
+    if (!body.body)
+      continue;
+    BodyModel& m = *body.body->model;
+    std::array<float*, kMostListeners> out{};
+    for (std::size_t l = 0; l < m.settings.listeners; ++l)
+      out[l] = chunk_.released[l].data();
+    m.bank.process({}, out, frames);
+    if (m.plays_raw)
+      play_raw(m, body.recordings, frames, chunk_.released);
+    for (std::size_t l = 0; l < std::min(m.settings.listeners, listener_count); ++l) {
+      body.delay[l].run(chunk_.released[l].data(), frames);
+      for (std::size_t n = 0; n < frames; ++n)
+        chunk_.heard[l][n] += chunk_.released[l][n];
+    }
+    body.left -= std::min(body.left, frames);
+    if (body.left == 0)
+      retire(std::exchange(body.body, nullptr));
   }
 }
 
@@ -158,17 +224,14 @@ void StruckBody::take_over_contacts(BodyModel& before) noexcept {
 
 void StruckBody::reset() noexcept {
   pulses_ = {};
-  recordings_ = {};
+  for (Recording& r : recordings_)
+    r.released = true;
   blows_ = {};
   next_landing_ = kNever;
-  left_over_ = last_;
-  fade_left_ = kFade;
-  for (DelayLine& line : delay_)
-    line.clear();
   if (!model_)
     return;
   leave_contact();
-  model_->bank.silence();
+  model_->bank.release();
 }
 
 std::size_t StruckBody::contacts() const noexcept {
@@ -258,6 +321,8 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
   BodyModel& m = *model_;
   const std::size_t led_slot = m.settings.voices;
   std::size_t n = from;
+  m.refresh_ears();
+  frames = std::min(frames, from + m.bank.glide_left());
   for (; n < frames && m.solver.touching(); ++n) {
     if (now_ >= next_landing_)
       land();
@@ -286,14 +351,31 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
     for (std::size_t i = 0; i < m.settings.voices; ++i)
       if (pulses_[i].active && chunk_.pulse[i][n] != 0)
         m.solver.kick(m.push_gain[1 + i], static_cast<double>(chunk_.pulse[i][n]) / sample_rate_);
-    for (std::size_t l = 0; l < m.settings.listeners; ++l) {
-      double heard = m.solver.hear(l);
-      if (const std::size_t left = m.bank.fade_left(l); left > 0)
-        heard += static_cast<double>(left) / static_cast<double>(ModeBank::kFade) *
-                 (m.solver.hear(m.old_weight[l]) - heard);
-      chunk_.heard[l][n] = static_cast<float>(heard);
+    for (std::size_t l = 0; l < m.settings.listeners; ++l)
+      chunk_.heard[l][n] = 0;
+    for (std::size_t e = 0; e < m.ear_count; ++e) {
+      const auto [listener, part] = m.ears[e];
+      const Glide& glide = m.bank.glide(listener);
+      double heard = m.solver.hear(e);
+      if (glide.moving()) {
+        const Glide::Blend blend = glide.blend(n - from);
+        heard *= part == ModeBank::kOld      ? blend.old
+                 : part == ModeBank::kMiddle ? blend.middle
+                                             : blend.fresh;
+      }
+      chunk_.heard[listener][n] += static_cast<float>(heard);
     }
-    m.bank.skip(1);
+  }
+  if (m.bank.release_left() > 0) {
+    std::array<float*, kMostListeners> out{};
+    for (std::size_t l = 0; l < m.settings.listeners; ++l)
+      out[l] = chunk_.released[l].data();
+    m.bank.process({}, out, n - from);
+    for (std::size_t l = 0; l < m.settings.listeners; ++l)
+      for (std::size_t i = from; i < n; ++i)
+        chunk_.heard[l][i] += chunk_.released[l][i - from];
+  } else {
+    m.bank.skip(n - from);
   }
   if (!m.solver.touching())
     leave_contact();
@@ -344,7 +426,7 @@ void StruckBody::run(std::size_t frames) noexcept {
     for (std::size_t n = 0; n < frames;)
       n = coupled_now_ ? in_contact(n, frames) : in_flight(n, frames);
     if (model_->plays_raw)
-      play_raw(frames);
+      play_raw(*model_, recordings_, frames, chunk_.heard);
     for (Pulse& pulse : std::span(pulses_).first(model_->settings.voices))
       pulse.active = pulse.active && pulse.age_s < pulse.duration_s;
   }
@@ -357,40 +439,33 @@ void StruckBody::run(std::size_t frames) noexcept {
 
 void StruckBody::finish(std::size_t frames) noexcept {
   const std::size_t listeners = model_ ? model_->settings.listeners : kMostListeners;
+  for (std::size_t l = 0; l < listeners; ++l)
+    delay_[l].run(chunk_.heard[l].data(), frames);
+  add_leaving(listeners, frames);
   const double start = smooth_gain_;
-  const std::size_t fade = fade_left_;
   std::size_t silent = silent_samples_ + frames;
   for (std::size_t l = 0; l < listeners; ++l) {
     auto& sound = chunk_.heard[l];
-    delay_[l].run(sound.data(), frames);
     for (std::size_t n = frames; n > 0 && frames - n < silent; --n)
       if (sound[n - 1] != 0)
         silent = frames - n;
     smooth_gain_ = start;
-    fade_left_ = fade;
     std::size_t n = 0;
-    for (; n < frames && (fade_left_ > 0 || smooth_gain_ != options_.gain); ++n) {
-      if (smooth_gain_ != options_.gain) {
-        smooth_gain_ += kGainSpeed * (options_.gain - smooth_gain_);
-        if (std::abs(smooth_gain_ - options_.gain) <= 1e-6 * options_.gain)
-          smooth_gain_ = options_.gain;
-      }
+    for (; n < frames && smooth_gain_ != options_.gain; ++n) {
+      smooth_gain_ += kGainSpeed * (options_.gain - smooth_gain_);
+      if (std::abs(smooth_gain_ - options_.gain) <= 1e-6 * options_.gain)
+        smooth_gain_ = options_.gain;
       sound[n] *= static_cast<float>(smooth_gain_);
-      if (fade_left_ > 0)
-        sound[n] += left_over_[l] * static_cast<float>(fade_left_--) / static_cast<float>(kFade);
     }
     const auto steady = static_cast<float>(smooth_gain_);
     for (; n < frames; ++n)
       sound[n] *= steady;
     for (n = 0; n < frames; ++n)
       sound[n] = sound[n] - sound[n] == 0 ? sound[n] : 0; // what is not finite
-    last_[l] = sound[frames - 1];
   }
   silent_samples_ = std::min(silent, kSilence);
-  if (listeners == 1) { // is heard on both sides
+  if (listeners == 1) // is heard on both sides
     chunk_.heard[1] = chunk_.heard[0];
-    last_[1] = last_[0];
-  }
 }
 
 template <class S>

@@ -45,7 +45,7 @@ public:
   void prepare(double sample_rate);
 
   /// Hands over a model; the one that it replaces before the audio path has taken it is dropped.
-  /// `same_body`: it goes on ringing, else it is silent and the old sound is faded out.
+  /// `same_body`: it goes on ringing, else it is silent and the old body, ringing on, is faded out.
   void publish(std::unique_ptr<BodyModel> model, bool same_body);
   /// Takes a published model now. Not while process() runs.
   void adopt() noexcept;
@@ -98,8 +98,11 @@ private:
   struct Recording {
     std::size_t hit = 0;
     double speed_m_per_s = 0, age_s = 0;
-    bool active = false;
+    bool active = false, released = false;
+    std::size_t release_left = ModeBank::kRelease; ///< samples, when released
   };
+  using Recordings = std::array<Recording, kMostContacts>;
+  using Sound = std::array<std::array<float, kChunk>, kMostListeners>;
   /// A coupled blow, and where its striker is when it bounces.
   struct Blow {
     Hit hit;
@@ -110,7 +113,7 @@ private:
   };
   struct Chunk {
     std::array<float, kChunk> force{}, height{}, contact{};
-    std::array<std::array<float, kChunk>, kMostListeners> heard{};
+    Sound heard{}, released{};
     std::array<std::array<float, kChunk>, kMostContacts> pulse{};
   };
   void run(std::size_t frames) noexcept;
@@ -130,7 +133,8 @@ private:
   void strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
   void strike_pulse(std::size_t slot, const Hit& hit) noexcept;
   void strike_raw(std::size_t slot, const Hit& hit) noexcept;
-  void play_raw(std::size_t frames) noexcept;
+  void play_raw(const BodyModel& model, Recordings& recordings, std::size_t frames,
+                Sound& heard) noexcept;
   [[nodiscard]] std::size_t free_slot() noexcept;
   void renew_point() noexcept;
 
@@ -142,6 +146,17 @@ private:
     Handover* next = nullptr;
   };
   void drop_retired() noexcept;
+  void retire(Handover* body) noexcept;
+  /// A body that has been exchanged, until the last of its sound has reached the listeners.
+  struct Leaving {
+    Handover* body = nullptr;
+    std::array<DelayLine, kMostListeners> delay{};
+    Recordings recordings{};
+    std::size_t left = 0; ///< samples
+  };
+  void leave(Handover* before) noexcept;
+  void add_leaving(std::size_t listener_count, std::size_t frames) noexcept;
+  std::array<Leaving, 3> leaving_{};
   std::atomic<Handover*> incoming_{nullptr}, retired_{nullptr};
   Striker striker_;
   Options options_;
@@ -150,7 +165,7 @@ private:
   bool point_set_ = false;
   bool coupled_now_ = false;
   std::array<Pulse, kMostContacts> pulses_{};
-  std::array<Recording, kMostContacts> recordings_{};
+  Recordings recordings_{};
   std::array<Blow, kMostContacts> blows_{};
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
   std::uint64_t now_ = 0, next_landing_ = kNever; // samples
@@ -160,9 +175,6 @@ private:
   double last_height_ = 0;
   Chunk chunk_;
   std::array<DelayLine, kMostListeners> delay_{};
-  // A change of body would be a step in the sound: what is left of the old one fades.
-  std::array<float, kMostListeners> left_over_{}, last_{};
-  std::size_t fade_left_ = 0;
   double smooth_gain_ = 0.1;
   static constexpr std::size_t kSilence = 64; ///< samples of zeros that count as silence
   std::size_t silent_samples_ = kSilence;     ///< that have gone out since the last sound

@@ -161,18 +161,21 @@ void StruckBody::strike_raw(std::size_t slot, const Hit& hit) noexcept {
   recordings_[slot] = {nearest, hit.speed_m_per_s, 0, true};
 }
 
-void StruckBody::play_raw(std::size_t frames) noexcept {
-  const RawTable& table = model_->loaded->table.raw;
-  for (Recording& r : recordings_) {
+void StruckBody::play_raw(const BodyModel& model, Recordings& recordings, std::size_t frames,
+                          Sound& heard) noexcept {
+  const RawTable& table = model.loaded->table.raw;
+  for (Recording& r : recordings) {
     if (!r.active)
       continue;
-    for (std::size_t n = 0; n < frames; ++n) {
-      for (std::size_t l = 0; l < model_->settings.listeners; ++l)
-        chunk_.heard[l][n] +=
-            static_cast<float>(r.speed_m_per_s * model_->raw[l].pressure(table, r.hit, r.age_s));
+    for (std::size_t n = 0; n < frames && r.release_left > 0; ++n) {
+      double level = r.speed_m_per_s;
+      if (r.released)
+        level *= ModeBank::release_share(r.release_left--);
+      for (std::size_t l = 0; l < model.settings.listeners; ++l)
+        heard[l][n] += static_cast<float>(level * model.raw[l].pressure(table, r.hit, r.age_s));
       r.age_s += 1 / sample_rate_;
     }
-    r.active = r.age_s < model_->raw[0].end_s(table);
+    r.active = r.release_left > 0 && r.age_s < model.raw[0].end_s(table);
   }
 }
 
