@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -91,6 +92,9 @@ template <class S> struct Block {
   std::span<const S* const> inputs;
   std::span<S* const> outputs;
   std::size_t frames;
+  /// Logical time of the first sample, on Host::now_ms()'s clock: a message of that time belongs
+  /// there. Not a number where the host does not know it.
+  double start_ms = std::numeric_limits<double>::quiet_NaN();
 
   [[nodiscard]] std::span<const S> in(std::size_t i) const { return {inputs[i], frames}; }
   [[nodiscard]] std::span<S> out(std::size_t i) const { return {outputs[i], frames}; }

@@ -132,6 +132,8 @@ public:
         out_.push_back(signals[signal_inlets_ + i]->s_vec + v * frames);
       voices_[v]->prepare(static_cast<double>(signals[0]->s_sr), frames);
     }
+    block_ms_ = 1e3 * static_cast<double>(frames) / static_cast<double>(signals[0]->s_sr);
+    tick_ms_ = 1e3 * sys_getblksize() / static_cast<double>(sys_getsr());
     dsp_add(&on_perform, 2, this, static_cast<t_int>(frames));
   }
 
@@ -278,11 +280,27 @@ private:
   void perform(std::size_t frames) noexcept {
     const auto guard = host_features().audio_guard;
     if (guard) guard(1);
+    const double start_ms = block_start_ms();
     for (std::size_t v = 0; v < voices_.size(); ++v)
       voices_[v]->process({std::span(in_).subspan(v * signal_inlets_, signal_inlets_),
-                           std::span(out_).subspan(v * signal_outlets_, signal_outlets_), frames});
+                           std::span(out_).subspan(v * signal_outlets_, signal_outlets_), frames,
+                           start_ms});
     if (guard) guard(0);
     if (report_clock_) clock_delay(report_clock_, 0);
+  }
+
+  /// Logical time of the first sample of the block at hand. While Pd computes signals its logical
+  /// time is the end of the tick, and so the end of a block of a tick or more; several shorter
+  /// blocks of a re-blocked or upsampled window follow each other within one tick.
+  double block_start_ms() noexcept {
+    const double now = now_ms();
+    if (now != performed_ms_) {
+      performed_ms_ = now;
+      next_block_ms_ = now - std::max(block_ms_, tick_ms_);
+    }
+    const double start = next_block_ms_;
+    next_block_ms_ += block_ms_;
+    return start;
   }
 
   void deliver_posts() {
@@ -311,6 +329,8 @@ private:
   t_canvas* canvas_;
   t_pdinstance* pd_ = pd_this;  // a worker thread has no pd_this of its own
   double born_;
+  double block_ms_ = 0, tick_ms_ = 0; // lengths
+  double performed_ms_ = -1, next_block_ms_ = 0;
   std::size_t signal_inlets_, signal_outlets_;
   std::vector<std::unique_ptr<AnyObject<t_sample>>> voices_;
   std::vector<t_outlet*> outlets_;

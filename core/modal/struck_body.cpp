@@ -47,6 +47,7 @@ void StruckBody::prepare(double sample_rate) {
     return;
   sample_rate_ = sample_rate;
   turn_ = 1;
+  events_.make_due();
   for (DelayLine& line : delay_) {
     line.prepare(static_cast<std::size_t>(0.1 * sample_rate) + 1); // 34 m
     if (model_)
@@ -100,6 +101,8 @@ void StruckBody::adopt() noexcept {
   std::swap(model_, next->model);
   if (touched)
     take_over_contacts(*next->model);
+  if (!goes_on && next->model)
+    move_events(*next->model);
   if (goes_on)
     retire(next);
   else
@@ -124,8 +127,22 @@ void StruckBody::adopt() noexcept {
   for (std::size_t i = model_->settings.voices; i < kMostContacts; ++i)
     blows_[i] = {};
   find_next_landing();
-  for (std::size_t i = 0; i < pulses_.size(); ++i)
-    pulses_[i].active = false;
+  continue_pulses();
+  requested_point_ = point_;
+  for (std::size_t i = 0; i < events_.size(); ++i)
+    if (events_[i].kind == Event::Kind::kPoint)
+      requested_point_ = events_[i].hit.place;
+}
+
+/// What waits happens to the new body, at the same positions.
+void StruckBody::move_events(const BodyModel& before) noexcept {
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    Hit& hit = events_[i].hit;
+    const bool along_normal = hit.direction == hit.place.normal;
+    hit.place = model_->nearest(before.settings.size * hit.place.position);
+    if (along_normal)
+      hit.direction = hit.place.normal;
+  }
 }
 
 /// What is left of a body is deleted by another thread.
@@ -197,7 +214,7 @@ void StruckBody::renew_point() noexcept {
 }
 
 void StruckBody::set_point(const SurfacePoint& place, const Vec3& direction) noexcept {
-  point_ = place;
+  point_ = requested_point_ = place;
   point_direction_ = direction;
   point_set_ = true;
   if (model_)
@@ -473,8 +490,14 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
                          std::span<const std::span<S>> out, std::span<S> force_out) noexcept {
   adopt();
   const std::size_t frames = force_out.size();
-  for (std::size_t begin = 0; begin < frames; begin += kChunk) {
-    const std::size_t count = std::min(kChunk, frames - begin);
+  for (std::size_t begin = 0, count = 0; begin < frames; begin += count) {
+    while (events_.next() <= clock_)
+      carry_out(events_.pop());
+    count = std::min(kChunk, frames - begin);
+    const std::int64_t next = events_.next();
+    if (next < clock_ + static_cast<std::int64_t>(count))
+      count = static_cast<std::size_t>(next - clock_);
+    clock_ += static_cast<std::int64_t>(count);
     make_sane(force.subspan(begin, count), kMostForce, chunk_.force.data());
     if (options_.led)
       make_sane(height.subspan(begin, count), kMostHeight, chunk_.height.data());

@@ -2,6 +2,7 @@
 
 #include "core/modal/body_model.hpp"
 #include "core/modal/delay_line.hpp"
+#include "core/modal/timed_queue.hpp"
 
 #include <array>
 #include <atomic>
@@ -58,8 +59,21 @@ public:
   bool hit(const Hit& hit) noexcept;
   /// Where the outer force and the led striker meet the body.
   void set_point(const SurfacePoint& place, const Vec3& direction) noexcept;
-  [[nodiscard]] const SurfacePoint& point() const noexcept { return point_; }
+  /// Where they meet when all that is scheduled has happened.
+  [[nodiscard]] const SurfacePoint& point() const noexcept { return requested_point_; }
   void reset() noexcept;
+
+  /// The same at a sample on the clock of process(), at once for a sample that is over. At most
+  /// kMaxScheduled wait; one more makes the first happen now.
+  void schedule_hit(const Hit& hit, std::int64_t sample) noexcept;
+  void schedule_point(const SurfacePoint& place, const Vec3& direction,
+                      std::int64_t sample) noexcept;
+  void schedule_reset(std::int64_t sample) noexcept;
+  /// The next process() begins at this sample; else where the last one ended.
+  void begin_block(std::int64_t sample) noexcept { clock_ = sample; }
+  [[nodiscard]] std::int64_t clock() const noexcept { return clock_; }
+  static constexpr std::size_t kMaxScheduled = 512;
+
   /// Levels in dB from full scale at the loudest listener, of the lowest modes by frequency; -120
   /// for what is at rest. Allocates.
   [[nodiscard]] std::vector<double> levels(std::size_t most);
@@ -92,6 +106,7 @@ public:
 private:
   static constexpr std::size_t kChunk = 64;
   struct Pulse {
+    Hit hit;
     double impulse = 0, duration_s = 0, age_s = 0;
     bool active = false;
   };
@@ -116,6 +131,17 @@ private:
     Sound heard{}, released{};
     std::array<std::array<float, kChunk>, kMostContacts> pulse{};
   };
+  /// What waits for its sample.
+  struct Event {
+    enum class Kind { kHit, kPoint, kReset };
+    Kind kind = Kind::kReset;
+    Hit hit; ///< of a point: its place and direction
+    Striker striker;
+  };
+  void schedule(const Event& event, std::int64_t sample) noexcept;
+  void carry_out(const Event& event) noexcept;
+  void move_events(const BodyModel& before) noexcept;
+  bool strike(const Hit& hit, const Striker& striker) noexcept;
   void run(std::size_t frames) noexcept;
   [[nodiscard]] std::size_t in_contact(std::size_t from, std::size_t frames) noexcept;
   [[nodiscard]] std::size_t in_flight(std::size_t from, std::size_t frames) noexcept;
@@ -129,9 +155,10 @@ private:
   void enter_contact() noexcept;
   void leave_contact() noexcept;
   void make_pulses(std::size_t frames) noexcept;
+  void continue_pulses() noexcept;
   [[nodiscard]] ContactLaw law(const Striker& striker, double speed) const noexcept;
   void strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
-  void strike_pulse(std::size_t slot, const Hit& hit) noexcept;
+  void strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
   void strike_raw(std::size_t slot, const Hit& hit) noexcept;
   void play_raw(const BodyModel& model, Recordings& recordings, std::size_t frames,
                 Sound& heard) noexcept;
@@ -160,7 +187,9 @@ private:
   std::atomic<Handover*> incoming_{nullptr}, retired_{nullptr};
   Striker striker_;
   Options options_;
-  SurfacePoint point_;
+  TimedQueue<Event, kMaxScheduled> events_;
+  std::int64_t clock_ = 0; ///< sample that process() begins with
+  SurfacePoint point_, requested_point_;
   Vec3 point_direction_{0, 0, 1};
   bool point_set_ = false;
   bool coupled_now_ = false;

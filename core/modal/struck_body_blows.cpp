@@ -40,7 +40,46 @@ std::size_t StruckBody::free_slot() noexcept {
   return oldest;
 }
 
-bool StruckBody::hit(const Hit& hit) noexcept {
+bool StruckBody::hit(const Hit& hit) noexcept { return strike(hit, striker_); }
+
+void StruckBody::schedule_hit(const Hit& hit, std::int64_t sample) noexcept {
+  schedule({Event::Kind::kHit, hit, striker_}, sample);
+}
+
+void StruckBody::schedule_point(const SurfacePoint& place, const Vec3& direction,
+                                std::int64_t sample) noexcept {
+  requested_point_ = place;
+  schedule({Event::Kind::kPoint, {place, direction}, {}}, sample);
+}
+
+void StruckBody::schedule_reset(std::int64_t sample) noexcept {
+  schedule({Event::Kind::kReset, {}, {}}, sample);
+}
+
+void StruckBody::schedule(const Event& event, std::int64_t sample) noexcept {
+  if (events_.full())
+    carry_out(events_.pop());
+  events_.push(sample, event);
+}
+
+void StruckBody::carry_out(const Event& event) noexcept {
+  switch (event.kind) {
+  case Event::Kind::kHit:
+    strike(event.hit, event.striker);
+    break;
+  case Event::Kind::kPoint: {
+    const SurfacePoint requested = requested_point_;
+    set_point(event.hit.place, event.hit.direction);
+    requested_point_ = requested; // a later change may wait
+    break;
+  }
+  case Event::Kind::kReset:
+    reset();
+    break;
+  }
+}
+
+bool StruckBody::strike(const Hit& hit, const Striker& striker) noexcept {
   if (!model_ || !(hit.speed_m_per_s > 0))
     return false;
   const std::size_t slot = free_slot();
@@ -48,9 +87,9 @@ bool StruckBody::hit(const Hit& hit) noexcept {
   if (model_->plays_raw)
     strike_raw(slot, hit);
   else if (options_.coupled || hit.falls)
-    strike_coupled(slot, hit, striker_);
+    strike_coupled(slot, hit, striker);
   else
-    strike_pulse(slot, hit);
+    strike_pulse(slot, hit, striker);
   return true;
 }
 
@@ -113,14 +152,14 @@ void StruckBody::land() noexcept {
   find_next_landing();
 }
 
-void StruckBody::strike_pulse(std::size_t slot, const Hit& hit) noexcept {
+void StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker) noexcept {
   leave_contact();
-  double mobility = 1 / striker_.mass_kg;
+  double mobility = 1 / striker.mass_kg;
   for (const double b : model_->rigid_gains(hit.place, hit.direction))
     mobility += b * b;
-  const ContactLaw contact = law(striker_, hit.speed_m_per_s);
+  const ContactLaw contact = law(striker, hit.speed_m_per_s);
   Pulse& pulse = pulses_[slot];
-  pulse = {(1 + striker_.restitution) * hit.speed_m_per_s / mobility,
+  pulse = {hit, (1 + striker.restitution) * hit.speed_m_per_s / mobility,
            contact.duration(1 / mobility, hit.speed_m_per_s), 0, true};
   std::vector<double>& gain = model_->scratch;
   model_->gains(hit.place, hit.direction, gain);
@@ -147,6 +186,21 @@ void StruckBody::strike_pulse(std::size_t slot, const Hit& hit) noexcept {
   model_->bank.set_gain(1 + slot, std::span<const double>(gain).first(model_->heard));
   for (std::size_t k = 0; k < gain.size(); ++k)
     model_->push_gain[1 + slot][k] = static_cast<float>(gain[k]);
+}
+
+/// Pulses under way go on pushing a new model of their body.
+void StruckBody::continue_pulses() noexcept {
+  BodyModel& m = *model_;
+  for (std::size_t i = 0; i < pulses_.size(); ++i) {
+    Pulse& pulse = pulses_[i];
+    pulse.active = pulse.active && i < m.settings.voices;
+    if (!pulse.active)
+      continue;
+    m.gains(pulse.hit.place, pulse.hit.direction, m.scratch);
+    m.bank.set_gain(1 + i, std::span<const double>(m.scratch).first(m.heard));
+    for (std::size_t k = 0; k < m.scratch.size(); ++k)
+      m.push_gain[1 + i][k] = static_cast<float>(m.scratch[k]);
+  }
 }
 
 void StruckBody::strike_raw(std::size_t slot, const Hit& hit) noexcept {

@@ -90,7 +90,7 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
   case kLossCurve:
     return set_damping(index, numbers, host);
   case kReset:
-    return body_.reset();
+    return body_.schedule_reset(sample_now(host));
   case kInfo:
     body_.adopt();
     return tell_info(host);
@@ -147,7 +147,7 @@ void ModalImpact::strike(const SurfacePoint& place, double speed, Host& host, bo
   last_place_ = place;
   last_speed_ = speed;
   last_fell_ = falls;
-  body_.hit({place, normal_.value_or(place.normal), speed, falls});
+  body_.schedule_hit({place, normal_.value_or(place.normal), speed, falls}, sample_now(host));
 }
 
 void ModalImpact::hit(Numbers n, Host& host) {
@@ -279,7 +279,7 @@ void ModalImpact::set_point(Numbers n, Host& host) {
     place = at_vertex(static_cast<std::size_t>(n[0]));
   }
   warn_of_distance(place, host);
-  body_.set_point(place, normal_.value_or(place.normal));
+  body_.schedule_point(place, normal_.value_or(place.normal), sample_now(host));
 }
 
 void ModalImpact::set_listener(Numbers n, Host& host) {

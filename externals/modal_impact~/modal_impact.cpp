@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -34,6 +35,19 @@ void ModalImpact::prepare(double sample_rate, std::size_t) {
   // Models belong to a rate: this one must be there when the sound goes on.
   body_.publish(std::make_unique<BodyModel>(table_, settings()), true);
   body_.adopt();
+}
+
+void ModalImpact::begin_block(double start_ms) noexcept {
+  if (!std::isfinite(start_ms))
+    return body_.begin_block(std::numeric_limits<std::int64_t>::max() / 2); // everything is due
+  const std::int64_t sample = std::llround(1e-3 * start_ms * sample_rate_);
+  // A block that follows the one before begins where that ended, however the division rounds.
+  if (std::abs(sample - body_.clock()) > 1)
+    body_.begin_block(sample);
+}
+
+std::int64_t ModalImpact::sample_now(const Host& host) const {
+  return std::llround(1e-3 * host.now_ms() * sample_rate_);
 }
 
 BodySettings ModalImpact::settings() const {

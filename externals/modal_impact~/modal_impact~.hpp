@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -43,11 +44,15 @@ public:
   template <class S> void process(const Block<S>& block) noexcept {
     const std::array<std::span<S>, kMostListeners> out{block.out(0), block.out(1), block.out(3),
                                                        block.out(4)};
+    begin_block(block.start_ms);
     body_.process<S>(block.in(0), block.in(1), out, block.out(2));
   }
 
 private:
   using Numbers = std::span<const double>;
+  void begin_block(double start_ms) noexcept;
+  /// Of a message that comes now.
+  [[nodiscard]] std::int64_t sample_now(const Host& host) const;
   void load(std::span<const Atom> arguments, Host& host);
   void load(const std::string& name, bool at_once, Host& host);
   void hit(Numbers numbers, Host& host);

@@ -258,3 +258,75 @@ def test_the_help_patchs_hammer_strikes_at_the_speed_it_is_thrown_with():
     hits = [line for _, line in patch.render(1.0).logs["hits"]]
     # 60 mm in 20 ms; 90 mm in 40 ms
     assert [hit[-1] for hit in hits] == pytest.approx([3.0, 2.25], rel=0.05)
+
+
+def strikes(folder, block, times, message, arguments=(), rate=RATE, seconds=0.6):
+    """Contact force and sound of blows at these logical ms, from a window of that block size; the
+    first sample recorded is the block's whose end comes first after time 0."""
+    table(folder / "square.modal.npz")
+    patch = Patch()
+    window = patch.sub("inner", block=block)
+    box = window.obj("modal_impact~", "square.modal.npz", "-sync", 1, *arguments)
+    window.at(0, box, "striker 0.0005 0.003 2.06e11 0.29")
+    for ms in times:
+        window.at(ms, box, message)
+    window.record("left", box[0])
+    window.record("contact", box[2])
+    return patch.render(seconds, rate=rate, path=[folder])
+
+
+TIMES = [7.3, 31.07, 90, 90.4, 111.11, 200.02]
+
+
+@pytest.mark.parametrize("message", ["hit 30 40 0 .2", "hitv 40 .2", "hitf 20 .2 .3 .2", "bang"])
+def test_blows_land_at_the_samples_of_their_messages_in_any_block_size(tmp_path, message):
+    results = {}
+    for block in (1, 16, 64, 256, 4096):
+        result = strikes(tmp_path, block, TIMES, message)
+        force = numpy.flatnonzero(result["contact"])
+        assert len(force)
+        first = force[0]
+        # A block is recorded from the start of the window's first whole one: one shift for all.
+        shift = first - round(TIMES[0] * RATE / 1000)
+        assert -1 <= shift <= max(block, 64)
+        begun = force[numpy.flatnonzero(numpy.diff(force, prepend=-100) > 5)] - shift
+        for ms in TIMES:
+            assert abs(begun - ms * RATE / 1000).min() <= 1
+        results[block] = result["left"][first:first + 16384], result["contact"][first:first + 16384]
+    for block, (sound, contact) in results.items():
+        assert numpy.array_equal(sound, results[64][0]), block
+        assert numpy.array_equal(contact, results[64][1]), block
+
+
+@pytest.mark.parametrize("block", ["64 1 2", "64 1 0.5", "512 1 4", "1024 4 1"])
+def test_blows_land_at_their_samples_in_windows_at_another_rate(tmp_path, block):
+    size, overlap, rate = (float(x) for x in block.split())
+    factor = rate * overlap
+    result = strikes(tmp_path, block, TIMES, "hit 30 40 0 .2", seconds=1)
+    # Recorded sample by sample of the window.
+    force = numpy.flatnonzero(result["contact"])
+    begun = force[numpy.flatnonzero(numpy.diff(force, prepend=-100) > 5)]
+    expected = numpy.array(TIMES) * RATE / 1000 * factor
+    expected = expected[expected < len(result["contact"]) - 2 * size * factor]
+    shift = begun[0] - expected[0]
+    for sample in expected - expected[0]:
+        assert abs(begun - begun[0] - sample).min() <= 1 + 0.5 * factor
+    assert -1 <= shift <= max(size, 64 * factor) + 1
+
+
+def test_a_roll_every_three_milliseconds_has_no_jitter(tmp_path):
+    table(tmp_path / "square.modal.npz")
+    patch = Patch()
+    window = patch.sub("inner", block=4096)
+    box = window.obj("modal_impact~", "square.modal.npz", "-sync", 1)
+    window.at(0, box, "striker 0.0005 0.003 2.06e11 0.29")
+    metro, speed = window.obj("metro", 3), window.msg("hit 30 40 0 .1")
+    window.start >> metro
+    metro >> speed >> box
+    window.record("contact", box[2])
+    contact = patch.render(1, path=[tmp_path])["contact"]
+    force = numpy.flatnonzero(contact)
+    begun = set(force[numpy.flatnonzero(numpy.diff(force, prepend=-100) > 5)])
+    first = min(begun)
+    missing = [n for n in range(first, first + 300 * 144, 144) if n not in begun]
+    assert not missing

@@ -32,6 +32,8 @@ void clock_unset(t_clock* c) { c->due = -1; }
 double clock_getlogicaltime(void) { return now_ms * kUnitsPerMs; }
 double clock_gettimesince(double before) { return now_ms - before / kUnitsPerMs; }
 double host_now(void) { return now_ms; }
+t_float sys_getsr(void) { return 48000; }
+int sys_getblksize(void) { return 64; }
 
 void clock_free(t_clock* c) {
   for (t_clock** p = &clocks; *p; p = &(*p)->next)
