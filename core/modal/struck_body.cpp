@@ -253,7 +253,7 @@ void StruckBody::reset() noexcept {
 
 std::size_t StruckBody::contacts() const noexcept {
   std::size_t count = 0;
-  for (const Pulse& pulse : pulses_)
+  for (const PulseBlow& pulse : pulses_)
     count += pulse.active ? 1 : 0;
   if (model_)
     for (std::size_t i = 0; i <= model_->settings.voices; ++i)
@@ -444,8 +444,8 @@ void StruckBody::run(std::size_t frames) noexcept {
       n = coupled_now_ ? in_contact(n, frames) : in_flight(n, frames);
     if (model_->plays_raw)
       play_raw(*model_, recordings_, frames, chunk_.heard);
-    for (Pulse& pulse : std::span(pulses_).first(model_->settings.voices))
-      pulse.active = pulse.active && pulse.age_s < pulse.duration_s;
+    for (PulseBlow& blow : std::span(pulses_).first(model_->settings.voices))
+      blow.active = blow.active && blow.age_s < blow.pulse.duration_s;
   }
   if (options_.led && options_.spring_n_per_m > 0)
     for (std::size_t n = 0; n < frames; ++n)

@@ -2,6 +2,7 @@
 
 #include "core/modal/body_model.hpp"
 #include "core/modal/delay_line.hpp"
+#include "core/modal/pulse.hpp"
 #include "core/modal/timed_queue.hpp"
 
 #include <array>
@@ -105,9 +106,10 @@ public:
 
 private:
   static constexpr std::size_t kChunk = 64;
-  struct Pulse {
+  struct PulseBlow {
     Hit hit;
-    double impulse = 0, duration_s = 0, age_s = 0;
+    Pulse pulse;
+    double age_s = 0;
     bool active = false;
   };
   struct Recording {
@@ -155,10 +157,12 @@ private:
   void enter_contact() noexcept;
   void leave_contact() noexcept;
   void make_pulses(std::size_t frames) noexcept;
+  void push_with_pulse(std::size_t slot, std::span<double> gain) noexcept;
   void continue_pulses() noexcept;
   [[nodiscard]] ContactLaw law(const Striker& striker, double speed) const noexcept;
   void strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
-  void strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
+  [[nodiscard]] bool strike_pulse(std::size_t slot, const Hit& hit,
+                                  const Striker& striker) noexcept;
   void strike_raw(std::size_t slot, const Hit& hit) noexcept;
   void play_raw(const BodyModel& model, Recordings& recordings, std::size_t frames,
                 Sound& heard) noexcept;
@@ -193,7 +197,7 @@ private:
   Vec3 point_direction_{0, 0, 1};
   bool point_set_ = false;
   bool coupled_now_ = false;
-  std::array<Pulse, kMostContacts> pulses_{};
+  std::array<PulseBlow, kMostContacts> pulses_{};
   Recordings recordings_{};
   std::array<Blow, kMostContacts> blows_{};
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};

@@ -86,10 +86,8 @@ bool StruckBody::strike(const Hit& hit, const Striker& striker) noexcept {
   begun_[slot] = ++turn_;
   if (model_->plays_raw)
     strike_raw(slot, hit);
-  else if (options_.coupled || hit.falls)
+  else if (options_.coupled || hit.falls || !strike_pulse(slot, hit, striker))
     strike_coupled(slot, hit, striker);
-  else
-    strike_pulse(slot, hit, striker);
   return true;
 }
 
@@ -152,26 +150,23 @@ void StruckBody::land() noexcept {
   find_next_landing();
 }
 
-void StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker) noexcept {
-  leave_contact();
-  double mobility = 1 / striker.mass_kg;
-  for (const double b : model_->rigid_gains(hit.place, hit.direction))
-    mobility += b * b;
-  const ContactLaw contact = law(striker, hit.speed_m_per_s);
-  Pulse& pulse = pulses_[slot];
-  pulse = {hit, (1 + striker.restitution) * hit.speed_m_per_s / mobility,
-           contact.duration(1 / mobility, hit.speed_m_per_s), 0, true};
+/// False for a striker too heavy for a single pulse.
+bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker) noexcept {
   std::vector<double>& gain = model_->scratch;
   model_->gains(hit.place, hit.direction, gain);
-  // A mode that the ear would not find beside the loudest one is left out. The spectrum is a half
-  // sine's.
+  double rigid = 0;
+  for (const double b : model_->rigid_gains(hit.place, hit.direction))
+    rigid += b * b;
+  const Pulse pulse =
+      find_pulse(law(striker, hit.speed_m_per_s), striker.mass_kg, hit.speed_m_per_s,
+                 striker.restitution, {gain, model_->rate, rigid, model_->left_out(hit.place)});
+  if (pulse.mass_ratio > Pulse::kMaxMassRatio)
+    return false;
+  pulses_[slot] = {hit, pulse, 0, true};
+  // A mode that the ear would not find beside the loudest one is left out.
   double loudest = 0;
   const auto level = [&](std::size_t k) {
-    const double turns = model_->rate[k].imag() / (2 * std::numbers::pi) * pulse.duration_s;
-    const double denominator = 1 - 4 * turns * turns;
-    const double part = std::abs(denominator) > 1e-6
-                            ? std::cos(std::numbers::pi * turns) / denominator
-                            : std::numbers::pi / 4;
+    const double part = Pulse::spectrum(model_->rate[k].imag() * pulse.duration_s);
     return std::abs(gain[k] * part) * model_->loudness[k];
   };
   for (std::size_t k = 0; k < model_->heard; ++k)
@@ -183,23 +178,33 @@ void StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& s
       gain[k] = 0;
       ++culled_;
     }
-  model_->bank.set_gain(1 + slot, std::span<const double>(gain).first(model_->heard));
-  for (std::size_t k = 0; k < gain.size(); ++k)
-    model_->push_gain[1 + slot][k] = static_cast<float>(gain[k]);
+  push_with_pulse(slot, gain);
+  return true;
+}
+
+/// The drive's samples are means of the force over their time, which takes sin(x)/x from a tone,
+/// x = omega/(2 fs); the gains give it back.
+void StruckBody::push_with_pulse(std::size_t slot, std::span<double> gain) noexcept {
+  BodyModel& m = *model_;
+  for (std::size_t k = 0; k < gain.size(); ++k) {
+    const double x = std::min(0.5 * m.rate[k].imag() / sample_rate_, 0.5 * std::numbers::pi);
+    const double square = x * x;
+    gain[k] *= 1 + square * (1.0 / 6 + square * (7.0 / 360 + square * (31.0 / 15120)));
+    m.push_gain[1 + slot][k] = static_cast<float>(gain[k]);
+  }
+  m.bank.set_gain(1 + slot, std::span<const double>(gain).first(m.heard));
 }
 
 /// Pulses under way go on pushing a new model of their body.
 void StruckBody::continue_pulses() noexcept {
   BodyModel& m = *model_;
   for (std::size_t i = 0; i < pulses_.size(); ++i) {
-    Pulse& pulse = pulses_[i];
+    PulseBlow& pulse = pulses_[i];
     pulse.active = pulse.active && i < m.settings.voices;
     if (!pulse.active)
       continue;
     m.gains(pulse.hit.place, pulse.hit.direction, m.scratch);
-    m.bank.set_gain(1 + i, std::span<const double>(m.scratch).first(m.heard));
-    for (std::size_t k = 0; k < m.scratch.size(); ++k)
-      m.push_gain[1 + i][k] = static_cast<float>(m.scratch[k]);
+    push_with_pulse(i, m.scratch);
   }
 }
 
@@ -237,18 +242,18 @@ void StruckBody::make_pulses(std::size_t frames) noexcept {
   if (!model_)
     return;
   for (std::size_t i = 0; i < model_->settings.voices; ++i) {
-    Pulse& pulse = pulses_[i];
-    if (!pulse.active)
+    PulseBlow& blow = pulses_[i];
+    if (!blow.active)
       continue;
     // Each sample holds the mean force of its time, so that the impulse is exact.
     const auto passed = [&](double t) {
-      return 0.5 * (1 - std::cos(std::numbers::pi * std::min(t / pulse.duration_s, 1.0)));
+      return 0.5 * (1 - std::cos(std::numbers::pi * std::min(t / blow.pulse.duration_s, 1.0)));
     };
     for (std::size_t n = 0; n < frames; ++n) {
-      const double next = pulse.age_s + 1 / sample_rate_;
-      chunk_.pulse[i][n] =
-          static_cast<float>(pulse.impulse * sample_rate_ * (passed(next) - passed(pulse.age_s)));
-      pulse.age_s = next;
+      const double next = blow.age_s + 1 / sample_rate_;
+      chunk_.pulse[i][n] = static_cast<float>(blow.pulse.impulse_n_s * sample_rate_ *
+                                              (passed(next) - passed(blow.age_s)));
+      blow.age_s = next;
       chunk_.contact[n] += chunk_.pulse[i][n];
     }
   }
