@@ -52,6 +52,8 @@ struct LoadedTable {
   std::vector<float> shape;
 
   explicit LoadedTable(ModalTable read);
+  LoadedTable(const LoadedTable&) = delete; // `radiating` knows where `surface` is
+  LoadedTable& operator=(const LoadedTable&) = delete;
 
 private:
   void order_shapes();

@@ -21,7 +21,10 @@ void RadiatingSurface::build(const ModalTable& table, const Surface& surface) {
   centre_.resize(count);
   normal_.resize(count);
   area_.resize(count);
-  displacement_.resize(count * table.modes());
+  surface_ = &surface;
+  nodes_ = surface_nodes(surface, table.triangle, table.vertices());
+  const std::size_t nodes = nodes_.vertex.size();
+  displacement_.resize(nodes * table.modes());
   double total = 0;
   Vec3 along{};
   for (std::size_t t = 0; t < count; ++t) {
@@ -33,7 +36,8 @@ void RadiatingSurface::build(const ModalTable& table, const Surface& surface) {
     area_[t] = size / 2;
     total += area_[t];
     middle_ += area_[t] * centre_[t];
-    along += area_[t] * Vec3{std::abs(normal_[t].x), std::abs(normal_[t].y), std::abs(normal_[t].z)};
+    along +=
+        area_[t] * Vec3{std::abs(normal_[t].x), std::abs(normal_[t].y), std::abs(normal_[t].z)};
   }
   if (total > 0)
     middle_ = middle_ * (1 / total);
@@ -47,20 +51,17 @@ void RadiatingSurface::build(const ModalTable& table, const Surface& surface) {
   thin_ = {};
   thin_[axis] = 1;
   for (std::size_t k = 0; k < table.modes(); ++k)
-    for (std::size_t t = 0; t < count; ++t) {
-      Vec3 sum{};
-      for (const std::int32_t v : table.triangle[t])
-        sum += table.shape_at(k, static_cast<std::size_t>(v));
-      displacement_[k * count + t] = static_cast<float>(dot(sum, normal_[t]) / 3);
-    }
+    for (std::size_t n = 0; n < nodes; ++n)
+      displacement_[k * nodes + n] =
+          static_cast<float>(dot(table.shape_at(k, nodes_.vertex[n]), nodes_.normal[n]));
 }
 
 std::vector<std::size_t> RadiatingSurface::facing(const Vec3& listener) const {
   std::vector<std::size_t> seen;
   const double side = dot(listener - middle_, thin_) < 0 ? -1 : 1;
   for (std::size_t t = 0; t < area_.size(); ++t) {
-    const bool faces = flat_ ? side * dot(normal_[t], thin_) > 0.5
-                             : dot(normal_[t], listener - centre_[t]) > 0;
+    const bool faces =
+        flat_ ? side * dot(normal_[t], thin_) > 0.5 : dot(normal_[t], listener - centre_[t]) > 0;
     if (faces && area_[t] > 0)
       seen.push_back(t);
   }
@@ -73,29 +74,32 @@ ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> r
                                          double sound_speed) const {
   ListenerTransfer out;
   out.pressure.assign(rate.size(), 0);
-  const std::vector<std::size_t> seen = facing(listener * (1 / size));
-  if (seen.empty())
+  double highest = 0;
+  for (const std::complex<double>& s : rate)
+    highest = std::max(highest, s.imag());
+  const std::vector<SurfaceSource> sources =
+      surface_ ? surface_sources(*surface_, facing(listener * (1 / size)), listener, size,
+                                 highest / sound_speed, kNearest)
+               : std::vector<SurfaceSource>{};
+  if (sources.empty())
     return out;
-  std::vector<double> distance(seen.size()), share(seen.size());
+  std::vector<double> share(sources.size());
   double shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    distance[i] = std::max(norm(listener - size * centre_[seen[i]]), kNearest);
-    shortest = std::min(shortest, distance[i]);
-    share[i] = area_[seen[i]] * size * size / (2 * std::numbers::pi * distance[i]);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    shortest = std::min(shortest, sources[i].distance_m);
+    share[i] = sources[i].area_m2 / (2 * std::numbers::pi * sources[i].distance_m);
   }
   out.delay_s = shortest / sound_speed;
   for (std::size_t k = 0; k < rate.size(); ++k) {
-    const float* displacement = displacement_.data() + mode[k] * area_.size();
     double real = 0, imaginary = 0;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      const double way = (distance[i] - shortest) / sound_speed;
-      const double amount = static_cast<double>(displacement[seen[i]]) * share[i] *
-                            std::exp(-rate[k].real() * way);
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const double way = (sources[i].distance_m - shortest) / sound_speed;
+      const double amount =
+          displacement(mode[k], sources[i]) * share[i] * std::exp(-rate[k].real() * way);
       real += amount * std::cos(rate[k].imag() * way);
       imaginary -= amount * std::sin(rate[k].imag() * way);
     }
-    out.pressure[k] =
-        air_density * shape_scale * rate[k] * std::complex<double>(real, imaginary);
+    out.pressure[k] = air_density * shape_scale * rate[k] * std::complex<double>(real, imaginary);
   }
   return out;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/modal/modal_table.hpp"
-#include "core/modal/surface.hpp"
+#include "core/modal/surface_quadrature.hpp"
 
 #include <complex>
 #include <cstddef>
@@ -20,7 +20,7 @@ struct ListenerTransfer {
 /// The surface of a body as sources of sound.
 class RadiatingSurface {
 public:
-  /// Allocates: one source a triangle, with every mode's normal displacement there.
+  /// Allocates: every mode's normal displacement at the surface's nodes. The surface must stay.
   void build(const ModalTable& table, const Surface& surface);
 
   /// Rayleigh's integral with complex rates s = -alpha + j omega_d:
@@ -33,15 +33,24 @@ public:
                                        std::span<const std::size_t> mode, const Vec3& listener,
                                        double size, double shape_scale, double air_density,
                                        double sound_speed) const;
-  /// Number of sources that one transfer works through.
+  /// Number of triangles; a transfer works through one source each or more.
   [[nodiscard]] std::size_t sources() const noexcept { return area_.size(); }
 
 private:
   [[nodiscard]] std::vector<std::size_t> facing(const Vec3& listener) const;
+  /// Of a mode at a source, along the normal; straight between the triangle's nodes.
+  [[nodiscard]] double displacement(std::size_t mode, const SurfaceSource& source) const noexcept {
+    const float* const at = displacement_.data() + mode * nodes_.vertex.size();
+    const auto& node = nodes_.of_triangle[source.triangle];
+    return static_cast<double>(source.weight[0] * at[node[0]] + source.weight[1] * at[node[1]] +
+                               source.weight[2] * at[node[2]]);
+  }
 
+  const Surface* surface_ = nullptr;
   std::vector<Vec3> centre_, normal_;
   std::vector<double> area_;
-  std::vector<float> displacement_; ///< [K][T], along the normal
+  SurfaceNodes nodes_;
+  std::vector<float> displacement_; ///< [K][N], along the nodes' normals
   bool flat_ = false;
   Vec3 thin_{0, 0, 1}, middle_{};
 };
@@ -51,11 +60,9 @@ private:
 /// h_l spherical Hankel functions of the second kind, Y_lm the complex orthonormal harmonics with
 /// Condon and Shortley's phase, coefficient l^2 + l + m for unit amplitude of modal velocity.
 /// `ratio` is the present frequency over the table's at the same size.
-[[nodiscard]] ListenerTransfer multipole_transfer(const ModalTable& table,
-                                                  std::span<const std::complex<double>> rate,
-                                                  std::span<const std::size_t> mode,
-                                                  const Vec3& listener, double size,
-                                                  double shape_scale, double air_density,
-                                                  double sound_speed);
+[[nodiscard]] ListenerTransfer
+multipole_transfer(const ModalTable& table, std::span<const std::complex<double>> rate,
+                   std::span<const std::size_t> mode, const Vec3& listener, double size,
+                   double shape_scale, double air_density, double sound_speed);
 
 } // namespace tactus::modal

@@ -13,8 +13,8 @@ using namespace modal_impact;
 
 namespace {
 
-/// Products of modes, sources and listeners that are worked out within a millisecond.
-constexpr std::size_t kSoonDone = 15000;
+/// Products of modes, triangles and listeners that are worked out within a millisecond.
+constexpr std::size_t kSoonDone = 5000;
 constexpr double kNepersIn60dB = 6.907755278982137;
 
 } // namespace
