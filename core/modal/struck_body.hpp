@@ -84,7 +84,7 @@ public:
     bool led = false;    ///< the second inlet holds a striker's height above the point
     bool doppler = false;
     double spring_n_per_m = 0; ///< above 0: the led striker feels this spring, nothing sounds
-    double gain = 0.1;         ///< of the sound, 1/Pa (1 for `none`: s/m)
+    double gain = 0.01;        ///< full scales for 1 Pa (for `none`: for 1 m/s)
     double cull_db = 90;
   };
   /// A new gain is smoothed while something sounds; in silence it holds at once.
@@ -208,7 +208,7 @@ private:
   double last_height_ = 0;
   Chunk chunk_;
   std::array<DelayLine, kMostListeners> delay_{};
-  double smooth_gain_ = 0.1;
+  double smooth_gain_ = 0.01;
   static constexpr std::size_t kSilence = 64; ///< samples of zeros that count as silence
   std::size_t silent_samples_ = kSilence;     ///< that have gone out since the last sound
 };

@@ -330,3 +330,28 @@ def test_a_roll_every_three_milliseconds_has_no_jitter(tmp_path):
     first = min(begun)
     missing = [n for n in range(first, first + 300 * 144, 144) if n not in begun]
     assert not missing
+
+
+PRESETS = ("table aluminium steel iron brass bronze copper lead glass ceramic wood plastic "
+           "polycarbonate rubber").split()
+
+
+def test_no_material_of_the_plate_clips_at_the_defaults_and_gain_is_full_scales_for_a_pascal():
+    spots = ["0 0", "40 30", "80 50", "-100 60", "20 -70", "130 80"]
+    patch = Patch()
+    for name in PRESETS:
+        for gain in ([], ["-gain", 1]):
+            box = patch.obj("modal_impact~", "plate.modal.npz", "-sync", 1, *gain)
+            if name != "table":
+                patch.at(1, box, f"preset {name}")
+            for i, spot in enumerate(spots):
+                patch.at(20 + 150 * i, box, "reset")
+                patch.at(70 + 150 * i, box, f"hit {spot} 2.5 1")
+            for side in (0, 1):
+                patch.record(f"{name} {side} {len(gain)}", box[side])
+    result = patch.render(1, path=[stage_folder()])
+    for name in PRESETS:
+        for side in (0, 1):
+            ours, pascal = result[f"{name} {side} 0"], result[f"{name} {side} 2"]
+            assert 0 < abs(ours).max() < 0.7  # 3 dB of headroom
+            assert abs(100 * ours - pascal).max() < 1e-5 * abs(pascal).max()

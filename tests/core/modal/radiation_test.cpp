@@ -81,7 +81,8 @@ TEST_CASE("a piston of few triangles sounds on its axis as the closed form says,
   // Beside the axis: a finer surface's own sum.
   const LoadedTable fine(piston(a, 60, 144));
   const Complex s(0, 2 * kPi * 9000);
-  for (const Vec3 place : {Vec3{0.03, 0.01, 0.004}, Vec3{0.049, 0, 0.02}, Vec3{0.2, 0.1, 0.1}}) {
+  for (const Vec3 place : {Vec3{0.031, 0.007, 0.0008}, Vec3{0.03, 0.01, 0.004},
+                           Vec3{0.049, 0, 0.02}, Vec3{0.2, 0.1, 0.1}}) {
     const auto x = loaded.radiating.modal({&s, 1}, {&mode, 1}, place, 1, 1, kAir, kSound);
     const auto y = fine.radiating.modal({&s, 1}, {&mode, 1}, place, 1, 1, kAir, kSound);
     CHECK(std::abs(20 * std::log10(std::abs(x.pressure[0] / y.pressure[0]))) < 0.05);
