@@ -193,6 +193,7 @@ void BodyModel::find_rates() {
   }
   scratch.assign(mode.size(), 0);
   scratch_state.assign(mode.size(), 0);
+  bank_state.assign(heard, 0);
   push_gain.assign(1 + settings.voices, std::vector<float>(mode.size(), 0.0F));
   for (std::size_t i = 0; i < heard; ++i)
     ear.push_back(a_weighting(rate[i].imag() / (2 * std::numbers::pi)));
@@ -257,16 +258,22 @@ void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
     std::fill_n(gain.begin(), count, shape_scale);
     return;
   }
-  std::fill_n(gain.begin(), count, 0.0);
+  std::array<const float*, 3> at;
+  std::array<Vec3, 3> push;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto vertex = static_cast<std::size_t>(table.triangle[place.triangle][i]);
-    const float* const at = loaded->shape.data() + vertex * table.modes() * 3;
-    const Vec3 push = -shape_scale * place.weight[i] * direction;
-    for (std::size_t k = 0; k < count; ++k) {
-      const float* const shape = at + 3 * mode[k];
-      gain[k] += push.x * static_cast<double>(shape[0]) + push.y * static_cast<double>(shape[1]) +
-                 push.z * static_cast<double>(shape[2]);
+    at[i] = loaded->shape.data() + vertex * table.modes() * 3;
+    push[i] = -shape_scale * place.weight[i] * direction;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first = 3 * mode[k];
+    double sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float* const shape = at[i] + first;
+      sum += push[i].x * static_cast<double>(shape[0]) + push[i].y * static_cast<double>(shape[1]) +
+             push[i].z * static_cast<double>(shape[2]);
     }
+    gain[k] = sum;
   }
 }
 

@@ -92,6 +92,7 @@ struct BodyModel {
   std::vector<std::vector<float>> push_gain;
   std::vector<double> scratch;                     ///< as long as `mode`
   std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
+  std::vector<std::complex<double>> bank_state;    ///< as long as `heard`
   std::vector<double> ear;                         ///< A-weighting of the heard modes
   std::vector<double> loudness; ///< of the heard modes: at the loudest listener and to the ear
   /// What the contact solver listens with: a listener, and which of its gliding weights.

@@ -14,8 +14,8 @@ public:
   ModesOf(std::span<const std::complex<double>> rate, double sample_rate, unsigned most_steps,
           std::size_t contacts, std::size_t listeners, VectorSet set)
       : kernel_(contact_kernel<T>(set)), modes_(rate.size()), most_steps_(most_steps),
-        alpha_(modes_, 0), omega_(modes_, 1), finest_(modes_), change_(modes_), turn_(modes_),
-        state_(modes_), slots_(contacts),
+        alpha_(modes_, 0), omega_(modes_, 1), inverse_omega_(modes_, 1), inverse_square_(modes_, 1),
+        finest_(modes_), change_(modes_), turn_(modes_), state_(modes_), slots_(contacts),
         weights_(std::min(listeners, ContactPass<T>::kMostEars), Split<T>(modes_)),
         ears_(weights_.size()), echo_(contacts * weights_.size()) {
     padded_ = state_.real.padded();
@@ -26,6 +26,8 @@ public:
     for (std::size_t k = 0; k < modes_; ++k) {
       alpha_[k] = -rate[k].real();
       omega_[k] = rate[k].imag();
+      inverse_omega_[k] = 1 / omega_[k];
+      inverse_square_[k] = 1 / (alpha_[k] * alpha_[k] + omega_[k] * omega_[k]);
       // exp(x + j y) - 1 without the difference
       const double x = rate[k].real() / (sample_rate * most_steps);
       const double y = rate[k].imag() / (sample_rate * most_steps);
@@ -55,7 +57,7 @@ public:
       turn_.real[k] = static_cast<T>(re);
       turn_.imaginary[k] = static_cast<T>(im);
       // t/s, s = -alpha + j omega
-      const double inverse = 1 / (alpha_[k] * alpha_[k] + omega_[k] * omega_[k]);
+      const double inverse = inverse_square_[k];
       change_.real[k] = (im * omega_[k] - re * alpha_[k]) * inverse;
       change_.imaginary[k] = -(re * omega_[k] + im * alpha_[k]) * inverse;
     }
@@ -71,7 +73,7 @@ public:
     const std::size_t given = std::min(gain.size(), modes_);
     for (std::size_t k = 0; k < given; ++k) {
       s.gain[k] = static_cast<T>(gain[k]);
-      s.place_gain[k] = static_cast<T>(gain[k] / omega_[k]);
+      s.place_gain[k] = static_cast<T>(gain[k] * inverse_omega_[k]);
       squares += gain[k] * gain[k];
     }
     for (std::size_t k = given; k < modes_; ++k)
@@ -79,6 +81,12 @@ public:
     s.used = true;
     make_push(slot);
     return squares;
+  }
+
+  void drop(std::size_t slot) noexcept override {
+    if (given_to_ == slot)
+      settle();
+    slots_[slot].used = false;
   }
 
   [[nodiscard]] double answer(std::size_t to, std::size_t from, std::size_t lag) noexcept override {
@@ -339,7 +347,7 @@ private:
   const ContactKernel<T>* kernel_;
   std::size_t modes_, padded_ = 0, listening_ = 0;
   unsigned most_steps_;
-  std::vector<double> alpha_, omega_;
+  std::vector<double> alpha_, omega_, inverse_omega_, inverse_square_;
   Split<double> finest_, change_; ///< p - 1 of the shortest step; (p - 1)/s of the step at work
   Split<T> turn_;                 ///< p - 1 of the step at work
   Split<T> state_;                ///< z before the forces of pass_

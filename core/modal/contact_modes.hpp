@@ -31,6 +31,8 @@ public:
   /// Gains b at a contact's place, 1/sqrt(kg); those that are not given are zero. Returns the sum
   /// of their squares: the mobility against a blow, 1/kg.
   virtual double set_gain(std::size_t slot, std::span<const double> gain) noexcept = 0;
+  /// The contact is over: nothing is worked out for it any more.
+  virtual void drop(std::size_t slot) noexcept = 0;
   /// Displacement at contact `to`, for 1 N at `from` in the step before last `lag`, m/N.
   [[nodiscard]] virtual double answer(std::size_t to, std::size_t from,
                                       std::size_t lag) noexcept = 0;

@@ -153,6 +153,7 @@ void ContactSolver::end(std::size_t slot) noexcept {
     return;
   contacts_[slot].active = false;
   contacts_[slot].force_n = 0;
+  swings_->drop(slot);
   list_touching();
 }
 

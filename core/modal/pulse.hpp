@@ -18,6 +18,13 @@ struct Pulse {
 
   /// Spectrum over that at 0 Hz: cos(omega T/2) / (1 - (omega T/pi)^2).
   [[nodiscard]] static double spectrum(double radians) noexcept; ///< of omega T
+  /// What its size never exceeds, without a cosine: 1, and 1/((omega T/pi)^2 - 1) where that is
+  /// less.
+  [[nodiscard]] static double envelope(double radians) noexcept {
+    constexpr double kInverse = 0.3183098861837907; // 1/pi
+    const double square = radians * radians * (kInverse * kInverse);
+    return square > 2 ? 1 / (square - 1) : 1;
+  }
 };
 
 /// What a blow meets at its place.

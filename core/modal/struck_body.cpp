@@ -287,6 +287,11 @@ void StruckBody::leave_contact() noexcept {
     blow.bounces = blow.in_air;
   const auto states = std::span(m.scratch_state).first(m.heard);
   m.solver.read_states(states);
+  if (!m.bank.asleep()) {
+    m.bank.read_states(m.bank_state);
+    for (std::size_t k = 0; k < m.heard; ++k)
+      states[k] += m.bank_state[k];
+  }
   double loudest = 0;
   for (std::size_t k = 0; k < m.heard; ++k) { // squares of what is heard
     m.scratch[k] = m.loudness[k] * m.loudness[k] * std::norm(states[k]);
@@ -333,6 +338,29 @@ void StruckBody::begin_led() noexcept {
                        model_->rigid_gains(point_, point_direction_));
 }
 
+/// What is released and what pulses excite rings in the bank beside a contact, which does not feel
+/// it; the sum is exact for all else.
+void StruckBody::ring_beside(std::size_t from, std::size_t to) noexcept {
+  BodyModel& m = *model_;
+  std::array<const float*, 1 + kMostContacts> force{};
+  bool rings = !m.bank.asleep();
+  for (std::size_t i = 0; i < m.settings.voices; ++i)
+    if (pulses_[i].active) {
+      force[1 + i] = chunk_.pulse[i].data() + from;
+      rings = true;
+    }
+  if (!rings)
+    return m.bank.skip(to - from);
+  std::array<float*, kMostListeners> out{};
+  for (std::size_t l = 0; l < m.settings.listeners; ++l)
+    out[l] = chunk_.released[l].data();
+  m.bank.process(std::span<const float* const>(force.data(), 1 + m.settings.voices), out,
+                 to - from);
+  for (std::size_t l = 0; l < m.settings.listeners; ++l)
+    for (std::size_t n = from; n < to; ++n)
+      chunk_.heard[l][n] += chunk_.released[l][n - from];
+}
+
 /// Sample by sample until nothing touches any more; returns where it stopped.
 std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
@@ -365,9 +393,6 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
     chunk_.contact[n] += static_cast<float>(force);
     if (chunk_.force[n] != 0)
       m.solver.kick(m.push_gain[0], static_cast<double>(chunk_.force[n]) / sample_rate_);
-    for (std::size_t i = 0; i < m.settings.voices; ++i)
-      if (pulses_[i].active && chunk_.pulse[i][n] != 0)
-        m.solver.kick(m.push_gain[1 + i], static_cast<double>(chunk_.pulse[i][n]) / sample_rate_);
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
       chunk_.heard[l][n] = 0;
     for (std::size_t e = 0; e < m.ear_count; ++e) {
@@ -383,17 +408,7 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
       chunk_.heard[listener][n] += static_cast<float>(heard);
     }
   }
-  if (m.bank.release_left() > 0) {
-    std::array<float*, kMostListeners> out{};
-    for (std::size_t l = 0; l < m.settings.listeners; ++l)
-      out[l] = chunk_.released[l].data();
-    m.bank.process({}, out, n - from);
-    for (std::size_t l = 0; l < m.settings.listeners; ++l)
-      for (std::size_t i = from; i < n; ++i)
-        chunk_.heard[l][i] += chunk_.released[l][i - from];
-  } else {
-    m.bank.skip(n - from);
-  }
+  ring_beside(from, n);
   if (!m.solver.touching())
     leave_contact();
   return n;

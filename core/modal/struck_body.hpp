@@ -74,6 +74,9 @@ public:
   void begin_block(std::int64_t sample) noexcept { clock_ = sample; }
   [[nodiscard]] std::int64_t clock() const noexcept { return clock_; }
   static constexpr std::size_t kMaxScheduled = 512;
+  /// Modes times contacts that are followed coupled at once; a blow beyond it is a pulse, unless
+  /// it is the only one, so that any number of blows on a large body stays in time.
+  static constexpr std::size_t kMaxCoupledWork = 16384;
 
   /// Levels in dB from full scale at the loudest listener, of the lowest modes by frequency; -120
   /// for what is at rest. Allocates.
@@ -148,6 +151,7 @@ private:
   [[nodiscard]] std::size_t in_contact(std::size_t from, std::size_t frames) noexcept;
   [[nodiscard]] std::size_t in_flight(std::size_t from, std::size_t frames) noexcept;
   void begin_led() noexcept;
+  void ring_beside(std::size_t from, std::size_t to) noexcept;
   void take_over_contacts(BodyModel& before) noexcept;
   void let_go() noexcept;
   void take_off(std::size_t slot) noexcept;
@@ -161,8 +165,8 @@ private:
   void continue_pulses() noexcept;
   [[nodiscard]] ContactLaw law(const Striker& striker, double speed) const noexcept;
   void strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
-  [[nodiscard]] bool strike_pulse(std::size_t slot, const Hit& hit,
-                                  const Striker& striker) noexcept;
+  [[nodiscard]] bool strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker,
+                                  double max_mass_ratio) noexcept;
   void strike_raw(std::size_t slot, const Hit& hit) noexcept;
   void play_raw(const BodyModel& model, Recordings& recordings, std::size_t frames,
                 Sound& heard) noexcept;

@@ -86,8 +86,14 @@ bool StruckBody::strike(const Hit& hit, const Striker& striker) noexcept {
   begun_[slot] = ++turn_;
   if (model_->plays_raw)
     strike_raw(slot, hit);
-  else if (options_.coupled || hit.falls || !strike_pulse(slot, hit, striker))
-    strike_coupled(slot, hit, striker);
+  else {
+    const std::size_t active = model_->solver.active();
+    const bool crowded = active > 0 && (active + 1) * model_->mode.size() > kMaxCoupledWork;
+    const bool pulse = crowded || !options_.coupled;
+    const double limit = crowded ? std::numeric_limits<double>::infinity() : Pulse::kMaxMassRatio;
+    if (hit.falls || !pulse || !strike_pulse(slot, hit, striker, limit))
+      strike_coupled(slot, hit, striker);
+  }
   return true;
 }
 
@@ -151,7 +157,8 @@ void StruckBody::land() noexcept {
 }
 
 /// False for a striker too heavy for a single pulse.
-bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker) noexcept {
+bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker,
+                              double max_mass_ratio) noexcept {
   std::vector<double>& gain = model_->scratch;
   model_->gains(hit.place, hit.direction, gain);
   double rigid = 0;
@@ -160,13 +167,13 @@ bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& s
   const Pulse pulse =
       find_pulse(law(striker, hit.speed_m_per_s), striker.mass_kg, hit.speed_m_per_s,
                  striker.restitution, {gain, model_->rate, rigid, model_->left_out(hit.place)});
-  if (pulse.mass_ratio > Pulse::kMaxMassRatio)
+  if (pulse.mass_ratio > max_mass_ratio)
     return false;
   pulses_[slot] = {hit, pulse, 0, true};
   // A mode that the ear would not find beside the loudest one is left out.
   double loudest = 0;
   const auto level = [&](std::size_t k) {
-    const double part = Pulse::spectrum(model_->rate[k].imag() * pulse.duration_s);
+    const double part = Pulse::envelope(model_->rate[k].imag() * pulse.duration_s);
     return std::abs(gain[k] * part) * model_->loudness[k];
   };
   for (std::size_t k = 0; k < model_->heard; ++k)
