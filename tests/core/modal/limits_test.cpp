@@ -42,7 +42,11 @@ TEST_CASE("a mode rings until it is 160 dB below full scale, and not longer") {
 
 TEST_CASE("a force that no body stands ends the contact, and the next blow is as any other") {
   const auto blow = [](bool pressed) {
-    Rig rig;
+    Rig rig(48000, one_mode(15000, 50));
+    rig.settings.size = 100; // as heavy and stiff as settings make it: 1e14 N/m
+    rig.settings.density_kg_per_m3 = 1e5;
+    rig.settings.youngs_modulus_pa = 1e13;
+    rig.renew(false);
     rig.options.led = true;
     rig.body.set_options(rig.options);
     if (pressed) {
@@ -51,7 +55,7 @@ TEST_CASE("a force that no body stands ends the contact, and the next blow is as
       pin.stiffness = 1e15;
       pin.exponent = 1;
       rig.body.set_striker(pin);
-      const Heard heard = rig.run(2000, 64, {}, std::vector<float>(2000, -1.0F));
+      const Heard heard = rig.run(2000, 64, {}, std::vector<float>(2000, -10.0F));
       CHECK(*std::max_element(heard.contact.begin(), heard.contact.end()) < 1e12F);
       rig.body.set_striker(ball);
     }
@@ -61,7 +65,7 @@ TEST_CASE("a force that no body stands ends the contact, and the next blow is as
     rig.hit({0.05, 0.03, 0}, 1);
     return impulse(rig.run(4800, 64, {}, std::vector<float>(4800, 1.0F)), 48000);
   };
-  CHECK(blow(true) == doctest::Approx(blow(false)).epsilon(1e-6));
+  CHECK(blow(true) / blow(false) == doctest::Approx(1).epsilon(1e-6));
 }
 
 TEST_CASE("a ball thrown off by a swinging body lands as fast as it falls from there") {
@@ -93,7 +97,7 @@ TEST_CASE("a ball thrown off by a swinging body lands as fast as it falls from t
     above = true;
     const double landing = std::sqrt(speed * speed + 2 * StruckBody::kGravity * height);
     const double flight = (speed + landing) / StruckBody::kGravity;
-    CHECK(static_cast<double>(quiet) / kRate == doctest::Approx(flight).epsilon(0.002));
+    CHECK(std::abs(static_cast<double>(quiet) / kRate / flight - 1) < 0.002);
   }
   CHECK(above);
 }

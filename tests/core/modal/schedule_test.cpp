@@ -170,7 +170,7 @@ TEST_CASE("many blows at once on a large body are one contact and pulses beside 
   const Heard one = play(1, 64), two = play(2, 64);
   // The second is struck as on a body at rest: twice the impulse and the sound, as the light
   // striker gives way so little.
-  CHECK(impulse(two, 48000) == doctest::Approx(2 * impulse(one, 48000)).epsilon(0.03));
+  CHECK(std::abs(impulse(two, 48000) / impulse(one, 48000) - 2) < 0.06);
   double a = 0, b = 0;
   for (std::size_t n = 200; n < 960; ++n) {
     a += std::pow(static_cast<double>(one.left[n]), 2);
