@@ -1,7 +1,5 @@
 #include "core/modal/body_model.hpp"
 
-#include "core/modal/delay_line.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,7 +8,7 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kHighestOfRate = 0.45; // a mode above is not heard: it would alias
+constexpr double kHighestOfRate = 0.45; // a mode above is not left to ring: it would alias
 constexpr double kNepersIn60dB = 6.907755278982137;
 constexpr double kUnknownModulus = 70e9, kUnknownDensity = 2700;
 
@@ -199,13 +197,64 @@ void BodyModel::find_rates() {
     ear.push_back(a_weighting(rate[i].imag() / (2 * std::numbers::pi)));
 }
 
+std::vector<DirectKernels::Mode> BodyModel::direct_modes() const {
+  using Part = DirectKernels::Mode::Part;
+  const double highest = 2 * std::numbers::pi * kHighestOfRate * settings.sample_rate;
+  std::vector<DirectKernels::Mode> modes;
+  for (std::size_t i = 0; i < mode.size(); ++i)
+    modes.push_back({rate[i], mode[i],
+                     i < heard                      ? Part::kRings
+                     : std::abs(rate[i]) >= highest ? Part::kTooHigh
+                                                    : Part::kMute});
+  return modes;
+}
+
+RadiatingSurface::RigidShapes BodyModel::rigid_shapes() const {
+  RadiatingSurface::RigidShapes shapes;
+  if (!loaded->table.free || !(mass_kg > 0))
+    return shapes;
+  for (std::size_t t = 0; t < loaded->radiating.triangles(); ++t) {
+    SurfacePoint place;
+    place.triangle = t;
+    place.position = loaded->radiating.centre(t);
+    RigidGain outward = rigid_gains(place, loaded->radiating.normal(t));
+    for (double& b : outward) // gains are for a push inwards
+      b = -b;
+    shapes.push_back(outward);
+  }
+  return shapes;
+}
+
+std::vector<double> BodyModel::omega_by_mode() const {
+  std::vector<double> omega(loaded->table.modes(), 0);
+  for (std::size_t i = 0; i < mode.size(); ++i)
+    omega[mode[i]] = rate[i].imag();
+  return omega;
+}
+
+std::array<RigidDipole, 3> BodyModel::free_dipoles() const {
+  const ModalTable& table = loaded->table;
+  if (!table.free || !(mass_kg > 0))
+    return {};
+  double volume = 0; // by the divergence theorem
+  for (std::size_t t = 0; t < loaded->surface.triangles(); ++t) {
+    const auto& c = loaded->surface.corners(t);
+    volume += dot(c[0], cross(c[1], c[2])) / 6;
+  }
+  const double length = settings.size;
+  std::array<Vec3, 3> inertia = table.inertia_kg_m2;
+  for (Vec3& row : inertia)
+    row = row * (mass_kg / table.mass_kg * length * length);
+  return rigid_dipoles(mass_kg, inertia, volume * length * length * length);
+}
+
 void BodyModel::find_weights() {
   const ModalTable& table = loaded->table;
-  const std::span<const std::complex<double>> rates =
-      std::span<const std::complex<double>>(rate).first(heard);
-  const std::span<const std::size_t> modes = std::span<const std::size_t>(mode).first(heard);
+  const std::vector<DirectKernels::Mode> modes = direct_modes();
   const bool has_surface = !loaded->surface.empty();
   plays_raw = settings.radiation == Radiation::kRaw && !table.raw.empty();
+  const RadiatingSurface::Scene scene{settings.size, shape_scale, table.air_density_kg_per_m3,
+                                      table.sound_speed_m_per_s, settings.sample_rate};
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     weight[l].assign(heard, 0);
     if (plays_raw) {
@@ -215,38 +264,64 @@ void BodyModel::find_weights() {
     }
     if (l >= settings.listeners)
       continue;
-    ListenerTransfer transfer;
+    std::unique_ptr<Arrivals> arrivals;
     if (has_surface && settings.radiation == Radiation::kModal)
-      transfer =
-          loaded->radiating.modal(rates, modes, settings.listener[l], settings.size, shape_scale,
-                                  table.air_density_kg_per_m3, table.sound_speed_m_per_s);
+      arrivals = loaded->radiating.arrivals(settings.listener[l], scene, rigid_shapes());
     else if (has_surface && settings.radiation == Radiation::kBody && !table.multipoles.empty())
-      transfer =
-          multipole_transfer(table, rates, modes, settings.listener[l], settings.size, shape_scale,
-                             table.air_density_kg_per_m3, table.sound_speed_m_per_s);
-    else {
+      arrivals = multipole_arrivals(table, omega_by_mode(), settings.listener[l], scene,
+                                    free_dipoles(), mass_kg);
+    if (arrivals) {
+      delay_s[l] = arrivals->delay_s;
+      direct[l].build(*arrivals, modes, table.free && mass_kg > 0, settings.sample_rate);
+    } else {
       // What a vibrometer sees at the nearest place: the velocity along the normal, outwards.
-      transfer.pressure.assign(heard, 1);
+      std::vector<double> gain(heard, -1);
       if (has_surface) {
-        std::vector<double> gain(heard);
         const SurfacePoint place = nearest(settings.listener[l]);
         gains(place, place.normal, gain);
-        for (std::size_t k = 0; k < heard; ++k)
-          transfer.pressure[k] = -gain[k];
       }
+      std::vector<std::complex<double>> velocity(heard);
+      for (std::size_t k = 0; k < heard; ++k) // z stands for q' = Im(s z)/omega_d
+        velocity[k] = -gain[k] * rate[k] / rate[k].imag();
+      direct[l].build_velocity(modes, velocity, settings.sample_rate);
     }
-    delay_s[l] = transfer.delay_s;
-    if (const double samples = transfer.delay_s * settings.sample_rate;
-        samples < static_cast<double>(DelayLine::kHalf)) {
-      delay_s[l] = std::floor(samples) / settings.sample_rate;
-      delay_in_weight_s[l] = transfer.delay_s - delay_s[l];
+    weight[l] = direct[l].weight();
+  }
+  make_kernels();
+}
+
+void BodyModel::make_kernels() {
+  sample_kernel.resize(1 + settings.voices);
+  contact_kernel.resize(1 + settings.voices);
+  for (std::size_t l = 0; l < kMostListeners; ++l) {
+    const std::size_t taps = direct[l].taps(), moments = direct[l].moments();
+    const std::size_t rigid = direct[l].has_rigid() ? 1 : 0;
+    for (auto& kernel : sample_kernel) {
+      kernel[l].elastic.assign(taps, 0);
+      kernel[l].rigid.assign(rigid * taps, 0);
     }
-    for (std::size_t k = 0; k < heard; ++k) {
-      // z stands for q' = Im(s z)/omega_d.
-      const auto w = transfer.pressure[k] * rates[k] / rates[k].imag() *
-                     std::polar(1.0, -rates[k].imag() * delay_in_weight_s[l]);
-      weight[l][k] = std::isfinite(std::abs(w)) ? w : 0;
+    for (auto& kernel : contact_kernel) {
+      kernel[l].elastic.assign(moments * taps, 0);
+      kernel[l].rigid.assign(rigid * moments * taps, 0);
     }
+  }
+}
+
+void BodyModel::aim_samples(std::size_t drive, std::span<const double> gain,
+                            const RigidGain& rigid) noexcept {
+  for (std::size_t l = 0; l < settings.listeners; ++l) {
+    ForceKernel& kernel = sample_kernel[drive][l];
+    direct[l].assemble_samples(gain, kernel.elastic);
+    direct[l].assemble_rigid_samples(rigid, kernel.rigid);
+  }
+}
+
+void BodyModel::aim_contact(std::size_t slot, std::span<const double> gain,
+                            const RigidGain& rigid) noexcept {
+  for (std::size_t l = 0; l < settings.listeners; ++l) {
+    ForceKernel& kernel = contact_kernel[slot][l];
+    direct[l].assemble_moments(gain, kernel.elastic);
+    direct[l].assemble_rigid_moments(rigid, kernel.rigid);
   }
 }
 

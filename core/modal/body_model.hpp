@@ -1,8 +1,10 @@
 #pragma once
 
 #include "core/modal/contact_solver.hpp"
+#include "core/modal/direct_sound.hpp"
 #include "core/modal/modal_table.hpp"
 #include "core/modal/mode_bank.hpp"
+#include "core/modal/multipole.hpp"
 #include "core/modal/radiation.hpp"
 #include "core/modal/raw_radiation.hpp"
 #include "core/modal/surface.hpp"
@@ -81,12 +83,20 @@ struct BodyModel {
   std::vector<std::complex<double>> rate;                               ///< of `mode`
   std::array<std::vector<std::complex<double>>, kMostListeners> weight; ///< of the first `heard`
   std::array<double, kMostListeners> delay_s{};                         ///< of the delay line
-  /// Besides: the fraction of a sample that the weights of a near listener hold (DelayLine).
-  std::array<double, kMostListeners> delay_in_weight_s{};
   bool plays_raw = false; ///< blows start recordings instead of contacts
   std::array<RawListener, kMostListeners> raw;
   ModeBank bank;
   ContactSolver solver;
+
+  /// What forces sound like besides the modes that ring, and at their places: at the force inlet's
+  /// point (first) and where pulses strike, and of each contact of the solver.
+  std::array<DirectKernels, kMostListeners> direct;
+  std::vector<std::array<ForceKernel, kMostListeners>> sample_kernel, contact_kernel;
+  using RigidGain = std::array<double, ContactSolver::kRigid>;
+  /// Allocates nothing.
+  void aim_samples(std::size_t drive, std::span<const double> gain,
+                   const RigidGain& rigid) noexcept;
+  void aim_contact(std::size_t slot, std::span<const double> gain, const RigidGain& rigid) noexcept;
 
   /// Gains b of the modes at the force inlet's point (first) and where pulses strike.
   std::vector<std::vector<float>> push_gain;
@@ -137,6 +147,11 @@ private:
 
   std::array<std::vector<std::complex<double>>, 3> scratch_weight_; ///< as long as `heard`
   std::uint64_t ears_version_ = 0; ///< of the bank's weights that the solver has
+  [[nodiscard]] std::vector<DirectKernels::Mode> direct_modes() const;
+  [[nodiscard]] RadiatingSurface::RigidShapes rigid_shapes() const;
+  [[nodiscard]] std::vector<double> omega_by_mode() const;
+  [[nodiscard]] std::array<RigidDipole, 3> free_dipoles() const;
+  void make_kernels();
 };
 
 } // namespace tactus::modal

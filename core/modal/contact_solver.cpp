@@ -8,6 +8,7 @@ namespace tactus::modal {
 namespace {
 
 constexpr double kStepsPerContact = 32; // error of the rebound below 0.1 %
+constexpr double kStepRate = 176400;    // 1/s at least in a strike: the force true up to 20 kHz
 constexpr double kMostLedSteps = 4;     // a hand's contact lasts: it is followed less finely
 constexpr int kMostRounds = 40;
 constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
@@ -25,7 +26,7 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
     : sample_rate_(sample_rate), has_rigid_(rigid), modes_(rate.size()), alpha_(modes_, 0),
       omega_(modes_, 1), contacts_(contacts), slots_(contacts), answer_(contacts * contacts, 0),
       swing_answer_(contacts, 0), free_(contacts, 0), force_(contacts, 0), next_force_(contacts, 0),
-      touching_(contacts, 0) {
+      touching_(contacts, 0), sampled_(contacts) {
   for (std::size_t k = 0; k < modes_; ++k) {
     alpha_[k] = -rate[k].real();
     omega_[k] = rate[k].imag();
@@ -108,7 +109,7 @@ void ContactSolver::begin(std::size_t slot, const Contact& contact, std::span<co
   s.patience_s = kLongestFlight;
   if (!contact.led && contact.speed_m_per_s > 0) {
     const double time = contact.law.duration(1 / s.mobility, contact.speed_m_per_s);
-    s.steps = kStepsPerContact / (time * sample_rate_);
+    s.steps = std::max(kStepsPerContact / time, kStepRate) / sample_rate_;
     s.patience_s =
         std::max(kLongestFlight, kLongestRest * contact.law.duration(contact.striker_mass_kg,
                                                                      contact.speed_m_per_s));
@@ -232,7 +233,7 @@ void ContactSolver::find_forces(double h) noexcept {
 }
 
 /// What a force does to all but the modes.
-void ContactSolver::apply_force(std::size_t slot, double force, double h) noexcept {
+void ContactSolver::apply_force(std::size_t slot, double force, double h, unsigned step) noexcept {
   Contact& c = contacts_[slot];
   Slot& s = slots_[slot];
   s.force_before = s.last_force;
@@ -240,6 +241,11 @@ void ContactSolver::apply_force(std::size_t slot, double force, double h) noexce
   if (force == 0)
     return;
   c.force_n += force;
+  const double part = 1 / static_cast<double>(steps_);
+  const double x = 1 - (2 * static_cast<double>(step) + 1) * part; // 2 v - 1 in the step's middle
+  s.moments[0] += force * part;
+  s.moments[1] += force * part * x;
+  s.moments[2] += force * part * (1.5 * x * x - 0.5 + 0.5 * part * part);
   if (has_rigid_)
     for (std::size_t r = 0; r < kRigid; ++r) {
       rigid_place_[r] += s.rigid[r] * force * h * h / 2;
@@ -251,11 +257,11 @@ void ContactSolver::apply_force(std::size_t slot, double force, double h) noexce
   }
 }
 
-/// The next steps of a contact that is the only one, one or two at a time.
-void ContactSolver::step_one_contact(std::size_t i, std::size_t ahead, bool ends_sample) noexcept {
+/// The next steps of a contact that is the only one, one or two at a time, after so many.
+void ContactSolver::step_one_contact(std::size_t i, std::size_t ahead, unsigned after) noexcept {
   const double h = 1 / (sample_rate_ * steps_);
   const double answer = answer_[i * contacts_.size() + i];
-  const double* const place = swings_->look_ahead(i, ahead, ends_sample);
+  const double* const place = swings_->look_ahead(i, ahead, after + ahead == steps_);
   std::array<double, ContactModes::kMostAhead> force{};
   for (std::size_t j = 0; j < ahead; ++j) {
     if (has_rigid_)
@@ -269,13 +275,14 @@ void ContactSolver::step_one_contact(std::size_t i, std::size_t ahead, bool ends
       free -= rigid_at(slots_[i], rigid_place_);
     force[j] = find_force(i, free, h);
     contacts_[i].compression_m = free - answer * force[j];
-    apply_force(i, force[j], h);
+    apply_force(i, force[j], h, after + static_cast<unsigned>(j));
   }
   swings_->give(force.data());
 }
 
-/// The next step of all contacts.
-void ContactSolver::step_contacts(bool ends_sample) noexcept {
+/// The next step of all contacts, after so many.
+void ContactSolver::step_contacts(unsigned after) noexcept {
+  const bool ends_sample = after + 1 == steps_;
   const double h = 1 / (sample_rate_ * steps_);
   const std::size_t count = contacts_.size();
   move_rigidly(h);
@@ -296,7 +303,7 @@ void ContactSolver::step_contacts(bool ends_sample) noexcept {
   }
   for (std::size_t a = 0; a < active_count_; ++a) {
     const std::size_t i = touching_[a];
-    apply_force(i, force_[i], h);
+    apply_force(i, force_[i], h, after);
     if (a == 0)
       swings_->give(&force_[i]);
     else if (force_[i] != 0)
@@ -322,22 +329,27 @@ double ContactSolver::wanted_steps() const noexcept {
 }
 
 double ContactSolver::step() noexcept {
-  for (std::size_t a = 0; a < active_count_; ++a)
+  for (std::size_t a = 0; a < active_count_; ++a) {
     contacts_[touching_[a]].force_n = 0;
+    slots_[touching_[a]].moments = {};
+  }
+  sampled_count_ = 0;
   choose_steps(wanted_steps());
   if (active_count_ == 1) {
     const unsigned ahead = steps_ > 1 ? 2 : 1;
-    for (unsigned s = ahead; s <= steps_; s += ahead)
-      step_one_contact(touching_[0], ahead, s == steps_);
+    for (unsigned s = 0; s < steps_; s += ahead)
+      step_one_contact(touching_[0], ahead, s);
   } else if (active_count_ > 1) {
-    for (unsigned s = 1; s <= steps_; ++s)
-      step_contacts(s == steps_);
+    for (unsigned s = 0; s < steps_; ++s)
+      step_contacts(s);
   }
   double force = 0;
   for (std::size_t a = 0; a < active_count_; ++a) {
     Contact& c = contacts_[touching_[a]];
     c.force_n /= steps_;
     force += c.force_n;
+    if (c.force_n != 0)
+      sampled_[sampled_count_++] = {touching_[a], slots_[touching_[a]].moments};
   }
   if (force > 0)
     forget_reach();

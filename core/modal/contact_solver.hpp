@@ -2,6 +2,7 @@
 
 #include "core/modal/contact_force.hpp"
 #include "core/modal/contact_modes.hpp"
+#include "core/modal/direct_sound.hpp"
 
 #include <array>
 #include <complex>
@@ -69,6 +70,14 @@ public:
 
   /// One sample on. Contacts that are over for good become inactive. Returns the mean force, N.
   double step() noexcept;
+  /// Forces of the last sample that were not zero.
+  struct SampledForce {
+    std::size_t slot;
+    ForceMoments moments;
+  };
+  [[nodiscard]] std::span<const SampledForce> sampled() const noexcept {
+    return std::span(sampled_).first(sampled_count_);
+  }
   /// An impulse on the modes at once, N s, e.g. a sample of an outer force.
   void kick(std::span<const float> gain, double impulse) noexcept;
   /// Sum over modes of Im(w z).
@@ -117,6 +126,7 @@ private:
     bool out_of_reach = false; ///< nothing can touch within the next sample
     ContactModes::Reach reach; ///< of the modes at the place
     unsigned reach_age = 0;    ///< samples that it has been known for; 0: it is not
+    ForceMoments moments{};    ///< of the force within the sample at hand
   };
   static SeriesContact series(const Contact& contact) noexcept {
     return {contact.law, contact.compliance_m_per_n};
@@ -133,13 +143,13 @@ private:
   bool choose_steps(double wanted) noexcept;
   void set_steps(unsigned steps) noexcept;
   void work_out_answers() noexcept;
-  void step_one_contact(std::size_t slot, std::size_t ahead, bool ends_sample) noexcept;
-  void step_contacts(bool ends_sample) noexcept;
+  void step_one_contact(std::size_t slot, std::size_t ahead, unsigned after) noexcept;
+  void step_contacts(unsigned after) noexcept;
   void move_rigidly(double h) noexcept;
   void move_striker(std::size_t slot, double h) noexcept;
   [[nodiscard]] double find_force(std::size_t slot, double free, double h) noexcept;
   void find_forces(double h) noexcept;
-  void apply_force(std::size_t slot, double force, double h) noexcept;
+  void apply_force(std::size_t slot, double force, double h, unsigned step) noexcept;
   [[nodiscard]] double surface_place(std::size_t slot) const noexcept;
   void list_touching() noexcept;
   void forget_reach() noexcept;
@@ -160,6 +170,8 @@ private:
   std::vector<double> free_, force_, next_force_;
   std::vector<std::size_t> touching_; ///< the active contacts, in the order of their slots
   std::size_t active_count_ = 0;
+  std::vector<SampledForce> sampled_;
+  std::size_t sampled_count_ = 0;
   unsigned steps_ = 0, most_steps_ = kMostSteps;
 };
 

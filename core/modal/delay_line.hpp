@@ -15,8 +15,7 @@ namespace tactus::modal {
 /// sample up to 0.4535 of the sample rate (20 kHz at 44.1 kHz). A delay shorter than 20 samples has
 /// fewer neighbours on one side and takes as many on both: within 0.25 dB at a quarter of the
 /// sample rate from two samples on, but no longer flat to the top. Whole delays are exact, so a
-/// resting listener that near has its fraction of a sample in the modes' weights
-/// (BodyModel::delay_in_weight_s).
+/// resting listener that near has its fraction of a sample in what it is given (TravelTime).
 ///
 /// A new delay takes over as Glide has it: in a cross-fade of up to three delays, or as one delay
 /// that moves and bends the pitch as a moving listener hears it, no faster than kFastest.

@@ -1,4 +1,4 @@
-#include "core/modal/radiation.hpp"
+#include "core/modal/multipole.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,19 +8,6 @@ namespace tactus::modal {
 namespace {
 
 using Complex = std::complex<double>;
-
-/// h_l^(2)(x) for l = 0 ... highest, by upward recursion, which is stable for functions that grow
-/// with the degree.
-std::vector<Complex> hankel(std::size_t highest, double x) {
-  std::vector<Complex> h(highest + 1);
-  const Complex wave = std::polar(1.0, -x);
-  h[0] = Complex(0, 1) * wave / x;
-  if (highest > 0)
-    h[1] = wave * (Complex(0, 1) / (x * x) - 1.0 / x);
-  for (std::size_t l = 1; l < highest; ++l)
-    h[l + 1] = (2.0 * static_cast<double>(l) + 1) / x * h[l] - h[l - 1];
-  return h;
-}
 
 /// Orthonormal associated Legendre functions with Condon and Shortley's phase: [l (l + 1)/2 + m].
 std::vector<double> legendre(std::size_t highest, double cosine) {
@@ -46,6 +33,54 @@ std::vector<double> legendre(std::size_t highest, double cosine) {
 
 } // namespace
 
+std::vector<Complex> spherical_hankel(std::size_t max_degree, double x) {
+  std::vector<Complex> h(max_degree + 1);
+  const Complex wave = std::polar(1.0, -x);
+  h[0] = Complex(0, 1) * wave / x;
+  if (max_degree > 0)
+    h[1] = wave * (Complex(0, 1) / (x * x) - 1.0 / x);
+  for (std::size_t l = 1; l < max_degree; ++l)
+    h[l + 1] = (2.0 * static_cast<double>(l) + 1) / x * h[l] - h[l - 1];
+  return h;
+}
+
+MultipoleDirection::MultipoleDirection(const ModalTable& table, const Vec3& direction)
+    : poles_(&table.multipoles) {
+  const double length = norm(direction);
+  const double cosine = length > 0 ? std::clamp(direction.z / length, -1.0, 1.0) : 1;
+  azimuth_ = std::atan2(direction.y, direction.x);
+  const auto max_degree = static_cast<std::size_t>(
+      *std::max_element(poles_->highest_degree.begin(), poles_->highest_degree.end()));
+  legendre_ = legendre(max_degree, cosine);
+}
+
+std::vector<Complex> MultipoleDirection::sums(std::size_t mode, double ratio) const {
+  const std::vector<double>& scales = poles_->scales;
+  const auto upper = std::upper_bound(scales.begin(), scales.end(), ratio);
+  const std::size_t right =
+      std::min(static_cast<std::size_t>(upper - scales.begin()), scales.size() - 1);
+  const std::size_t left = right > 0 ? right - 1 : 0;
+  double part = 0;
+  if (right > left)
+    part = std::clamp((ratio - scales[left]) / (scales[right] - scales[left]), 0.0, 1.0);
+  const auto degree = static_cast<std::size_t>(poles_->highest_degree[mode]);
+  const auto total = static_cast<std::size_t>(poles_->offset.back());
+  std::vector<Complex> sums(degree + 1);
+  for (std::size_t l = 0; l <= degree; ++l)
+    for (std::size_t j = 0; j <= 2 * l; ++j) {
+      const auto m = static_cast<std::ptrdiff_t>(j) - static_cast<std::ptrdiff_t>(l);
+      const auto size_m = static_cast<std::size_t>(m < 0 ? -m : m);
+      const double sign = m < 0 && size_m % 2 == 1 ? -1 : 1;
+      const Complex harmonic =
+          std::polar(sign * legendre_[l * (l + 1) / 2 + size_m], static_cast<double>(m) * azimuth_);
+      const std::size_t at = static_cast<std::size_t>(poles_->offset[mode]) + l * l + j;
+      const Complex a(poles_->coefficients[left * total + at]);
+      const Complex b(poles_->coefficients[right * total + at]);
+      sums[l] += (a + part * (b - a)) * harmonic;
+    }
+  return sums;
+}
+
 ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Complex> rate,
                                     std::span<const std::size_t> mode, const Vec3& listener,
                                     double size, double shape_scale, double air_density,
@@ -57,48 +92,23 @@ ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Com
   const double reference = size * poles.reference_radius_m;
   // Inside the sphere around the body the series means nothing: the listener stays on it.
   const double distance = std::max(norm(way), reference);
-  const double cosine = norm(way) > 0 ? std::clamp(way.z / norm(way), -1.0, 1.0) : 1;
-  const double azimuth = std::atan2(way.y, way.x);
-  const auto highest = static_cast<std::size_t>(
-      *std::max_element(poles.highest_degree.begin(), poles.highest_degree.end()));
-  const std::vector<double> p = legendre(highest, cosine);
+  const MultipoleDirection direction(table, way);
   out.delay_s = (distance - reference) / sound_speed;
-  const auto total = static_cast<std::size_t>(poles.offset.back());
   for (std::size_t i = 0; i < rate.size(); ++i) {
-    const std::size_t k = mode[i];
     // Size keeps k a as it is; only a change of sqrt(E/rho) moves along the tabulated ratios.
-    const double ratio = rate[i].imag() * size / (2 * std::numbers::pi * table.frequency_hz[k]);
-    const auto upper = std::upper_bound(poles.scales.begin(), poles.scales.end(), ratio);
-    const std::size_t right = std::min(static_cast<std::size_t>(upper - poles.scales.begin()),
-                                       poles.scales.size() - 1);
-    const std::size_t left = right > 0 ? right - 1 : 0;
-    double part = 0;
-    if (right > left)
-      part = std::clamp((ratio - poles.scales[left]) / (poles.scales[right] - poles.scales[left]),
-                        0.0, 1.0);
-    const auto degree = static_cast<std::size_t>(poles.highest_degree[k]);
+    const double ratio =
+        rate[i].imag() * size / (2 * std::numbers::pi * table.frequency_hz[mode[i]]);
+    const std::vector<Complex> sums = direction.sums(mode[i], ratio);
     const double wavenumber = rate[i].imag() / sound_speed;
-    const auto near = hankel(degree, wavenumber * reference);
-    const auto far = hankel(degree, wavenumber * distance);
+    const auto near = spherical_hankel(sums.size() - 1, wavenumber * reference);
+    const auto far = spherical_hankel(sums.size() - 1, wavenumber * distance);
     Complex sum = 0;
-    for (std::size_t l = 0; l <= degree; ++l) {
-      Complex direction = 0;
-      for (std::size_t j = 0; j <= 2 * l; ++j) {
-        const auto m = static_cast<std::ptrdiff_t>(j) - static_cast<std::ptrdiff_t>(l);
-        const auto size_m = static_cast<std::size_t>(m < 0 ? -m : m);
-        const double sign = m < 0 && size_m % 2 == 1 ? -1 : 1;
-        const Complex harmonic = std::polar(sign * p[l * (l + 1) / 2 + size_m],
-                                            static_cast<double>(m) * azimuth);
-        const std::size_t at = static_cast<std::size_t>(poles.offset[k]) + l * l + j;
-        const Complex a(poles.coefficients[left * total + at]);
-        const Complex b(poles.coefficients[right * total + at]);
-        direction += (a + part * (b - a)) * harmonic;
-      }
+    for (std::size_t l = 0; l < sums.size(); ++l) {
       const Complex spread = far[l] / near[l];
       // Where even the ratio's parts are too large for numbers only the near field is left.
-      sum += direction * (std::isfinite(spread.real()) && std::isfinite(spread.imag())
-                              ? spread
-                              : Complex(std::pow(reference / distance, static_cast<double>(l) + 1)));
+      sum += sums[l] * (std::isfinite(spread.real()) && std::isfinite(spread.imag())
+                            ? spread
+                            : Complex(std::pow(reference / distance, static_cast<double>(l) + 1)));
     }
     // The delay from the reference sphere to the listener is kept by the delay line.
     const Complex advance = std::polar(1.0, wavenumber * (distance - reference));

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace tactus::modal {
 namespace {
 
-constexpr double kNearest = 1e-4; // m, to a source: closer the integral means nothing
+constexpr double kHighestTone = 0.45; // of the sample rate: the surface is resolved up to it
+constexpr double kNearest = 1e-4;     // m, to a source: closer the integral means nothing
 
 Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -102,6 +105,91 @@ ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> r
     out.pressure[k] = air_density * shape_scale * rate[k] * std::complex<double>(real, imaginary);
   }
   return out;
+}
+
+/// Sources in bins by their delays.
+class RadiatingSurface::Retarded final : public Arrivals {
+public:
+  Retarded(const RadiatingSurface& surface, const Vec3& listener, const Scene& scene,
+           RigidShapes rigid)
+      : surface_(surface), rigid_(std::move(rigid)), band_(&BandLimit::at_rate(scene.sample_rate)) {
+    if (!surface.surface_)
+      return;
+    const double wavenumber =
+        2 * std::numbers::pi * kHighestTone * scene.sample_rate / scene.sound_speed_m_per_s;
+    source_ = surface_sources(*surface.surface_, surface.facing(listener * (1 / scene.size)),
+                              listener, scene.size, wavenumber, kNearest);
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const SurfaceSource& source : source_)
+      shortest = std::min(shortest, source.distance_m);
+    TravelTime travel;
+    if (!source_.empty())
+      travel = TravelTime(shortest / scene.sound_speed_m_per_s, scene.sample_rate);
+    delay_s = travel.delay_s;
+    shape_scale_ = scene.shape_scale;
+    bin_.reserve(source_.size());
+    share_.reserve(source_.size());
+    for (const SurfaceSource& source : source_) {
+      const double share = source.area_m2 / (2 * std::numbers::pi * source.distance_m) *
+                           scene.air_density_kg_per_m3 * scene.shape_scale;
+      const double late =
+          std::min((source.distance_m - shortest) / scene.sound_speed_m_per_s * scene.sample_rate +
+                       travel.late_samples,
+                   static_cast<double>(kMaxSpread));
+      const double position = late * static_cast<double>(BandLimit::kBins);
+      const auto bin = static_cast<std::uint32_t>(position);
+      // Lagrange's cubic through four bins, the first of them one earlier.
+      const double x = position - static_cast<double>(bin);
+      bin_.push_back(bin);
+      share_.push_back({-share * x * (x - 1) * (x - 2) / 6, share * (x + 1) * (x - 1) * (x - 2) / 2,
+                        -share * (x + 1) * x * (x - 2) / 2, share * (x + 1) * x * (x - 1) / 6});
+      bins_ = std::max<std::size_t>(bins_, bin + BandLimit::kSpan);
+    }
+  }
+  [[nodiscard]] std::size_t modes() const noexcept override {
+    const std::size_t nodes = surface_.nodes_.vertex.size();
+    return nodes == 0 ? 0 : surface_.displacement_.size() / nodes;
+  }
+  [[nodiscard]] std::size_t samples() const noexcept override {
+    return bins_ / BandLimit::kBins + 1 + BandLimit::kLength;
+  }
+  void find(std::size_t motion, std::span<double> pressure) const override {
+    std::vector<double> binned(bins_, 0);
+    const auto put = [&](std::size_t i, double displacement) {
+      for (std::size_t j = 0; j < BandLimit::kSpan; ++j)
+        binned[bin_[i] + j] += displacement * share_[i][j];
+    };
+    if (motion < modes()) {
+      for (std::size_t i = 0; i < source_.size(); ++i)
+        put(i, surface_.displacement(motion, source_[i]));
+    } else if (!rigid_.empty()) { // in kilograms, metres and radians already
+      for (std::size_t i = 0; i < source_.size(); ++i)
+        put(i, rigid_[source_[i].triangle][motion - modes()] / shape_scale_);
+    }
+    const BandLimit& band = *band_;
+    std::fill(pressure.begin(), pressure.end(), 0);
+    for (std::size_t b = 0; b < bins_; ++b) {
+      const auto& response = band.response[b % BandLimit::kBins];
+      double* const out = pressure.data() + b / BandLimit::kBins * BandLimit::kNodes;
+      for (std::size_t i = 0; i < response.size(); ++i)
+        out[i] += binned[b] * response[i];
+    }
+  }
+
+private:
+  const RadiatingSurface& surface_;
+  std::vector<SurfaceSource> source_;
+  RigidShapes rigid_;
+  const BandLimit* band_;
+  std::vector<std::uint32_t> bin_;
+  std::vector<std::array<double, BandLimit::kSpan>> share_;
+  std::size_t bins_ = 1;
+  double shape_scale_ = 1;
+};
+
+std::unique_ptr<Arrivals> RadiatingSurface::arrivals(const Vec3& listener, const Scene& scene,
+                                                     RigidShapes rigid) const {
+  return std::make_unique<Retarded>(*this, listener, scene, std::move(rigid));
 }
 
 } // namespace tactus::modal

@@ -1,10 +1,13 @@
 #pragma once
 
+#include "core/modal/arrivals.hpp"
 #include "core/modal/modal_table.hpp"
 #include "core/modal/surface_quadrature.hpp"
 
+#include <array>
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,20 +26,41 @@ public:
   /// Allocates: every mode's normal displacement at the surface's nodes. The surface must stay.
   void build(const ModalTable& table, const Surface& surface);
 
-  /// Rayleigh's integral with complex rates s = -alpha + j omega_d:
-  ///   T_k = rho s_k  int phi_k,n exp(-s_k (d - d0)/c) / (2 pi d) dS,   d0 the shortest distance,
+  /// What is around the body, and how the table's lengths and shapes are scaled.
+  struct Scene {
+    double size = 1, shape_scale = 1, air_density_kg_per_m3 = 1.184, sound_speed_m_per_s = 346.1;
+    double sample_rate = 48000;
+  };
+  /// Outward displacement of each triangle for a unit of the rigid motions' coordinates.
+  using RigidShapes = std::vector<std::array<double, Arrivals::kRigid>>;
+
+  /// Rayleigh's integral of the retarded normal acceleration,
+  ///   p(t) = rho sum over k of  int phi_k,n q_k''(t - d/c) / (2 pi d) dS,
   /// the pressure in front of a flat source in a rigid baffle. A flat body radiates with the faces
   /// that look to the listener's side along its thin direction, any other body with all the faces
-  /// that the listener sees. `size` scales the body, `shape_scale` its mode shapes; the listener is
-  /// in metres in the body's axes.
+  /// that the listener sees. The listener is in metres in the body's axes. Its `delay_s`, of the
+  /// shortest path, is what is left for a delay line, the latency of the band limit taken out
+  /// (never below 0). The surface must outlive the result.
+  [[nodiscard]] std::unique_ptr<Arrivals> arrivals(const Vec3& listener, const Scene& scene,
+                                                   RigidShapes rigid) const;
+  /// The same in free vibration, for a mode's velocity, with complex rates s = -alpha + j omega_d:
+  ///   T_k = rho s_k  int phi_k,n exp(-s_k (d - d0)/c) / (2 pi d) dS,   d0 the shortest distance,
+  /// without a band limit. `size` scales the body, `shape_scale` its mode shapes.
   [[nodiscard]] ListenerTransfer modal(std::span<const std::complex<double>> rate,
                                        std::span<const std::size_t> mode, const Vec3& listener,
                                        double size, double shape_scale, double air_density,
                                        double sound_speed) const;
-  /// Number of triangles; a transfer works through one source each or more.
-  [[nodiscard]] std::size_t sources() const noexcept { return area_.size(); }
+  /// Of a triangle, in the table's size.
+  [[nodiscard]] const Vec3& centre(std::size_t triangle) const noexcept {
+    return centre_[triangle];
+  }
+  [[nodiscard]] const Vec3& normal(std::size_t triangle) const noexcept {
+    return normal_[triangle];
+  }
+  [[nodiscard]] std::size_t triangles() const noexcept { return area_.size(); }
 
 private:
+  class Retarded;
   [[nodiscard]] std::vector<std::size_t> facing(const Vec3& listener) const;
   /// Of a mode at a source, along the normal; straight between the triangle's nodes.
   [[nodiscard]] double displacement(std::size_t mode, const SurfaceSource& source) const noexcept {

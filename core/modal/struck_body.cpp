@@ -27,6 +27,13 @@ template <class S> void make_sane(std::span<const S> from, double most, float* t
   }
 }
 
+/// Of the same contacts and listeners.
+bool have_like_kernels(const BodyModel& one, const BodyModel& two) noexcept {
+  return one.settings.sample_rate == two.settings.sample_rate &&
+         one.settings.voices == two.settings.voices &&
+         one.settings.listeners == two.settings.listeners;
+}
+
 } // namespace
 
 StruckBody::~StruckBody() {
@@ -34,6 +41,8 @@ StruckBody::~StruckBody() {
   delete incoming_.load();
   for (const Leaving& body : leaving_)
     delete body.body;
+  for (Handover* const kept : kept_)
+    delete kept;
 }
 
 void StruckBody::drop_retired() noexcept {
@@ -48,14 +57,18 @@ void StruckBody::prepare(double sample_rate) {
   sample_rate_ = sample_rate;
   turn_ = 1;
   events_.make_due();
+  direct_.prepare(sample_rate);
   for (DelayLine& line : delay_) {
     line.prepare(static_cast<std::size_t>(0.1 * sample_rate) + 1); // 34 m
     if (model_)
       line.set(model_->delay_s[static_cast<std::size_t>(&line - delay_.data())] * sample_rate,
                false, true);
   }
+  if (model_)
+    settle_direct();
   for (Leaving& body : leaving_) {
     retire(std::exchange(body.body, nullptr));
+    body.direct.prepare(sample_rate);
     for (DelayLine& line : body.delay)
       line.prepare(static_cast<std::size_t>(0.1 * sample_rate) + 1);
   }
@@ -98,15 +111,14 @@ void StruckBody::adopt() noexcept {
     if (model_)
       next->model->bank.set_clock(model_->bank.clock());
   }
+  const bool glides = model_ && model_->bank.glide(0).moving();
   std::swap(model_, next->model);
   if (touched)
     take_over_contacts(*next->model);
   if (!goes_on && next->model)
     move_events(*next->model);
-  if (goes_on)
-    retire(next);
-  else
-    leave(next);
+  if (!goes_on)
+    leave(next, glides);
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     delay_[l].set(model_->delay_s[l] * sample_rate_, options_.doppler, !goes_on || in_silence);
   }
@@ -128,6 +140,15 @@ void StruckBody::adopt() noexcept {
     blows_[i] = {};
   find_next_landing();
   continue_pulses();
+  if (goes_on) {
+    if (!in_silence && have_like_kernels(*model_, *next->model)) {
+      take_over_direct(next, glides);
+    } else {
+      direct_.clear();
+      settle_direct();
+      retire(next);
+    }
+  }
   requested_point_ = point_;
   for (std::size_t i = 0; i < events_.size(); ++i)
     if (events_[i].kind == Event::Kind::kPoint)
@@ -141,6 +162,7 @@ void StruckBody::renew_point() noexcept {
   model_->bank.set_gain(0, std::span<const double>(model_->scratch).first(model_->heard));
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
     model_->push_gain[0][k] = static_cast<float>(model_->scratch[k]);
+  point_aimed_ = false;
 }
 
 void StruckBody::set_point(const SurfacePoint& place, const Vec3& direction) noexcept {
@@ -161,11 +183,15 @@ void StruckBody::take_over_contacts(BodyModel& before) noexcept {
     const Hit& hit = blows_[i].hit;
     m.gains(hit.place, hit.direction, m.scratch);
     m.solver.take_over(i, before.solver, i, m.scratch, m.rigid_gains(hit.place, hit.direction));
+    m.gains(hit.place, hit.direction, m.scratch);
+    m.aim_contact(i, m.scratch, m.rigid_gains(hit.place, hit.direction));
   }
   if (before.solver.contact(old_led).active) {
     m.gains(point_, point_direction_, m.scratch);
     m.solver.take_over(led, before.solver, old_led, m.scratch,
                        m.rigid_gains(point_, point_direction_));
+    m.gains(point_, point_direction_, m.scratch);
+    m.aim_contact(led, m.scratch, m.rigid_gains(point_, point_direction_));
   }
 }
 
@@ -266,6 +292,7 @@ void StruckBody::begin_led() noexcept {
     model_->scratch[k] = static_cast<double>(model_->push_gain[0][k]);
   model_->solver.begin(model_->settings.voices, contact, model_->scratch,
                        model_->rigid_gains(point_, point_direction_));
+  aim_contact(model_->settings.voices, point_, point_direction_);
 }
 
 /// What is released and what pulses excite rings in the bank beside a contact, which does not feel
@@ -309,6 +336,8 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
       m.solver.lead(led_slot, -height);
     const std::size_t before = m.solver.active();
     double force = m.solver.step();
+    add_direct_contacts(n - from);
+    add_direct_samples(n - from, n);
     ++now_;
     if (!(std::abs(force) < kUnreal)) { // no body stands that: begin again from rest
       m.solver.silence();
@@ -347,6 +376,7 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
 /// Nothing touches: the bank alone, up to where the led striker comes down.
 std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
+  frames = std::min(frames, from + m.bank.glide_left());
   std::size_t to = frames;
   if (options_.led && options_.spring_n_per_m == 0)
     for (std::size_t n = from; n < frames; ++n)
@@ -358,6 +388,8 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
   if (lands)
     to = from + static_cast<std::size_t>(next_landing_ - std::min(now_, next_landing_));
   if (to > from) {
+    for (std::size_t n = from; n < to; ++n)
+      add_direct_samples(n - from, n); // while the glide is as it was
     std::array<const float*, 1 + kMostContacts> force{};
     force[0] = chunk_.force.data() + from;
     for (std::size_t i = 0; i < m.settings.voices; ++i)
@@ -385,8 +417,12 @@ void StruckBody::run(std::size_t frames) noexcept {
   if (sounds) {
     model_->bank.set_floor(kQuietest / std::max(options_.gain, 1e-6));
     make_pulses(frames);
-    for (std::size_t n = 0; n < frames;)
+    for (std::size_t n = 0; n < frames;) {
+      const std::size_t from = n;
+      const Glide glide = model_->bank.glide(0);
       n = coupled_now_ ? in_contact(n, frames) : in_flight(n, frames);
+      finish_direct(from, n, glide);
+    }
     if (model_->plays_raw)
       play_raw(*model_, recordings_, frames, chunk_.heard);
     for (PulseBlow& blow : std::span(pulses_).first(model_->settings.voices))

@@ -2,6 +2,7 @@
 
 #include "core/modal/body_model.hpp"
 #include "core/modal/delay_line.hpp"
+#include "core/modal/direct_sound.hpp"
 #include "core/modal/pulse.hpp"
 #include "core/modal/timed_queue.hpp"
 
@@ -187,12 +188,31 @@ private:
     Handover* body = nullptr;
     std::array<DelayLine, kMostListeners> delay{};
     Recordings recordings{};
+    DirectSound direct;
     std::size_t left = 0; ///< samples
   };
-  void leave(Handover* before) noexcept;
+  void leave(Handover* before, bool glides) noexcept;
   void add_leaving(std::size_t listener_count, std::size_t frames) noexcept;
   std::array<Leaving, 3> leaving_{};
+  // The direct sound of forces: struck_body_direct.cpp.
+  template <class Work> void for_each_model(Work&& work) noexcept;
+  template <class Work> void for_each_part(Work&& work) noexcept;
+  void aim_contact(std::size_t slot, const SurfacePoint& point, const Vec3& direction) noexcept;
+  void aim_pulse(std::size_t slot, const SurfacePoint& point, const Vec3& direction) noexcept;
+  void aim_point() noexcept;
+  void take_over_direct(Handover* before, bool moving) noexcept;
+  void settle_direct() noexcept;
+  void retire_unheard() noexcept;
+  void carry_direct_over(BodyModel& before, const ContactSolver& solver) noexcept;
+  void add_direct_contacts(std::size_t at) noexcept;
+  void add_direct_samples(std::size_t at, std::size_t sample) noexcept;
+  void finish_direct(std::size_t from, std::size_t to, const Glide& glide) noexcept;
   std::atomic<Handover*> incoming_{nullptr}, retired_{nullptr};
+  /// Models before, while their kernels are heard, and the kernels of each part of the glide.
+  std::array<Handover*, 4> kept_{};
+  std::array<BodyModel*, 3> part_{};
+  DirectSound direct_;
+  bool point_aimed_ = false; ///< the force inlet's kernels are those of the point
   Striker striker_;
   Options options_;
   TimedQueue<Event, kMaxScheduled> events_;
@@ -210,6 +230,7 @@ private:
   std::uint64_t turn_ = 0;
   std::array<std::uint64_t, kMostContacts> begun_{};
   double last_height_ = 0;
+  double last_force_ = 0; ///< of the inlet
   Chunk chunk_;
   std::array<DelayLine, kMostListeners> delay_{};
   double smooth_gain_ = 0.01;

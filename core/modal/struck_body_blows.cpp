@@ -109,6 +109,7 @@ void StruckBody::strike_coupled(std::size_t slot, const Hit& hit, const Striker&
   model_->gains(hit.place, hit.direction, model_->scratch);
   model_->solver.begin(slot, contact, model_->scratch,
                        model_->rigid_gains(hit.place, hit.direction));
+  aim_contact(slot, hit.place, hit.direction);
 }
 
 /// Contacts have ended: who falls is in the air now, unless it lies.
@@ -186,6 +187,7 @@ bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& s
       ++culled_;
     }
   push_with_pulse(slot, gain);
+  aim_pulse(slot, hit.place, hit.direction);
   return true;
 }
 
@@ -212,6 +214,7 @@ void StruckBody::continue_pulses() noexcept {
       continue;
     m.gains(pulse.hit.place, pulse.hit.direction, m.scratch);
     push_with_pulse(i, m.scratch);
+    m.aim_samples(1 + i, m.scratch, m.rigid_gains(pulse.hit.place, pulse.hit.direction));
   }
 }
 

@@ -28,13 +28,18 @@ void StruckBody::retire(Handover* body) noexcept {
 
 /// The body before rings on by itself while it is faded out. Of more than there is room for, the
 /// one that is nearest to its end goes.
-void StruckBody::leave(Handover* before) noexcept {
+void StruckBody::leave(Handover* before, bool glides) noexcept {
+  if (glides)
+    direct_.settle(before->model->bank.glide(0));
+  settle_direct();
   Recordings recordings = std::exchange(recordings_, {});
   BodyModel* const model = before->model.get();
   const bool sounds = model && model->settings.sample_rate == sample_rate_ &&
                       (silent_samples_ < kSilence || !model->bank.asleep());
-  if (!sounds)
+  if (!sounds) {
+    direct_.clear();
     return retire(before);
+  }
   Leaving* room = &leaving_[0];
   for (Leaving& other : leaving_)
     if (other.body == nullptr || (room->body != nullptr && other.left < room->left))
@@ -44,6 +49,8 @@ void StruckBody::leave(Handover* before) noexcept {
   room->recordings = recordings;
   for (Recording& r : room->recordings)
     r.released = true;
+  std::swap(room->direct, direct_);
+  direct_.clear();
   std::swap(room->delay, delay_);
   for (DelayLine& line : delay_)
     line.clear();
@@ -65,6 +72,8 @@ void StruckBody::add_leaving(std::size_t listener_count, std::size_t frames) noe
     m.bank.process({}, out, frames);
     if (m.plays_raw)
       play_raw(m, body.recordings, frames, chunk_.released);
+    for (std::size_t l = 0; l < m.settings.listeners; ++l)
+      body.direct.finish(l, std::span(chunk_.released[l]).first(frames), Glide());
     for (std::size_t l = 0; l < std::min(m.settings.listeners, listener_count); ++l) {
       body.delay[l].run(chunk_.released[l].data(), frames);
       for (std::size_t n = 0; n < frames; ++n)
