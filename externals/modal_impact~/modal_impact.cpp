@@ -94,7 +94,7 @@ void ModalImpact::renew() {
   const std::size_t work =
       request.settings.radiation == Radiation::kBody
           ? kSoonDone + 1
-          : table_->table.modes() * table_->radiating.sources() * request.settings.listeners;
+          : table_->table.modes() * table_->radiating.triangles() * request.settings.listeners;
   if (value_[kSync] >= 0.5 || work <= kSoonDone || !host_)
     return accept(TableWorker::carry_out(request), nullptr);
   if (const std::string refusal =
