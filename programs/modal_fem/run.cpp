@@ -9,6 +9,7 @@
 #include "programs/modal_fem/slepc_engine.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 namespace tactus::fem {
@@ -171,12 +172,23 @@ std::vector<double> verify(const Order& order, const Modes& fine, ProgressLine& 
   return errors;
 }
 
+/// Pipes and devices are refused before they are opened, which might never return.
+void check_readable(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    throw Refusal("cannot read " + path + ": no such file");
+  if (!std::filesystem::is_regular_file(path, error))
+    throw Refusal("cannot read " + path + ": expected a regular file");
+  if (!std::ifstream(path))
+    throw Refusal("cannot read " + path + ": permission denied");
+}
+
 /// What can be refused without a mesh: names of files and materials.
 void check_early(const Order& order) {
   for (const std::string& path : {order.is_file ? order.body : std::string(), order.profile,
                                   order.import_values, order.import_vectors})
-    if (!path.empty() && !std::ifstream(path))
-      throw Refusal("cannot read " + path + ": no such file");
+    if (!path.empty())
+      check_readable(path);
   for (const auto& [region, name] : order.materials)
     (void)find_material(name);
   if (order.is_file)

@@ -217,5 +217,5 @@ def test_a_file_that_takes_too_long_is_stopped_with_a_sentence(tmp_path):
                         (0, 6, 2), (1, 3, 7), (1, 7, 5)]:
             file.write(f"f {a + 1} {b + 1} {c + 1}\n")
     began = time.monotonic()
-    status, said = run("plate.obj", "--h", "0.7", "--time-limit", 1, "--quiet", folder=tmp_path)
+    status, said = run("plate.obj", "--h", "0.7", "--memory", "9000G", "--time-limit", 1, "--quiet", folder=tmp_path)
     assert status == 1 and "plate.obj" in said and "--time-limit" in said and time.monotonic() - began < 30, said
