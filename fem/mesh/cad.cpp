@@ -108,7 +108,7 @@ std::string without_solid(double unit) {
     std::vector<int> above, below;
     gmsh::model::getAdjacencies(1, tag, above, below);
     double size = 0;
-    tried([&] { size = mass_of(1, tag); });
+    tried([&size, curve = tag] { size = mass_of(1, curve); });
     if (above.size() < 2 && size > 0) {
       ++open;
       if (size > longest) {
