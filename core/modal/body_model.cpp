@@ -474,8 +474,11 @@ void BodyModel::glide_from(BodyModel& before) noexcept {
       }
     bank.take_glide(l, before.bank.glide(l),
                     {scratch_weight_[0], scratch_weight_[1], scratch_weight_[2]});
-    bank.set_weight(l, weight[l]);
   }
+  // The direct sound of forces keeps one time for all listeners: their glides run in step.
+  for (std::size_t l = before.settings.listeners; l < settings.listeners; ++l)
+    bank.take_glide(l, before.bank.glide(0), {weight[l], weight[l], weight[l]});
+  bank.set_weights(std::span(weight).first(settings.listeners));
 }
 
 } // namespace tactus::modal

@@ -326,21 +326,21 @@ void DirectSound::rotate(const Glide& before, const Glide& after) noexcept {
 }
 
 void DirectSound::settle(const Glide& glide) noexcept {
-  if (!glide.moving())
-    return;
   const Glide::Blend blend = glide.blend(0);
   for (auto& [old, middle, fresh] : lines_) {
-    const std::size_t end = std::max({old.end, middle.end, fresh.end});
-    const auto mix = [&](const auto& one, const auto& two, auto& three) {
-      for (std::size_t i = 0; i < end; ++i)
-        three[i] =
-            static_cast<float>(blend.old * one[i] + blend.middle * two[i] + blend.fresh * three[i]);
-    };
-    mix(old.elastic, middle.elastic, fresh.elastic);
-    mix(old.rigid, middle.rigid, fresh.rigid);
-    fresh.end = end;
-    clear(old);
-    clear(middle);
+    if (glide.moving()) {
+      const std::size_t end = std::max({old.end, middle.end, fresh.end});
+      const auto mix = [&](const auto& one, const auto& two, auto& three) {
+        for (std::size_t i = 0; i < end; ++i)
+          three[i] = static_cast<float>(blend.old * one[i] + blend.middle * two[i] +
+                                        blend.fresh * three[i]);
+      };
+      mix(old.elastic, middle.elastic, fresh.elastic);
+      mix(old.rigid, middle.rigid, fresh.rigid);
+      fresh.end = end;
+    }
+    copy(fresh, old);
+    copy(fresh, middle);
   }
 }
 

@@ -113,7 +113,7 @@ public:
   /// it gave; add_past() makes it its own.
   void start() noexcept;
   void rotate(const Glide& before, const Glide& after) noexcept;
-  /// All parts become one, blended as `glide` is now.
+  /// All parts become the same, blended as `glide` is now.
   void settle(const Glide& glide) noexcept;
   /// Forces that have acted for long are, in the freshest part, as if they had acted by another
   /// kernel all along. Call it with that kernel and the force, and with the one before and its

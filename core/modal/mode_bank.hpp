@@ -33,6 +33,8 @@ public:
   void set_gain(std::size_t drive, std::span<const double> gain) noexcept;
   /// What a pick-up hears; its weights glide to the new ones, at whatever rate these come.
   void set_weight(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
+  /// The same for all pick-ups, in step: what one of them hears anew makes all glide.
+  void set_weights(std::span<const std::vector<std::complex<double>>> weight) noexcept;
   /// The same at once.
   void jump_to_weight(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
 
@@ -123,6 +125,9 @@ private:
   }
   void write_weight(std::vector<ComplexLane>& to,
                     std::span<const std::complex<double>> weight) noexcept;
+  [[nodiscard]] bool leads_to(std::size_t pickup,
+                              std::span<const std::complex<double>> weight) const noexcept;
+  void lead_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept;
   void exchange(std::size_t pickup, Glide::Exchange exchange, bool waited) noexcept;
   void advance_glides(std::size_t samples) noexcept;
   void work_out_echo(std::size_t drive, std::size_t pickup, std::size_t part) noexcept;

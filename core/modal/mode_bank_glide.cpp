@@ -10,9 +10,23 @@ namespace tactus::modal {
 
 void ModeBank::set_weight(std::size_t pickup,
                           std::span<const std::complex<double>> weight) noexcept {
-  if (pickup >= pickups_.size())
-    return;
-  Pickup& at = pickups_[pickup];
+  if (pickup < pickups_.size() && !leads_to(pickup, weight))
+    lead_to(pickup, weight);
+}
+
+void ModeBank::set_weights(std::span<const std::vector<std::complex<double>>> weight) noexcept {
+  const std::size_t count = std::min(pickups_.size(), weight.size());
+  bool same = modes_ > 0; // without modes nothing tells what else has changed
+  for (std::size_t i = 0; i < count && same; ++i)
+    same = leads_to(i, weight[i]);
+  for (std::size_t i = 0; i < count && !same; ++i)
+    lead_to(i, weight[i]);
+}
+
+/// The newest target is this weight.
+bool ModeBank::leads_to(std::size_t pickup,
+                        std::span<const std::complex<double>> weight) const noexcept {
+  const Pickup& at = pickups_[pickup];
   const auto& last = at.glide.waits() ? at.target : at.weight[kFresh];
   bool same = true;
   for (std::size_t k = 0; k < std::min(modes_, weight.size()) && same; ++k) {
@@ -20,11 +34,13 @@ void ModeBank::set_weight(std::size_t pickup,
     same = last[block].real.v[lane] == static_cast<float>(weight[k].real()) &&
            last[block].imaginary.v[lane] == static_cast<float>(weight[k].imag());
   }
-  if (same)
-    return;
+  return same;
+}
+
+void ModeBank::lead_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept {
   settle();
-  write_weight(at.target, weight);
-  exchange(pickup, at.glide.start(), true);
+  write_weight(pickups_[pickup].target, weight);
+  exchange(pickup, pickups_[pickup].glide.start(), true);
 }
 
 void ModeBank::jump_to_weight(std::size_t pickup,

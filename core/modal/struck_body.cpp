@@ -144,7 +144,10 @@ void StruckBody::adopt() noexcept {
     if (!in_silence && have_like_kernels(*model_, *next->model)) {
       take_over_direct(next, glides);
     } else {
-      direct_.clear();
+      if (!in_silence && next->model->settings.listeners == model_->settings.listeners)
+        direct_.settle(next->model->bank.glide(0)); // what has been given goes on
+      else
+        direct_.clear();
       settle_direct();
       retire(next);
     }
@@ -336,14 +339,15 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
       m.solver.lead(led_slot, -height);
     const std::size_t before = m.solver.active();
     double force = m.solver.step();
-    add_direct_contacts(n - from);
-    add_direct_samples(n - from, n);
-    ++now_;
-    if (!(std::abs(force) < kUnreal)) { // no body stands that: begin again from rest
+    if (std::abs(force) < kUnreal) {
+      add_direct_contacts(n - from);
+    } else { // no body stands that: begin again from rest
       m.solver.silence();
       blows_ = {};
       force = 0;
     }
+    add_direct_samples(n - from, n);
+    ++now_;
     if (m.solver.active() < before)
       let_go();
     last_height_ = height;

@@ -55,9 +55,9 @@ void StruckBody::take_over_direct(Handover* before, bool moving) noexcept {
   retire_unheard();
 }
 
-/// Nothing glides: only the present model's kernels count.
+/// Only the present model's kernels count from now on, whether the bank's weights glide or not.
 void StruckBody::settle_direct() noexcept {
-  part_ = {nullptr, nullptr, model_.get()};
+  part_.fill(model_.get());
   retire_unheard();
 }
 

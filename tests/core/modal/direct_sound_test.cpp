@@ -293,3 +293,64 @@ TEST_CASE("a body that is pressed stays silent while its listener and its size c
       CHECK(std::abs(static_cast<double>(x)) < 1e-3 * loud);
   }
 }
+
+TEST_CASE("a pressed body stays silent everywhere while one listener moves, or voices are added") {
+  const auto largest = [](const Heard& heard) {
+    double most = 0;
+    for (const std::vector<float>* const side : {&heard.left, &heard.right})
+      for (const float x : *side)
+        most = std::max(most, std::abs(static_cast<double>(x)));
+    return most;
+  };
+  Rig rig;
+  rig.settings.radiation = Radiation::kModal;
+  rig.settings.damping = Damping::kLoss;
+  rig.settings.loss_factor = 0.05;
+  rig.renew(false);
+  rig.hit({0.03, 0.02, 0}, 1);
+  const double loud = largest(rig.run(48000));
+  const std::vector<float> press(24000, 10.0F);
+  static_cast<void>(rig.run(24000, 64, press));
+  static_cast<void>(rig.run(24000, 64, press));
+  double sideways = 0;
+  for (const std::size_t moved : {1UL, 0UL, 1UL}) {
+    CAPTURE(moved);
+    for (int step = 0; step < 40; ++step) { // every 1.3 ms
+      rig.settings.listener[moved] = {0.1, sideways += 0.002, 0.3};
+      rig.renew();
+      CHECK(largest(rig.run(64, 64, press)) < 1e-3 * loud);
+    }
+    CHECK(largest(rig.run(8192, 64, press)) < 1e-3 * loud);
+    ++rig.settings.voices;
+    rig.renew();
+    CHECK(largest(rig.run(8192, 64, press)) < 1e-3 * loud);
+  }
+}
+
+TEST_CASE("a force that no body stands does not silence the blows that come after it") {
+  const auto free_plate = [] {
+    ModalTable free = plate(0.2, 0.15, 0.005, 10000);
+    free.free = true;
+    free.inertia_kg_m2 = {Vec3{1e-3, 0, 0}, Vec3{0, 1e-3, 0}, Vec3{0, 0, 2e-3}};
+    return free;
+  };
+  const auto loudest = [](Rig& rig) {
+    rig.body.set_striker({});
+    rig.hit({0.03, 0.02, 0}, 1);
+    const auto heard = rig.run(2048).left;
+    return static_cast<double>(*std::max_element(heard.begin(), heard.end()));
+  };
+  Rig rig(48000, free_plate());
+  rig.settings.radiation = Radiation::kModal;
+  rig.renew(false);
+  const double before = loudest(rig);
+  for (const double speed : {1e15, 1e30, 1e200}) {
+    CAPTURE(speed);
+    rig.body.reset();
+    static_cast<void>(rig.run(4096));
+    rig.body.set_striker({0.007, 0.006, 206e9, 0.29, 1e12, 6, 0, 1});
+    rig.hit({0.03, 0.02, 0}, speed);
+    static_cast<void>(rig.run(4096));
+    CHECK(loudest(rig) == doctest::Approx(before).epsilon(0.1));
+  }
+}
