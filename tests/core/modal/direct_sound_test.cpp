@@ -318,12 +318,12 @@ TEST_CASE("a pressed body stays silent everywhere while one listener moves, or v
     for (int step = 0; step < 40; ++step) { // every 1.3 ms
       rig.settings.listener[moved] = {0.1, sideways += 0.002, 0.3};
       rig.renew();
-      CHECK(largest(rig.run(64, 64, press)) < 1e-3 * loud);
+      CHECK(largest(rig.run(64, 64, press)) < 1e-5 * loud);
     }
-    CHECK(largest(rig.run(8192, 64, press)) < 1e-3 * loud);
+    CHECK(largest(rig.run(8192, 64, press)) < 1e-5 * loud);
     ++rig.settings.voices;
     rig.renew();
-    CHECK(largest(rig.run(8192, 64, press)) < 1e-3 * loud);
+    CHECK(largest(rig.run(8192, 64, press)) < 1e-5 * loud);
   }
 }
 
