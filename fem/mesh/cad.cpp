@@ -315,6 +315,7 @@ Triangles skin_of_model(const vectorpair& volumes, double unit) {
 } // namespace
 
 Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
+  (void)cad_format(path); // refused before anything is tried
   const auto say = choice.say ? choice.say : [](const std::string&) {};
   const double unit = choice.unit > 0 ? choice.unit : 1e-3;
   Triangles skin;
