@@ -135,7 +135,7 @@ def test_a_map_made_in_a_thread_arrives_while_the_patch_plays():
     """Pd renders faster than it lives: long enough that the thread has its tenth of a second."""
     patch = Patch()
     gradient(patch, 0.05, 0.45, "-mode", "guide")
-    result = patch.render(seconds=180, rate=RATE)
+    result = patch.render(seconds=600, rate=RATE)
     assert last(result, "info") == [1]
     assert abs(size(last(result, "force")) - 2) < 0.05
 
