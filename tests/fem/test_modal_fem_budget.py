@@ -231,6 +231,7 @@ def test_no_stage_is_silent_for_long_in_a_log(tmp_path):
         lines.append(line)
     assert child.wait() == 0
     assert max(gaps) < 30  # 5 s, and what a busy machine adds
+    assert any(re.search(r"assembling 100 %", x) for x in lines) and any("ahead" in x for x in lines)
     # Not chatty either: a line when a stage begins and ends, and one every 5 s.
     stages = {re.sub(r"[\d.]+ s\s+|\s\d+ %.*|, .*", "", x).strip() for x in lines}
     assert len(lines) < 3 * len(stages) + sum(gaps) / 4
