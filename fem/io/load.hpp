@@ -1,7 +1,7 @@
 #pragma once
 #include "fem/io/isolated.hpp"
-#include "fem/mesh/mesh.hpp"
 #include "fem/mesh/mesh_size.hpp"
+#include "fem/mesh/size_field.hpp"
 
 #include <functional>
 #include <string>
@@ -10,12 +10,17 @@ namespace tactus::fem {
 
 struct LoadChoice {
   double unit = 0; ///< metres a unit of the file; 0: the file's own habit (mm; m for .inp and .msh)
-  double h = 0;    ///< element size, m; 0: chosen from the body
+  double h = 0;    ///< element size, m; 0: by `size_for`
   double fillet = 0;      ///< radius that rounds a CAD body's concave edges, m; 0: they stay sharp
-  double coarser = 1;     ///< multiplies h, for verification
   double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
   bool multi = false; ///< several separate bodies may come
+  /// The size of elements (m) for a body of a volume, skin and largest extent (m^3, m^2, m), where
+  /// h is 0.
+  std::function<double(double volume, double skin, double largest)> size_for{};
+  /// In place of h: those of a refinement. What cannot be meshed so is refused, not meshed
+  /// otherwise.
+  const SizeField* sizes = nullptr;
   std::function<void(const std::string&)> say{};
   /// Called before gmsh meshes, with what is coming; may refuse it. Runs in the child process: what
   /// it changes in memory is lost.

@@ -338,22 +338,25 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         gmsh::model::getBoundary(volumes, faces, true, false);
         for (const auto& [dimension, tag] : faces)
           area += mass_of(dimension, tag);
-        const double h =
-            choice.coarser * finer *
-            (choice.h > 0 ? choice.h / unit : natural_size(box_of(-1, -1).largest(), solid, area));
+        const double h = finer / unit *
+                         first_size(choice, unit * unit * unit * solid, unit * unit * area,
+                                    unit * box_of(-1, -1).largest());
         gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
         gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
         gmsh::option::setNumber("Mesh.Algorithm", algorithm);
         const auto foretell = [&](double triangles) {
           if (choice.foretold)
-            choice.foretold(foretell_tetrahedra(unit * unit * unit * solid, unit * unit * area,
-                                                unit * box_of(-1, -1).size(), unit * h, triangles),
+            choice.foretold(foretold_size(choice, unit * unit * unit * solid, unit * unit * area,
+                                          unit * box_of(-1, -1).size(), unit * h, triangles),
                             say);
         };
         foretell(0);
         set_sizes(h, {});
+        if (choice.h <= 0) // the first of several: what small curves need shows in the errors
+          gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / 3);
         std::vector<double> concave;
-        if (choice.grade_concave || choice.fillet > 0) {
+        // Refinements grade where the errors are.
+        if ((choice.grade_concave && choice.h > 0) || choice.fillet > 0) {
           gmsh::model::mesh::generate(2);
           concave = concave_curves();
           if (choice.fillet > 0)
@@ -364,12 +367,18 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
             set_sizes(h, concave);
           }
         }
+        if (choice.sizes) {
+          gmsh::model::mesh::clear();
+          set_sizes(*choice.sizes, unit, finer);
+        }
         gmsh::model::mesh::generate(2);
         skin = skin_of_model(volumes_of_model(), unit);
         foretell(static_cast<double>(skin.triangles.size()));
         gmsh::model::mesh::generate(3);
         Mesh mesh = make_quadratic(choice.curved, unit);
         check(mesh);
+        if (choice.sizes && !choice.sizes->straight && has_straight_sides(mesh))
+          throw Refusal(path + ": curved sides turn inside out on a finer mesh");
         const double whole = unit * unit * unit * volume_of(volumes_of_model());
         if (const double change = volume(mesh) / whole - 1; std::abs(change) > kMaxVolumeChange)
           throw Refusal(path + format(": the mesh has %+.2f %% of the solid's volume too much",
@@ -392,24 +401,29 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         if (*way.words)
           say(std::string("meshed") + way.words);
         return mesh;
+      } catch (const TooLarge&) {
+        throw;
       } catch (const Refusal& refusal) {
         const std::string what = refusal.what();
         if (choice.fillet > 0 || what.find("separate parts") != std::string::npos ||
             what.find("no solid") != std::string::npos ||
-            what.find("cannot be read") != std::string::npos ||
-            what.find("--memory") != std::string::npos)
+            what.find("cannot be read") != std::string::npos)
           throw;
         if (reason.empty())
           reason = what;
       }
     }
   }
+  if (choice.sizes && !choice.sizes->straight) // facets would be another body than the last mesh's
+    throw Refusal(reason);
   if (skin.triangles.empty())
     throw Refusal(reason + "; give another --h, or export it as STL");
   say(reason);
   say("the solids' faces are taken as triangles, and as one region");
   try {
     return mesh_soup(std::move(skin), choice);
+  } catch (const TooLarge&) {
+    throw;
   } catch (const Refusal& refusal) {
     throw Refusal(reason + "; as triangles: " + refusal.what());
   }

@@ -70,15 +70,18 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
   }
   const double largest = bounding_box(surface.points).largest();
   const double wanted =
-      choice.coarser * (choice.h > 0 ? choice.h : natural_size(largest, solid, skin));
+      choice.sizes ? choice.sizes->largest() : first_size(choice, solid, skin, largest);
+  const auto size_at = [&](const Vector3& p) {
+    return choice.sizes ? std::min(wanted, choice.sizes->at(p)) : wanted;
+  };
   const double mean_edge = edges / (3 * static_cast<double>(surface.triangles.size()));
   const double slivers = share_of_slivers(surface, 8);
-  const bool fine = choice.h > 0 ? mean_edge < .6 * wanted : surface.triangles.size() > 9000;
-  const bool renew = choice.remesh || slivers > .01 || fine || mean_edge > 1.6 * wanted;
+  const bool renew = choice.remesh || choice.sizes || slivers > .01 || mean_edge < .6 * wanted ||
+                     mean_edge > 1.6 * wanted;
   const auto foretell = [&](double triangles) {
     if (choice.foretold)
-      choice.foretold(foretell_tetrahedra(std::abs(solid), skin,
-                                          bounding_box(surface.points).size(), wanted, triangles),
+      choice.foretold(foretold_size(choice, std::abs(solid), skin,
+                                    bounding_box(surface.points).size(), wanted, triangles),
                       choice.say);
   };
   foretell(renew ? 0 : static_cast<double>(surface.triangles.size()));
@@ -91,7 +94,10 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
       faces_of_shell.reserve(static_cast<std::size_t>(triangles.shells));
       for (int s = 0; s < triangles.shells; ++s)
         faces_of_shell.push_back({s + 1});
-      set_sizes(wanted, {});
+      if (choice.sizes)
+        set_sizes(*choice.sizes, 1);
+      else
+        set_sizes(wanted, {});
       add_volume(faces_of_shell);
       gmsh::model::mesh::generate(3);
       Mesh mesh = make_quadratic(false, 1);
@@ -112,7 +118,9 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
   std::string reason;
   for (const auto& [size, away] : std::initializer_list<std::pair<double, double>>{
            {1, .1}, {1, .03}, {1, .01}, {.6, .03}, {.35, .03}}) {
-    const Triangles even = remeshed(surface, .85 * size * wanted, away * size * wanted);
+    const Triangles even = remeshed(
+        surface, [&, scale = .85 * size](const Vector3& p) { return scale * size_at(p); },
+        away * size * wanted);
     if (even.triangles.size() > kMaxTriangles || crossing(even))
       continue;
     say(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
@@ -120,11 +128,15 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
                100 * share_of_slivers(even, 8)));
     try {
       return fill(even);
+    } catch (const TooLarge&) {
+      throw;
     } catch (const Refusal& refusal) {
       reason = refusal.what();
       say(reason);
     }
   }
+  if (choice.sizes) // the triangles as they are would not be what the refinement asks for
+    throw Refusal(reason.empty() ? "the surface crosses itself in the finer triangles" : reason);
   if (surface.triangles.size() > kMaxTriangles)
     throw Refusal(reason.empty() ? format("no coarser surface without crossings was found for its "
                                           "%zu triangles; give a smaller --h",

@@ -134,10 +134,33 @@ std::vector<double> concave_curves() {
   return concave;
 }
 
-double natural_size(double largest, double volume, double skin) {
+double first_size(const LoadChoice& choice, double volume, double skin, double largest) {
+  if (choice.h > 0)
+    return choice.h;
   const double wall = 2 * std::abs(volume) / skin;
-  return std::max(std::min(largest / 12, std::max(wall / 1.5, largest / 40)),
-                  std::sqrt(4 / std::sqrt(3.0) * skin / 3000));
+  const double wanted = choice.size_for ? choice.size_for(std::abs(volume), skin, largest) : wall;
+  return std::max(std::min({wanted, largest / 4, 2 * wall}),
+                  std::sqrt(4 / std::sqrt(3.0) * skin / 60000));
+}
+
+void set_sizes(const SizeField& sizes, double unit, double finer) {
+  const double scale = finer / unit;
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMax", scale * sizes.largest());
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMin", .5 * scale * sizes.smallest());
+  gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 0);
+  gmsh::option::setNumber("Mesh.CharacteristicLengthExtendFromBoundary", 0);
+  gmsh::model::mesh::setSizeCallback([&sizes, unit, scale](int, int, double x, double y, double z) {
+    return scale * sizes.at({unit * x, unit * y, unit * z});
+  });
+}
+
+MeshSize foretold_size(const LoadChoice& choice, double volume, double skin, const Vector3& box,
+                       double h, double faces) {
+  if (!choice.sizes)
+    return foretell_tetrahedra(volume, skin, box, h, faces);
+  // Of one body among several the field foretells them all: no more than its smallest size gives.
+  const MeshSize even = foretell_tetrahedra(volume, skin, box, choice.sizes->smallest());
+  return scaled(even, std::min(even.elements, choice.sizes->elements));
 }
 
 void set_sizes(double h, const std::vector<double>& concave) {
@@ -179,15 +202,14 @@ Mesh make_quadratic(bool curved, double unit) {
     return mesh;
   try {
     optimize("HighOrder");
-    mesh = take_over(unit);
-    if (sound(mesh))
-      return mesh;
+    if (Mesh better = take_over(unit); sound(better))
+      return better;
   } catch (const std::bad_alloc&) {
     throw;
   } catch (...) { // what gmsh throws when an element stays inside out
   }
-  setOrder(1);
-  return make_quadratic(false, unit);
+  straighten_inverted(mesh);
+  return mesh;
 }
 
 } // namespace tactus::fem

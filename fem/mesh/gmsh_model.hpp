@@ -1,6 +1,6 @@
 #pragma once
+#include "fem/io/load.hpp"
 #include "fem/io/words.hpp"
-#include "fem/mesh/mesh.hpp"
 
 #include <gmsh.h>
 
@@ -51,14 +51,23 @@ private:
 /// where the far corner of one rises above the outward plane of the other, the angle is concave.
 [[nodiscard]] std::vector<double> concave_curves();
 
-/// A size for a body nobody gave one for, from its largest side, its volume over its skin (half a
-/// wall's thickness), and the skin: 6000 triangles or so, some 60 thousand unknowns, are enough.
-[[nodiscard]] double natural_size(double largest, double volume, double skin);
+/// The size that was ordered, or the one of `size_for` within what a body can use: two walls
+/// thick at most, 60 thousand triangles on the skin. Metres.
+[[nodiscard]] double first_size(const LoadChoice&, double volume, double skin, double largest);
+
+/// What is coming: of one size h, of a surface that is meshed already in `faces` triangles, or of
+/// the ordered sizes.
+[[nodiscard]] MeshSize foretold_size(const LoadChoice&, double volume, double skin,
+                                     const Vector3& box, double h, double faces);
 
 /// Element sizes: h everywhere, finer towards these curves.
 void set_sizes(double h, const std::vector<double>& concave);
+/// Sizes of a refinement times `finer`; coordinates and sizes of the model are in `unit` metres.
+/// The field must live until the mesh is made.
+void set_sizes(const SizeField&, double unit, double finer = 1);
 
-/// Second order, sides curved where no element turns inside out: else optimised, else straight.
+/// Second order, sides curved where no element turns inside out: else optimised, else those of the
+/// elements that do are straight. Elements that are inside out with straight sides stay so.
 [[nodiscard]] Mesh make_quadratic(bool curved, double unit);
 
 } // namespace tactus::fem

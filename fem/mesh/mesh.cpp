@@ -172,6 +172,68 @@ std::size_t merge_nodes(Mesh& mesh, double tolerance) {
   return before - static_cast<std::size_t>(count);
 }
 
+double least_jacobian(const Mesh& mesh, const Element& e) {
+  ShapeValues values;
+  double least = std::numeric_limits<double>::infinity();
+  const auto look = [&](const Vector3& at) {
+    evaluate(e.shape, at, values);
+    least = std::min(least, jacobian(mesh, e, values).determinant);
+  };
+  for (const QuadraturePoint& q : mass_points(e.shape))
+    look(q.at);
+  for (const QuadraturePoint& q : stiffness_points(e.shape))
+    look(q.at);
+  return least;
+}
+
+namespace {
+
+/// Calls `visit(a, b, middle)` with the nodes of each side of a tet10.
+template <class Visit> void visit_sides(const Mesh& mesh, const Element& e, Visit&& visit) {
+  constexpr std::array<std::array<std::size_t, 2>, 6> kEnds{
+      {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+  const auto nodes = mesh.nodes_of(e);
+  for (std::size_t s = 0; s < kEnds.size(); ++s)
+    visit(static_cast<std::size_t>(nodes[kEnds[s][0]]),
+          static_cast<std::size_t>(nodes[kEnds[s][1]]), static_cast<std::size_t>(nodes[4 + s]));
+}
+
+/// How far the middle node lies from the middle of a side.
+Vector3 bend(const Mesh& mesh, std::size_t a, std::size_t b, std::size_t middle) {
+  return mesh.nodes[middle] - .5 * (mesh.nodes[a] + mesh.nodes[b]);
+}
+
+} // namespace
+
+bool has_straight_sides(const Mesh& mesh) {
+  bool straight = true;
+  for (const Element& e : mesh.elements)
+    if (e.shape == Shape::tet10)
+      visit_sides(mesh, e, [&](std::size_t a, std::size_t b, std::size_t middle) {
+        straight = straight &&
+                   length(bend(mesh, a, b, middle)) <= 1e-6 * length(mesh.nodes[b] - mesh.nodes[a]);
+      });
+  return straight;
+}
+
+std::size_t straighten_inverted(Mesh& mesh) {
+  std::size_t moved = 0;
+  // A node that moves may turn a neighbour, whose sides are straightened in turn.
+  for (std::size_t before = moved + 1; before != moved;) {
+    before = moved;
+    for (const Element& e : mesh.elements)
+      if (e.shape == Shape::tet10 && !(least_jacobian(mesh, e) > 0))
+        visit_sides(mesh, e, [&](std::size_t a, std::size_t b, std::size_t middle) {
+          if (const Vector3 off = bend(mesh, a, b, middle); length(off) > 0) {
+            const Vector3 old = mesh.nodes[middle];
+            mesh.nodes[middle] = .5 * (mesh.nodes[a] + mesh.nodes[b]);
+            moved += length(mesh.nodes[middle] - old) > 0;
+          }
+        });
+  }
+  return moved;
+}
+
 void check(const Mesh& mesh) {
   if (mesh.elements.empty())
     throw Refusal("the mesh has no volume element: expected tet10, wedge15 or hex20");
@@ -180,7 +242,6 @@ void check(const Mesh& mesh) {
     if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
       throw Refusal("node " + std::to_string(i + 1) + " has a coordinate that is no number");
   }
-  ShapeValues values;
   for (std::size_t i = 0; i < mesh.elements.size(); ++i) {
     const Element& e = mesh.elements[i];
     const std::string who =
@@ -195,16 +256,7 @@ void check(const Mesh& mesh) {
     if (std::adjacent_find(sorted.begin(), end) != end)
       throw Refusal(who + " uses node " +
                     std::to_string(*std::adjacent_find(sorted.begin(), end) + 1) + " twice");
-    double least = std::numeric_limits<double>::infinity();
-    const auto look = [&](const Vector3& at) {
-      evaluate(e.shape, at, values);
-      least = std::min(least, jacobian(mesh, e, values).determinant);
-    };
-    for (const QuadraturePoint& q : mass_points(e.shape))
-      look(q.at);
-    for (const QuadraturePoint& q : stiffness_points(e.shape))
-      look(q.at);
-    if (!(least > 0)) {
+    if (const double least = least_jacobian(mesh, e); !(least > 0)) {
       const Vector3& p = mesh.nodes[static_cast<std::size_t>(nodes[0])];
       char at[96];
       std::snprintf(at, sizeof at, " near (%.4g, %.4g, %.4g) mm", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);

@@ -14,12 +14,20 @@ namespace tactus::fem {
 struct Refusal : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+/// What is too large for the memory or the disk: another way to mesh the same would not help.
+struct TooLarge : Refusal {
+  using Refusal::Refusal;
+};
 
 /// One element: its nodes are `connectivity[first .. first + node_count)`.
 struct Element {
   Shape shape;
   int region;
   std::size_t first;
+  /// Of a swept shape: the interval of its grid that each reference axis spans
+  /// (fem/shapes/grid.hpp); a wedge's axes are its sides at node 0, the side opposite, and the
+  /// prism's height. Else -1.
+  std::array<int, 3> interval{-1, -1, -1};
 };
 
 /// A volume mesh in metres. Regions carry materials; node sets carry names for supports.
@@ -64,6 +72,16 @@ void drop_unused_nodes(Mesh&);
 
 /// Merges nodes closer than `tolerance_m`. Returns how many disappeared.
 std::size_t merge_nodes(Mesh&, double tolerance_m);
+
+/// The smallest Jacobian determinant at an element's quadrature points, m^3.
+[[nodiscard]] double least_jacobian(const Mesh&, const Element&);
+
+/// Whether the sides of all tet10 are straight, with the node between in the middle.
+[[nodiscard]] bool has_straight_sides(const Mesh&);
+
+/// Straightens the sides of tet10 that curve so much that an element turns inside out. Returns how
+/// many nodes moved; elements with straight sides stay as they are.
+std::size_t straighten_inverted(Mesh&);
 
 /// Refuses what cannot be solved, naming the element or node: indices out of range, coordinates
 /// that are no numbers, repeated nodes, a Jacobian that is not positive at a quadrature point or

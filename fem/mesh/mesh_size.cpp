@@ -100,6 +100,18 @@ MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box
   return size;
 }
 
+MeshSize scaled(const MeshSize& size, double elements) {
+  const double ratio = elements / size.elements, side = std::cbrt(ratio);
+  MeshSize other = size;
+  for (double* count : {&other.elements, &other.nodes, &other.node_pairs, &other.nodes_made})
+    *count *= ratio;
+  other.skin_triangles *= side * side;
+  for (double& cells : other.cells)
+    cells *= side;
+  other.h /= side;
+  return other;
+}
+
 MeshSize resized_tetrahedra(const MeshSize& size, double h) {
   const auto even = [&](double at) {
     return foretell_tetrahedra(size.volume, size.skin_area, size.box, at);

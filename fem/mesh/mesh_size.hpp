@@ -36,6 +36,9 @@ struct MeshSize {
 [[nodiscard]] MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box,
                                            double h, double faces = 0);
 
+/// The size of a mesh of the same body and kind with another number of elements.
+[[nodiscard]] MeshSize scaled(const MeshSize&, double elements);
+
 /// The size that a gmsh mesh would have with another element size, its grading kept.
 [[nodiscard]] MeshSize resized_tetrahedra(const MeshSize&, double h);
 

@@ -17,7 +17,7 @@ constexpr double kCorner = 45 * std::numbers::pi / 180;  ///< where a line of su
 
 class Remesher {
 public:
-  Remesher(const Triangles& surface, double edge, double away)
+  Remesher(const Triangles& surface, const std::function<double(const Vector3&)>& edge, double away)
       : point_(surface.points), triangle_(surface.triangles), shell_(surface.shell),
         around_(surface.points.size()), plane_(surface.points.size()),
         corner_(surface.points.size(), false), edge_(edge), away_(away) {
@@ -72,6 +72,8 @@ private:
     return cross(point(t[1]) - point(t[0]), point(t[2]) - point(t[0]));
   }
   double span(int a, int b) const { return length(point(b) - point(a)); }
+  /// The length wanted of an edge.
+  double edge_at(int a, int b) const { return edge_(.5 * (point(a) + point(b))); }
 
   /// 1 for an equilateral triangle, 0 for a line.
   double quality(const Corners& t) const {
@@ -162,11 +164,11 @@ private:
             all.emplace_back(t[k], t[(k + 1) % 3]);
     return all;
   }
-  /// Edges shorter or longer than a limit, the most extreme first.
+  /// Edges shorter or longer than a multiple of the size wanted there, the most extreme first.
   std::vector<Edge> edges_by_length(double limit, bool longer) const {
     std::vector<std::tuple<double, int, int>> found;
     for (const auto& [a, b] : edges())
-      if (const double size = span(a, b); longer ? size > limit : size < limit)
+      if (const double size = span(a, b) / edge_at(a, b); longer ? size > limit : size < limit)
         found.emplace_back(longer ? -size : size, a, b);
     std::sort(found.begin(), found.end());
     std::vector<Edge> out;
@@ -188,7 +190,7 @@ private:
 
   void split_long() {
     for (int pass = 0; pass < 20; ++pass) {
-      const auto all = edges_by_length(4. / 3 * edge_, true);
+      const auto all = edges_by_length(4. / 3, true);
       if (all.empty())
         return;
       for (const auto& [a, b] : all)
@@ -222,7 +224,7 @@ private:
   void collapse_short() {
     for (int pass = 0; pass < 12; ++pass) {
       std::size_t done = 0;
-      for (const auto& [a, b] : edges_by_length(.8 * edge_, false))
+      for (const auto& [a, b] : edges_by_length(.8, false))
         done += collapse(a, b) || collapse(b, a);
       if (done == 0)
         return;
@@ -248,7 +250,7 @@ private:
       std::replace(corners.begin(), corners.end(), from, onto);
       const Vector3 after = normal(corners);
       for (const int v : corners)
-        if (v != onto && span(v, onto) > 4. / 3 * edge_ && span(v, onto) > span(v, from))
+        if (v != onto && span(v, onto) > 4. / 3 * edge_at(v, onto) && span(v, onto) > span(v, from))
           return false;
       if (shape > .02 ? dot(before, after) <= .8 * length(before) * length(after)
                       : !faces_as_before(from, after)) // a sliver's own normal says little
@@ -278,7 +280,7 @@ private:
   /// surface, one of those that differ by little (2.5 degrees at most), so that time does not grow
   /// with them.
   void thin_out(std::vector<Plane>& planes) const {
-    double turn = 1e-6, level = 1e-3 * edge_;
+    double turn = 1e-6, level = 1e-2 * away_;
     for (int round = 0; round < 4; ++round) {
       std::vector<Plane> kept;
       for (const Plane& p : planes)
@@ -351,7 +353,7 @@ private:
           worst = std::min(worst, quality(triangle_[at(t)]));
         for (const int w : ring)
           bend = std::max(bend, std::abs(dot(whole, point(w) - point(v))));
-        if (!(size > 0) || bend > 1e-4 * edge_ * size)
+        if (!(size > 0) || bend > 1e-3 * away_ * size)
           continue;
         const Vector3 before = point(v);
         point_[at(v)] = middle - (dot(whole, middle - before) / (size * size)) * whole;
@@ -370,7 +372,8 @@ private:
   std::vector<std::vector<Plane>> plane_; ///< unit normal and level of what a point stands for
   std::vector<bool> corner_;
   std::set<Edge> feature_;
-  double edge_, away_;
+  const std::function<double(const Vector3&)>& edge_;
+  double away_;
 };
 
 /// Whether the segment p q cuts the triangle a b c in their insides. Triangles that lie in one
@@ -391,7 +394,8 @@ bool cuts(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b
 
 } // namespace
 
-Triangles remeshed(const Triangles& surface, double edge, double away) {
+Triangles remeshed(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
+                   double away) {
   return Remesher(surface, edge, away).run();
 }
 

@@ -1,15 +1,21 @@
 #pragma once
 #include "fem/io/triangles.hpp"
 
+#include <functional>
 #include <optional>
 
 namespace tactus::fem {
 
-/// The same closed surface in triangles of about `edge` (m) on a side: long edges are halved, short
-/// ones collapse, the others turn to where angles are best, and points within flat parts even out
-/// (Botsch & Kobbelt 2004). Edges of more than 30 degrees stay, and so do details that would move
-/// by more than `away` (m), however small. Shells keep their numbers.
-[[nodiscard]] Triangles remeshed(const Triangles&, double edge, double away);
+/// The same closed surface in triangles of about `edge(place)` (m) on a side: long edges are
+/// halved, short ones collapse, the others turn to where angles are best, and points within flat
+/// parts even out (Botsch & Kobbelt 2004). Edges of more than 30 degrees stay, and so do details
+/// that would move by more than `away` (m), however small. Shells keep their numbers.
+[[nodiscard]] Triangles remeshed(const Triangles&,
+                                 const std::function<double(const Vector3&)>& edge, double away);
+[[nodiscard]] inline Triangles remeshed(const Triangles& surface, double edge, double away) {
+  return remeshed(
+      surface, [edge](const Vector3&) { return edge; }, away);
+}
 
 /// Two triangles without a common edge that cut each other, or nothing.
 [[nodiscard]] std::optional<std::array<std::size_t, 2>> crossing(const Triangles&);

@@ -213,6 +213,8 @@ Mesh mesh_soup(Triangles t, const LoadChoice& choice) {
     Mesh part;
     try {
       part = mesh_surface(bodies[b], choice);
+    } catch (const TooLarge&) {
+      throw;
     } catch (const Refusal& refusal) {
       Triangles anew = unite(bodies[b], refusal.what(), say);
       const std::vector<Triangles> pieces = separate_bodies(anew);
@@ -232,6 +234,8 @@ Mesh mesh_surface_file(const std::string& path, double unit, const LoadChoice& c
   check_range(path, t.points);
   try {
     return mesh_soup(std::move(t), choice);
+  } catch (const TooLarge&) {
+    throw;
   } catch (const Refusal& refusal) {
     throw Refusal(path + ": " + refusal.what());
   }

@@ -114,6 +114,13 @@ Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
     stage(assembled + factored + projected +
               std::max(room + found + 6 * kBlock, 4 * found) * vector + lanes,
           "the modes' basis");
+    if (work.estimated) {
+      // Blocks and vectors of an element's enriching functions: 19 of hex20, 7 of them its own, and
+      // 10 of tet10, some 3.5 its own.
+      const double element = mesh.nodes_on_planes < 1 ? 10e3 : 30e3;
+      stage(assembled + factored + shapes + (element + 12 * work.modes) * mesh.elements + 3 * lanes,
+            "the error estimate");
+    }
   }
   stage(assembled + 88 * pairs + 2 * shapes + lanes, "the table");
   if (work.residual)

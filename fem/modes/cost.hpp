@@ -11,6 +11,7 @@ struct Workload {
   MeshSize mesh;
   double modes = 40;
   bool residual = false;
+  bool estimated = false;        ///< each mode's error (fem/error/error_estimate.hpp)
   double acoustic_triangles = 0; ///< 0: no radiation
   double solutions = 0;          ///< of the air: groups of modes times ratios; 0: one a mode
   bool factor_elsewhere = false; ///< on other processes: not counted here

@@ -22,6 +22,36 @@ double estimated_frequency(const Vector3& box, double volume, double speed) {
   return std::min(speed * thickness / (size * size), speed / (2 * size));
 }
 
+double highest_wave_number(double volume, double skin, double length, const Material& m,
+                           std::size_t count) {
+  // Of an orthotropic material the geometric mean of the stiffest direction and the softest: its
+  // waves are as many, and the estimate of directions refines what is left.
+  const double soft =
+      m.isotropic() ? m.young_pa[0] : *std::min_element(m.young_pa.begin(), m.young_pa.end());
+  const double shear = m.isotropic() ? m.young_pa[0] / (2 * (1 + m.poisson[0]))
+                                     : *std::max_element(m.shear_pa.begin(), m.shear_pa.end());
+  const double bar = std::sqrt(std::sqrt(m.young_pa[0] * soft) / m.density);
+  const double slow = std::sqrt(5. / 6 * shear / m.density);
+  const double t = 2 * volume / skin;
+  const auto wave_number = [&](double omega) {
+    const double a = 1 / (bar * bar), b = 1 / (slow * slow), w = omega * omega;
+    return std::sqrt(.5 * w * (a + b) +
+                     std::sqrt(.25 * w * w * (a - b) * (a - b) + 12 * w * a / (t * t)));
+  };
+  double low = 0, high = 1;
+  const auto enough = [&](double omega) {
+    const double k = wave_number(omega), s = omega / slow;
+    return skin * k * k / (8 * std::numbers::pi) + length * k / std::numbers::pi +
+               volume * s * s * s / (2 * std::numbers::pi * std::numbers::pi) >
+           static_cast<double>(count);
+  };
+  while (!enough(high))
+    high *= 2;
+  for (int i = 0; i < 60; ++i)
+    (enough(.5 * (low + high)) ? high : low) = .5 * (low + high);
+  return wave_number(high);
+}
+
 Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Matrices& matrices,
                  const ModeSettings& settings) {
   const auto report = [&](const char* stage, double share) {
@@ -56,6 +86,8 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
   modes.residual.resize(kept);
   modes.shapes.resize(kept * n);
   report("finding modes", 1);
+  if (settings.inspect)
+    settings.inspect(modes, factor);
   return modes;
 }
 

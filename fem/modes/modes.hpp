@@ -24,12 +24,24 @@ struct ModeSettings {
   Report report{};
   /// Called with the prediction before the factorisation starts; refuses what is too large.
   std::function<void(const FactorCost&)> predict{};
+  /// Called with the modes while the factor they were found with still stands.
+  std::function<void(const Modes&, ShiftedFactor&)> inspect{};
 };
 
 /// An estimate of the lowest elastic frequency, from a bar's or plate's bending: c t / L^2.
 [[nodiscard]] double estimated_frequency(const Mesh&, std::span<const Material>);
 /// The same before there is a mesh: sides of the box in m, m^3, and the speed of sound in a bar.
 [[nodiscard]] double estimated_frequency(const Vector3& box, double volume, double bar_speed);
+
+/// The largest wave number (1/m) among the `count` lowest modes of a body, roughly: from the number
+/// of modes below omega of a plate of the body's mean thickness t = 2 V / S, of a bar of its
+/// length, and of a solid of its volume,
+///
+///   N = S k^2 / (8 pi) + L k / pi + V (omega/c)^3 / (2 pi^2),
+///
+/// k Timoshenko's wave number of bending, which tends to the shear wave's for short waves.
+[[nodiscard]] double highest_wave_number(double volume, double skin, double length, const Material&,
+                                         std::size_t count);
 
 [[nodiscard]] Modes find_modes(const Mesh&, std::span<const Material>, const Matrices&,
                                const ModeSettings&);

@@ -30,6 +30,9 @@ Mesh block(std::span<const double> xs, std::span<const double> ys, std::span<con
           nodes[a] = number[(z * ny + y) * nx + x];
         }
         mesh.add(Shape::hex20, nodes);
+        const std::size_t first_y = xs.size() - 1, first_z = first_y + ys.size() - 1;
+        mesh.elements.back().interval = {static_cast<int>(i), static_cast<int>(first_y + j),
+                                         static_cast<int>(first_z + k)};
       }
   return mesh;
 }

@@ -3,7 +3,7 @@
 
 namespace tactus::fem {
 
-/// A hex20 box between the coordinate lines.
+/// A hex20 box between the coordinate lines; intervals are numbered x, y, z.
 [[nodiscard]] Mesh block(std::span<const double> xs, std::span<const double> ys,
                          std::span<const double> zs);
 

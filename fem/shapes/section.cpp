@@ -7,13 +7,15 @@
 namespace tactus::fem {
 
 void Section::add_mapped(std::span<const double> us, std::span<const double> vs,
-                         const std::function<Meridian(double, double)>& map) {
+                         const std::function<Meridian(double, double)>& map,
+                         const std::function<std::array<int, 2>(int, int)>& number) {
   for (std::size_t i = 0; i + 1 < us.size(); ++i)
     for (std::size_t j = 0; j + 1 < vs.size(); ++j) {
       const double u0 = us[i], u1 = us[i + 1], v0 = vs[j], v1 = vs[j + 1];
       const double um = .5 * (u0 + u1), vm = .5 * (v0 + v1);
       quads.push_back({map(u0, v0), map(u1, v0), map(u1, v1), map(u0, v1), map(um, v0), map(u1, vm),
                        map(um, v1), map(u0, vm)});
+      interval.push_back(number(static_cast<int>(i), static_cast<int>(j)));
     }
 }
 
@@ -97,10 +99,10 @@ struct Cuts {
     for (std::size_t k = 0; k + 1 < breaks.size(); ++k)
       smallest = std::min(smallest, breaks[k + 1] - breaks[k]);
     return cut(breaks[i], breaks[i + 1], shape.h, at_least, Ends{concave[i], concave[i + 1]},
-               smallest / 27, 3);
+               smallest / shape.grading, 3);
   }
   template <class Divide> auto along_r(std::size_t i, Divide&& cut) const {
-    return along(shape.r, concave_r, i, 2, cut);
+    return along(shape.r, concave_r, i, shape.least_r, cut);
   }
   template <class Divide> auto along_z(std::size_t j, Divide&& cut) const {
     return along(shape.z, concave_z, j, shape.least_z, cut);
@@ -112,28 +114,67 @@ struct Cuts {
 
 } // namespace
 
-Section rectangles(const Rectangles& shape) {
+namespace {
+
+/// Where the lines from a to b begin among all, and those lines.
+std::pair<std::size_t, std::vector<double>> lines_within(const std::vector<double>& lines, double a,
+                                                         double b) {
+  const double near = 1e-9 * (lines.back() - lines.front());
+  const auto begin = std::lower_bound(lines.begin(), lines.end(), a - near);
+  const auto end = std::upper_bound(lines.begin(), lines.end(), b + near);
+  return {static_cast<std::size_t>(begin - lines.begin()), {begin, end}};
+}
+
+} // namespace
+
+Section rectangles(const Rectangles& shape, const SweepGrid* given) {
   const Cuts cuts(shape);
   Section section;
-  for (std::size_t i = 0; i + 1 < shape.r.size(); ++i) {
-    const auto us = cuts.along_r(i, divide);
+  section.grid.kept = {shape.r, shape.z, {}};
+  if (given) {
+    section.grid.line = given->line;
+  } else {
+    const auto append = [](std::vector<double>& lines, const std::vector<double>& part) {
+      lines.insert(lines.end(), part.begin() + (lines.empty() ? 0 : 1), part.end());
+    };
+    for (std::size_t i = 0; i + 1 < shape.r.size(); ++i)
+      append(section.grid.line[0], cuts.along_r(i, divide));
     for (std::size_t j = 0; j + 1 < shape.z.size(); ++j)
-      if (cuts.solid(i, j))
-        section.add_mapped(us, cuts.along_z(j, divide), [](double u, double v) {
-          return Meridian{u, v};
-        });
+      append(section.grid.line[1], cuts.along_z(j, divide));
+  }
+  const auto& [r, z, around] = section.grid.line;
+  const std::size_t first_z = r.size() - 1;
+  for (std::size_t i = 0; i + 1 < shape.r.size(); ++i) {
+    const auto [u, us] = lines_within(r, shape.r[i], shape.r[i + 1]);
+    for (std::size_t j = 0; j + 1 < shape.z.size(); ++j) {
+      if (!cuts.solid(i, j))
+        continue;
+      const auto [v, vs] = lines_within(z, shape.z[j], shape.z[j + 1]);
+      section.add_mapped(
+          us, vs,
+          [](double x, double y) {
+            return Meridian{x, y};
+          },
+          [first_u = static_cast<int>(u), first_v = static_cast<int>(first_z + v)](int p, int q) {
+            return std::array{first_u + p, first_v + q};
+          });
+    }
   }
   return section;
 }
 
-SectionSize size_of(const Rectangles& shape) {
+SectionSize size_of(const Rectangles& shape, const SweepGrid* given) {
   const Cuts cuts(shape);
   const std::size_t columns = shape.r.size() - 1, rows = shape.z.size() - 1;
   std::vector<double> across(columns), up(rows);
+  const auto given_cells = [&](std::size_t direction, double a, double b) {
+    return static_cast<double>(lines_within(given->line[direction], a, b).second.size() - 1);
+  };
   for (std::size_t i = 0; i < columns; ++i)
-    across[i] = cuts.along_r(i, count_divisions);
+    across[i] =
+        given ? given_cells(0, shape.r[i], shape.r[i + 1]) : cuts.along_r(i, count_divisions);
   for (std::size_t j = 0; j < rows; ++j)
-    up[j] = cuts.along_z(j, count_divisions);
+    up[j] = given ? given_cells(1, shape.z[j], shape.z[j + 1]) : cuts.along_z(j, count_divisions);
   // Blocks are quads' interiors, breaks the lines between them; index -1 wraps and is empty.
   SectionSize size;
   const bool axis = shape.r[0] == 0;
@@ -171,7 +212,7 @@ SectionSize size_of(const Rectangles& shape) {
   return size;
 }
 
-Section shell(const Shell& s) {
+Section shell(const Shell& s, const SweepGrid* given) {
   const auto point = [&](double u, double v) {
     constexpr double kStep = 1e-6;
     const Meridian p = s.middle(u);
@@ -184,8 +225,15 @@ Section shell(const Shell& s) {
                    : Meridian{p.r - across * dz / size, p.z + across * dr / size};
   };
   Section section;
-  section.add_mapped(divide(0, 1, 1.0 / s.along, s.along), divide(0, 1, 1.0 / s.layers, s.layers),
-                     point);
+  section.grid.kept = {{{0, 1}, {0, 1}, {}}};
+  section.grid.line =
+      given ? given->line
+            : std::array<std::vector<double>, 3>{
+                  divide(0, 1, 1.0 / s.along, s.along), divide(0, 1, 1.0 / s.layers, s.layers), {}};
+  const auto first_v = static_cast<int>(section.grid.line[0].size()) - 1;
+  section.add_mapped(section.grid.line[0], section.grid.line[1], point, [&](int i, int j) {
+    return std::array{i, first_v + j};
+  });
   return section;
 }
 
@@ -209,15 +257,18 @@ namespace {
 constexpr double kCore = .55; ///< the inner block's share of a ball's radius
 
 /// Intervals along half the inner block's side, and from there to the sphere.
-std::array<double, 2> ball_cells(double radius, double h) {
+std::array<double, 2> ball_cells(double radius, double h, const SweepGrid* given) {
+  if (given)
+    return {static_cast<double>(given->line[0].size() - 1),
+            static_cast<double>(given->line[1].size() - 1)};
   return {std::max(2.0, std::ceil(kCore * radius / h)),
           std::max(2.0, std::ceil((radius - kCore * radius) / h))};
 }
 
 } // namespace
 
-SectionSize size_of_ball(double radius, double h) {
-  const auto [c, a] = ball_cells(radius, h);
+SectionSize size_of_ball(double radius, double h, const SweepGrid* given) {
+  const auto [c, a] = ball_cells(radius, h, given);
   return {.quads = 2 * c * c + 4 * a * c,
           .corners = (c + 1) * (2 * c + 1) + a * (2 * c + 1) + 2 * a * c,
           .sides = c * (2 * c + 1) + 2 * c * (c + 1) + a * (2 * c + 1) + 2 * a * c + 4 * a * c,
@@ -227,12 +278,24 @@ SectionSize size_of_ball(double radius, double h) {
           .axis_sides = 2 * c + 2 * a};
 }
 
-Section ball(double radius, double h) {
+Section ball(double radius, double h, const SweepGrid* given) {
   const double core = kCore * radius;
-  const int cells = static_cast<int>(ball_cells(radius, h)[0]);
-  const int around = static_cast<int>(ball_cells(radius, h)[1]);
-  const auto us = divide(0, 1, 1.0 / cells, cells), vs = divide(-1, 1, 1.0 / cells, 2 * cells);
-  const auto ws = divide(0, 1, 1.0 / around, around);
+  Section section;
+  section.grid.kept = {{{0, 1}, {0, 1}, {}}};
+  if (given) {
+    section.grid.line = given->line;
+  } else {
+    const auto [across, out] = ball_cells(radius, h, nullptr);
+    const int cells = static_cast<int>(across), around = static_cast<int>(out);
+    section.grid.line = {divide(0, 1, 1.0 / cells, cells), divide(0, 1, 1.0 / around, around), {}};
+  }
+  const std::vector<double>&us = section.grid.line[0], &ws = section.grid.line[1];
+  std::vector<double> vs; // us and their mirror images
+  for (std::size_t i = us.size() - 1; i > 0; --i)
+    vs.push_back(-us[i]);
+  vs.insert(vs.end(), us.begin(), us.end());
+  const auto cells = static_cast<int>(us.size()) - 1;
+  const auto along_v = [cells](int j) { return j < cells ? cells - 1 - j : j - cells; };
   // The core bulges a little, so that its corners and sides meet the outer blocks at mild angles.
   const auto inner = [&](double u, double v) {
     const double bulge = 1 - .18 * u * u * v * v;
@@ -245,19 +308,34 @@ Section ball(double radius, double h) {
     return Meridian{radius * std::sin(angle), radius * std::cos(angle)};
   };
   constexpr double kQuarter = std::numbers::pi / 4;
-  Section section;
-  section.add_mapped(us, vs, inner);
-  section.add_mapped(ws, vs, [&](double w, double v) {
-    return blend(inner(1, v), on_sphere(kQuarter * (2 - v)), w);
-  });
-  section.add_mapped(us, ws, [&](double u, double w) {
-    Meridian p = blend(inner(u, 1), on_sphere(kQuarter * u), w);
-    return u == 0 ? Meridian{0, p.z} : p;
-  });
-  section.add_mapped(us, ws, [&](double u, double w) {
-    Meridian p = blend(inner(u, -1), on_sphere(kQuarter * (4 - u)), 1 - w);
-    return u == 0 ? Meridian{0, p.z} : p;
-  });
+  section.add_mapped(us, vs, inner, [&](int i, int j) { return std::array{i, along_v(j)}; });
+  section.add_mapped(
+      ws, vs,
+      [&](double w, double v) { return blend(inner(1, v), on_sphere(kQuarter * (2 - v)), w); },
+      [&](int i, int j) {
+        return std::array{cells + i, along_v(j)};
+      });
+  const auto by_pole = [&](int i, int j) { return std::array{i, cells + j}; };
+  section.add_mapped(
+      us, ws,
+      [&](double u, double w) {
+        Meridian p = blend(inner(u, 1), on_sphere(kQuarter * u), w);
+        return u == 0 ? Meridian{0, p.z} : p;
+      },
+      by_pole);
+  const auto outer = static_cast<int>(ws.size()) - 1;
+  std::vector<double> inward; // from the sphere to the core
+  for (std::size_t i = ws.size(); i-- > 0;)
+    inward.push_back(1 - ws[i]);
+  section.add_mapped(
+      us, inward,
+      [&](double u, double w) {
+        Meridian p = blend(inner(u, -1), on_sphere(kQuarter * (4 - u)), 1 - w);
+        return u == 0 ? Meridian{0, p.z} : p;
+      },
+      [&](int i, int j) {
+        return std::array{i, cells + outer - 1 - j};
+      });
   return section;
 }
 
@@ -273,7 +351,10 @@ Mesh revolve(const Section& section, int sectors) {
     return static_cast<int>(mesh.nodes.size()) - 1;
   };
   const auto on_axis = [&](const Meridian& p) { return std::abs(p.r) < 1e-9 * size; };
-  for (auto quad : section.quads) {
+  const auto around = static_cast<int>(section.grid.first_interval(2));
+  for (std::size_t index = 0; index < section.quads.size(); ++index) {
+    auto quad = section.quads[index];
+    auto [along_first, along_second] = section.interval[index];
     int touching = 0;
     for (std::size_t c = 0; c < 4; ++c)
       touching += on_axis(quad[c]);
@@ -283,6 +364,7 @@ Mesh revolve(const Section& section, int sectors) {
       while (!(on_axis(quad[3]) && on_axis(quad[0]))) {
         std::rotate(quad.begin(), quad.begin() + 1, quad.begin() + 4);
         std::rotate(quad.begin() + 4, quad.begin() + 5, quad.end());
+        std::swap(along_first, along_second);
       }
     for (int k = 0; k < sectors; ++k) {
       const int a = 2 * k, m = a + 1, b = a + 2;
@@ -293,6 +375,7 @@ Mesh revolve(const Section& section, int sectors) {
                                         put(q[4], b), put(q[6], a), put(q[2], m), put(q[6], b),
                                         put(q[7], a), put(q[5], a), put(q[5], b)};
         mesh.add(Shape::wedge15, nodes);
+        mesh.elements.back().interval = {along_first, around, along_second};
       } else { // (r, z, angle) is left-handed: the corners run backwards
         const std::array<int, 20> nodes{put(q[0], a), put(q[3], a), put(q[2], a), put(q[1], a),
                                         put(q[0], b), put(q[3], b), put(q[2], b), put(q[1], b),
@@ -300,6 +383,7 @@ Mesh revolve(const Section& section, int sectors) {
                                         put(q[7], b), put(q[6], b), put(q[5], b), put(q[4], b),
                                         put(q[0], m), put(q[3], m), put(q[2], m), put(q[1], m)};
         mesh.add(Shape::hex20, nodes);
+        mesh.elements.back().interval = {along_second, along_first, around};
       }
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include "fem/mesh/mesh.hpp"
+#include "fem/shapes/grid.hpp"
 
 #include <array>
 
@@ -16,10 +17,14 @@ struct Meridian {
 /// middles of the sides that follow each corner.
 struct Section {
   std::vector<std::array<Meridian, 8>> quads;
+  std::vector<std::array<int, 2>> interval; ///< of each quad along its first and second side
+  SweepGrid grid;                           ///< without the direction around the axis
 
   /// The image of the unit square, cut at the given coordinates. The map must keep the orientation.
+  /// `number(i, j)` gives the intervals of the grid that a cell spans along u and v.
   void add_mapped(std::span<const double> us, std::span<const double> vs,
-                  const std::function<Meridian(double u, double v)>& map);
+                  const std::function<Meridian(double u, double v)>& map,
+                  const std::function<std::array<int, 2>(int i, int j)>& number);
 };
 
 /// Coordinates from a to b about `h` apart; towards an end marked concave they shrink
@@ -29,9 +34,17 @@ struct Ends {
 };
 [[nodiscard]] std::vector<double> divide(double a, double b, double h, int at_least,
                                          Ends concave = {}, double smallest = 0, double ratio = 2);
+
 /// How many intervals `divide` makes; allocates next to nothing, however small `h` is.
 [[nodiscard]] double count_divisions(double a, double b, double h, int at_least, Ends concave = {},
                                      double smallest = 0, double ratio = 2);
+
+/// What a section's mesh consists of; corners and sides on the axis count once when it turns.
+struct SectionSize {
+  double quads = 0, corners = 0, sides = 0;
+  double outer_sides = 0;                                  ///< on the body's skin
+  double axis_quads = 0, axis_corners = 0, axis_sides = 0; ///< of the above
+};
 
 /// Rectangles between breaks in r and z where `solid(i, j)` is true. Lines through concave corners,
 /// where three of four neighbours are solid, are graded: there stress grows without bound and a
@@ -42,18 +55,13 @@ struct Rectangles {
   std::vector<std::size_t> singular_r{},
       singular_z{}; ///< further breaks to grade into: edges of supports
   double h = 0;
-  int least_z = 2;
+  int least_r = 2, least_z = 2;
   bool grade = true;
+  double grading = 27; ///< the smallest interval is this part of the others
 };
-[[nodiscard]] Section rectangles(const Rectangles&);
-
-/// What a section's mesh consists of; corners and sides on the axis count once when it turns.
-struct SectionSize {
-  double quads = 0, corners = 0, sides = 0;
-  double outer_sides = 0;                                  ///< on the body's skin
-  double axis_quads = 0, axis_corners = 0, axis_sides = 0; ///< of the above
-};
-[[nodiscard]] SectionSize size_of(const Rectangles&);
+/// `grid`: lines to take instead of those that follow from h.
+[[nodiscard]] Section rectangles(const Rectangles&, const SweepGrid* grid = nullptr);
+[[nodiscard]] SectionSize size_of(const Rectangles&, const SweepGrid* grid = nullptr);
 
 /// A shell along a meridian curve: u from 0 to 1, thickness across the curve's normal.
 struct Shell {
@@ -61,13 +69,14 @@ struct Shell {
   std::function<double(double)> thickness;
   int along = 24, layers = 1;
 };
-[[nodiscard]] Section shell(const Shell&);
+[[nodiscard]] Section shell(const Shell&, const SweepGrid* grid = nullptr);
 /// Of `along` by `layers` quads; which of its ends lie on the axis.
 [[nodiscard]] SectionSize size_of_shell(double along, double layers, Ends on_axis);
 
 /// A solid ball's half section: a rectangle in the middle and three curved blocks around it.
-[[nodiscard]] Section ball(double radius, double h);
-[[nodiscard]] SectionSize size_of_ball(double radius, double h);
+/// Its grid's first direction cuts the rectangle, the second the curved blocks.
+[[nodiscard]] Section ball(double radius, double h, const SweepGrid* grid = nullptr);
+[[nodiscard]] SectionSize size_of_ball(double radius, double h, const SweepGrid* grid = nullptr);
 
 /// Turns a section about the z axis: hex20 away from the axis, wedge15 along it. Nodes lie exactly
 /// on the body of revolution. Refuses a section that touches the axis with a corner alone.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 namespace tactus::fem {
@@ -20,12 +21,11 @@ constexpr double kPi = std::numbers::pi;
 using Dimensions = std::map<std::string, double>;
 
 double element_size(const MeshChoice& choice, double largest) {
-  return choice.coarser * (choice.h > 0 ? choice.h : largest / 16);
+  return choice.h > 0 ? choice.h : largest / 16;
 }
 
 double layers_of(const MeshChoice& choice, double standard) {
-  const double layers = choice.layers > 0 ? choice.layers : standard;
-  return std::max(1.0, std::round(layers / choice.coarser));
+  return choice.layers > 0 ? choice.layers : choice.sparse ? 1 : standard;
 }
 
 /// Sectors around the axis: sides about h long, a multiple of four so that meshes are mirror
@@ -51,7 +51,7 @@ MeshSize turned(const SectionSize& s, double sectors, std::array<double, 2> sect
   return size;
 }
 
-ShapePlan planned(const MeshSize& size, std::function<Mesh()> make) {
+ShapePlan planned(const MeshSize& size, std::function<SweptBody()> make) {
   return {size, [nodes = size.nodes, make = std::move(make)] {
             if (!(nodes < 1e8)) // twenty an element are made before they are merged
               throw Refusal(format("the mesh would have %.3g nodes, expected at most 1e8: take a "
@@ -66,12 +66,41 @@ void need(bool good, const std::string& shape, const std::string& expected) {
     throw Refusal(shape + ": expected " + expected);
 }
 
+using GivenGrid = std::optional<SweepGrid>;
+
+GivenGrid grid_of(const MeshChoice& choice) {
+  return choice.grid ? GivenGrid(*choice.grid) : std::nullopt;
+}
+const SweepGrid* pointer_to(const GivenGrid& grid) { return grid ? &*grid : nullptr; }
+
+double cells_of(const SweepGrid& grid, std::size_t direction) {
+  return static_cast<double>(grid.line[direction].size() - 1);
+}
+
+/// Sectors around the axis, or those of a given grid.
+double sectors_of(const MeshChoice& choice, double radius, double h) {
+  return choice.grid ? cells_of(*choice.grid, 2) : sectors_for(radius, h);
+}
+
+/// A section turned about the axis.
+SweptBody turn(Section section, double number) {
+  const int sectors = static_cast<int>(number);
+  SweptBody body{revolve(section, sectors), std::move(section.grid)};
+  body.grid.uniform[2] = 4;
+  body.grid.line[2].clear();
+  for (int i = 0; i <= sectors; ++i)
+    body.grid.line[2].push_back(2 * kPi * i / sectors);
+  return body;
+}
+
 ShapePlan solid_of_revolution(Rectangles shape, const MeshChoice& choice, double largest) {
   shape.h = element_size(choice, largest);
   shape.grade = choice.grade_concave;
+  shape.least_r = choice.sparse ? 1 : 2;
+  shape.grading = choice.sparse ? 9 : 27;
   shape.least_z = static_cast<int>(layers_of(choice, 3));
-  const double sectors = sectors_for(shape.r.back(), shape.h);
-  const SectionSize section = size_of(shape);
+  const double sectors = sectors_of(choice, shape.r.back(), shape.h);
+  const SectionSize section = size_of(shape, choice.grid);
   const double up = std::max(1.0, section.quads * (shape.z.back() - shape.z.front()));
   const double across = std::max(1.0, section.quads * (shape.r.back() - shape.r.front()));
   MeshSize size =
@@ -84,15 +113,15 @@ ShapePlan solid_of_revolution(Rectangles shape, const MeshChoice& choice, double
                        (shape.z[j + 1] - shape.z[j]);
   const double wide = 2 * shape.r.back();
   size.box = {wide, wide, shape.z.back() - shape.z.front()};
-  return planned(size, [shape = std::move(shape), sectors] {
-    return revolve(rectangles(shape), static_cast<int>(sectors));
+  return planned(size, [shape = std::move(shape), sectors, given = grid_of(choice)] {
+    return turn(rectangles(shape, pointer_to(given)), sectors);
   });
 }
 
 ShapePlan shell_of_revolution(Shell s, const MeshChoice& choice, double largest) {
   // The swept layer follows the curve; its thickness needs one quadratic element where it is thin,
   // but thin elements bend too stiffly unless they are short: twice as fine as solids.
-  const double h = choice.coarser * (choice.h > 0 ? choice.h : largest / 28);
+  const double h = choice.h > 0 ? choice.h : largest / 28;
   double arc = 0, radius = 0, thickest = 0, solid = 0, low = s.middle(0).z, high = low;
   constexpr int kSamples = 400;
   for (int i = 0; i < kSamples; ++i) {
@@ -105,20 +134,20 @@ ShapePlan shell_of_revolution(Shell s, const MeshChoice& choice, double largest)
     thickest = std::max(thickest, s.thickness(double(i) / kSamples));
     solid += kPi * (a.r + b.r) * step * s.thickness((i + .5) / kSamples);
   }
-  const double along = std::max(8.0, std::ceil(arc / h));
-  const double through = std::ceil(thickest * choice.coarser / h);
-  const double standard = std::max(thickest < .05 * largest ? 1.0 : 2.0, through);
-  const double layers = layers_of(choice, standard);
-  const double sectors = sectors_for(radius, h);
+  const double standard = std::max(thickest < .05 * largest ? 1.0 : 2.0, std::ceil(thickest / h));
+  const double along = choice.grid ? cells_of(*choice.grid, 0) : std::max(8.0, std::ceil(arc / h));
+  const double layers = choice.grid ? cells_of(*choice.grid, 1) : layers_of(choice, standard);
+  const double sectors = sectors_of(choice, radius, h);
   MeshSize size = turned(size_of_shell(along, layers, {s.middle(0).r == 0, s.middle(1).r == 0}),
                          sectors, {along, layers});
   size.volume = solid;
   size.box = {2 * radius + thickest, 2 * radius + thickest, high - low + thickest};
-  return planned(size, [s = std::move(s), along, layers, sectors]() mutable {
-    s.along = static_cast<int>(along);
-    s.layers = static_cast<int>(layers);
-    return revolve(shell(s), static_cast<int>(sectors));
-  });
+  return planned(size,
+                 [s = std::move(s), along, layers, sectors, given = grid_of(choice)]() mutable {
+                   s.along = static_cast<int>(along);
+                   s.layers = static_cast<int>(layers);
+                   return turn(shell(s, pointer_to(given)), sectors);
+                 });
 }
 
 ShapePlan disk(const Dimensions& d, const MeshChoice& choice) {
@@ -159,13 +188,14 @@ ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   const double h = element_size(choice, std::max({x, y, z})), thinnest = std::min({x, y, z});
   const auto least = [&](double size) {
     // Twisting bends a section's width: two elements would be a hundredth too stiff.
-    const int across = choice.h > 0 ? 2 : std::max(2, static_cast<int>(4 / choice.coarser));
+    const int across = choice.sparse ? 1 : choice.h > 0 ? 2 : 4;
     return size > thinnest ? across : static_cast<int>(layers_of(choice, 3));
   };
-  const auto count = [&](double side) {
-    return count_divisions(-side / 2, side / 2, h, least(side));
+  const auto count = [&](std::size_t direction, double side) {
+    return choice.grid ? cells_of(*choice.grid, direction)
+                       : count_divisions(-side / 2, side / 2, h, least(side));
   };
-  const double nx = count(x), ny = count(y), nz = count(z);
+  const double nx = count(0, x), ny = count(1, y), nz = count(2, z);
   MeshSize size;
   size.elements = nx * ny * nz;
   const double corners = (nx + 1) * (ny + 1) * (nz + 1);
@@ -182,11 +212,17 @@ ShapePlan box(double x, double y, double z, const MeshChoice& choice) {
   size.nodes_made = 2 * size.nodes; // the lattice's numbers
   size.volume = x * y * z;
   size.box = {x, y, z};
-  return planned(size, [=, least_x = least(x), least_y = least(y), least_z = least(z)] {
+  return planned(size, [=, least_x = least(x), least_y = least(y), least_z = least(z),
+                        given = grid_of(choice)] {
     const auto cut = [h](double side, int at_least) {
       return divide(-side / 2, side / 2, h, at_least);
     };
-    return block(cut(x, least_x), cut(y, least_y), cut(z, least_z));
+    SweepGrid grid;
+    grid.line = given ? given->line
+                      : std::array<std::vector<double>, 3>{cut(x, least_x), cut(y, least_y),
+                                                           cut(z, least_z)};
+    grid.kept = {{{-x / 2, x / 2}, {-y / 2, y / 2}, {-z / 2, z / 2}}};
+    return SweptBody{block(grid.line[0], grid.line[1], grid.line[2]), std::move(grid)};
   });
 }
 
@@ -198,10 +234,10 @@ ShapePlan bar(const Dimensions& d, const MeshChoice& choice) {
                                          choice, std::max(2 * r, l));
     plan.size.box = {l, 2 * r, 2 * r};
     plan.make = [upright = std::move(plan.make)] {
-      Mesh mesh = upright();
-      for (Vector3& p : mesh.nodes) // along x
+      SweptBody body = upright();
+      for (Vector3& p : body.mesh.nodes) // along x
         p = {p.z, p.x, p.y};
-      return mesh;
+      return body;
     };
     return plan;
   }
@@ -210,14 +246,14 @@ ShapePlan bar(const Dimensions& d, const MeshChoice& choice) {
 
 ShapePlan sphere(const Dimensions& d, const MeshChoice& choice) {
   const double diameter = d.at("diameter"), h = element_size(choice, diameter);
-  const double sectors = sectors_for(diameter / 2, h);
-  const SectionSize section = size_of_ball(diameter / 2, h);
+  const double sectors = sectors_of(choice, diameter / 2, h);
+  const SectionSize section = size_of_ball(diameter / 2, h, choice.grid);
   MeshSize size =
       turned(section, sectors, {std::sqrt(section.quads / 2), std::sqrt(2 * section.quads)});
   size.volume = kPi * diameter * diameter * diameter / 6;
   size.box = {diameter, diameter, diameter};
-  return planned(size, [diameter, h, sectors] {
-    return revolve(ball(diameter / 2, h), static_cast<int>(sectors));
+  return planned(size, [diameter, h, sectors, given = grid_of(choice)] {
+    return turn(ball(diameter / 2, h, pointer_to(given)), sectors);
   });
 }
 
@@ -363,7 +399,7 @@ ShapePlan plan_shape(const std::string& name, const Dimensions& given,
 
 Mesh make_shape(const std::string& name, const Dimensions& given,
                 const std::vector<ProfilePoint>& profile, const MeshChoice& choice) {
-  return plan_shape(name, given, profile, choice).make();
+  return plan_shape(name, given, profile, choice).make().mesh;
 }
 
 std::vector<ProfilePoint> read_profile(const std::string& path, double unit) {

@@ -1,6 +1,7 @@
 #pragma once
 #include "fem/mesh/mesh.hpp"
 #include "fem/mesh/mesh_size.hpp"
+#include "fem/shapes/grid.hpp"
 
 #include <functional>
 #include <map>
@@ -30,7 +31,8 @@ struct MeshChoice {
   int layers =
       0; ///< elements through the smallest thickness; 0: at least three, one or two for shells
   bool grade_concave = true;
-  double coarser = 1; ///< multiplies sizes and divides layers, to verify with
+  bool sparse = false;             ///< no more elements than h asks for, one through a wall
+  const SweepGrid* grid = nullptr; ///< these lines instead
 };
 
 /// A bell's profile: lines `radius height thickness` in `unit` metres, from crown to lip; #
@@ -40,10 +42,16 @@ struct ProfilePoint {
 };
 [[nodiscard]] std::vector<ProfilePoint> read_profile(const std::string& path, double unit);
 
+/// A swept mesh and the grid it was cut with.
+struct SweptBody {
+  Mesh mesh;
+  SweepGrid grid;
+};
+
 /// A shape's mesh before it is made: its size, and how to make it.
 struct ShapePlan {
   MeshSize size;
-  std::function<Mesh()> make;
+  std::function<SweptBody()> make;
 };
 
 /// The swept mesh (hex20, wedge15) of a named shape; dimensions in metres (angles in degrees).
@@ -54,7 +62,7 @@ struct ShapePlan {
                                    const std::map<std::string, double>& dimensions,
                                    const std::vector<ProfilePoint>& profile, const MeshChoice&);
 
-/// The planned mesh, made. Refuses more nodes than an int can number.
+/// The planned mesh alone, made. Refuses more nodes than an int can number.
 [[nodiscard]] Mesh make_shape(const std::string& name,
                               const std::map<std::string, double>& dimensions,
                               const std::vector<ProfilePoint>& profile, const MeshChoice&);

@@ -161,11 +161,11 @@ void Budget::hold(const std::string& body, const Workload& work, const Resized& 
   offer("--engine slepc over several machines");
   if (!given_)
     offer("more with --memory");
-  throw Refusal(body + ": " + cost.stage + " would take " + words_of_bytes(cost.bytes) + " (" +
-                words_of_count(work.mesh.elements) + " elements, " +
-                words_of_count(work.mesh.dofs()) + " unknowns, " + words_of_count(work.modes) +
-                " modes), expected at most " + words_of_bytes(bytes_) +
-                (given_ ? " (--memory)" : ", half of what is free") + ": " + options);
+  throw TooLarge(body + ": " + cost.stage + " would take " + words_of_bytes(cost.bytes) + " (" +
+                 words_of_count(work.mesh.elements) + " elements, " +
+                 words_of_count(work.mesh.dofs()) + " unknowns, " + words_of_count(work.modes) +
+                 " modes), expected at most " + words_of_bytes(bytes_) +
+                 (given_ ? " (--memory)" : ", half of what is free") + ": " + options);
 }
 
 } // namespace tactus::fem

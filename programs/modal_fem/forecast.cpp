@@ -66,6 +66,7 @@ Workload Forecast::workload(const MeshSize& mesh) const {
   Workload work{.mesh = mesh,
                 .modes = static_cast<double>(order_.modes),
                 .residual = order_.residual,
+                .estimated = !order_.slepc,
                 .factor_elsewhere = order_.slepc,
                 .flops_per_second = flops_};
   if (order_.radiation) {
@@ -133,6 +134,17 @@ void Forecast::made(const Mesh& mesh, double) {
   say_odd_size({});
   hold({});
   check_room(order_, size_);
+}
+
+std::string Forecast::beyond(const MeshSize& size, double held) const {
+  const Cost cost = foretell(workload(size));
+  if (cost.bytes + held <= budget_.bytes())
+    return {};
+  return "a finer mesh of " + format("%.0f", size.dofs()) + " unknowns would take " +
+         words_of_bytes(cost.bytes + held) + ", expected at most " +
+         words_of_bytes(budget_.bytes()) +
+         (order_.memory_bytes > 0 ? " (--memory)"
+                                  : ", half of what is free: give more with --memory");
 }
 
 void Forecast::factor(const FactorCost& cost) {

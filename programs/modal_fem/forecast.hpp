@@ -23,6 +23,9 @@ public:
   /// After the symbolic factorisation: the same with its exact count, and the time ahead.
   void factor(const FactorCost&);
 
+  /// Why a mesh is beyond the budget while `held` bytes of another are in use; empty: it is not.
+  [[nodiscard]] std::string beyond(const MeshSize&, double held) const;
+
   [[nodiscard]] double meshing_seconds() const noexcept { return meshing_s_; }
   [[nodiscard]] double factor_seconds() const noexcept { return factor_s_; }
   [[nodiscard]] const Budget& budget() const noexcept { return budget_; }

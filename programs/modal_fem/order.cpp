@@ -175,8 +175,9 @@ Order read_order(const std::vector<std::string>& words) {
         throw Refusal("--air: expected DENSITY,SPEED in kg/m^3 and m/s");
       order.air_density = number(option, cells[0], 1e-3, 1e4);
       order.sound_speed = number(option, cells[1], 10, 1e4);
-    } else if (option == "--verify") {
-      order.verify = true;
+    } else if (option == "--tolerance") {
+      order.tolerance = .01 * number(option, value(), 0, 100);
+      order.tolerance_given = true;
     } else if (option == "--fillet" && order.is_file) {
       order.fillet = order.unit * number(option, value(), 1e-9, 1e9);
     } else if (option == "--residual") {
@@ -241,7 +242,9 @@ Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
                                     narrower than SIZE (1/25 of the body) are closed
               --time-limit SECONDS (1200)  stop reading and meshing a file after so long
                                        without progress
-Modes         --modes N (40)  --threads N (1)  --verify  (each mode's error from coarser meshes)
+              --tolerance PERCENT (0.2)  the mesh is refined until each mode's estimated error is
+                               below; 0: the first mesh stays, as with --h and --layers
+Modes         --modes N (40)  --threads N (1)
               --engine slepc --ranks N  (2)  the factor on N processes of mpirun
               --memory SIZE  refuse work that takes more, such as 800M or 4G (half of what is free)
               --residual  also how far the skin yields beyond these modes, for contacts

@@ -33,7 +33,9 @@ struct Order {
   std::vector<double> axes;
   std::vector<Place> places;
   std::size_t modes = 40;
-  bool verify = false, several_parts = false, quiet = false, straight = false, remesh = false;
+  double tolerance = .002; ///< largest error of a frequency; 0: the first mesh stays
+  bool tolerance_given = false;
+  bool several_parts = false, quiet = false, straight = false, remesh = false;
   int threads = 1;
   bool slepc = false;         ///< solve with SLEPc on `ranks` processes
   int ranks = 0;              ///< 0: not given

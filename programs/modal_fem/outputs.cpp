@@ -95,8 +95,8 @@ void check_room(const Order& order, const MeshSize& mesh) {
       continue; // the write itself will tell
     const double room = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
     if (out.bytes > room)
-      throw Refusal(std::string(out.option) + " " + out.path + " would take " +
-                    words_of_bytes(out.bytes) + ", the disk has room for " + words_of_bytes(room));
+      throw TooLarge(std::string(out.option) + " " + out.path + " would take " +
+                     words_of_bytes(out.bytes) + ", the disk has room for " + words_of_bytes(room));
   }
 }
 

@@ -1,11 +1,10 @@
 #include "programs/modal_fem/run.hpp"
 
 #include "fem/io/exchange.hpp"
-#include "fem/io/load.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/surface.hpp"
 #include "fem/modes/residual_compliance.hpp"
-#include "programs/modal_fem/forecast.hpp"
+#include "programs/modal_fem/refine.hpp"
 #include "programs/modal_fem/slepc_engine.hpp"
 
 #include <algorithm>
@@ -14,44 +13,6 @@
 
 namespace tactus::fem {
 namespace {
-
-Mesh mesh_of(const Order& order, double coarser, ProgressLine& progress, Forecast& forecast) {
-  MeshChoice choice = order.choice;
-  choice.coarser = coarser;
-  if (!order.is_file) {
-    const auto profile = order.profile.empty() ? std::vector<ProfilePoint>{}
-                                               : read_profile(order.profile, order.unit);
-    const auto plan_for = [&](const MeshChoice& c) {
-      return plan_shape(order.body, order.dimensions, profile, c);
-    };
-    const ShapePlan plan = plan_for(choice);
-    forecast.mesh(plan.size, [&](double h) {
-      MeshChoice other = choice;
-      other.h = h;
-      return plan_for(other).size;
-    });
-    progress.stage("meshing", 0, forecast.meshing_seconds());
-    return plan.make();
-  }
-  LoadChoice load{.unit = order.unit_given ? order.unit : 0,
-                  .h = choice.h,
-                  .fillet = order.fillet,
-                  .coarser = coarser,
-                  .shrink_wrap = order.shrink_wrap,
-                  .grade_concave = choice.grade_concave,
-                  .curved = !order.straight,
-                  .remesh = order.remesh,
-                  .multi = order.several_parts};
-  load.say = [&](const std::string& sentence) { progress.say(sentence); };
-  load.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
-  load.limits.silence_s = order.time_limit_s;
-  load.limits.memory_bytes = static_cast<std::uint64_t>(forecast.budget().bytes());
-  load.foretold = [&](const MeshSize& size, const auto& say) { // in the child
-    forecast.mesh(
-        size, [size](double h) { return resized_tetrahedra(size, h); }, say);
-  };
-  return load_body(order.body, load);
-}
 
 std::vector<Material> materials_of(const Order& order, const Mesh& mesh) {
   const std::string standard = order.body == "board" ? "spruce" : "aluminium";
@@ -126,50 +87,29 @@ std::vector<Support> supports_of(const Order& order, const Mesh& mesh) {
   return supports;
 }
 
-/// The modes, with progress; `prefix` comes before the stages' names.
-Modes modes_of(const Mesh& mesh, std::span<const Material> materials, const Matrices& matrices,
-               std::size_t count, ProgressLine& progress, Forecast& forecast,
-               const std::string& prefix = "") {
-  ModeSettings settings{.count = count};
+/// The modes and their errors, with progress.
+void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, ProgressLine& progress,
+                   Forecast& forecast) {
+  if (order.slepc) {
+    body.modes = slepc_modes(body.mesh, body.materials, *body.matrices, order.modes,
+                             order.ranks > 0 ? order.ranks : 2, progress);
+    return;
+  }
+  if (!order.import_values.empty()) {
+    body.modes = import_modes(order.import_values, order.import_vectors, body.mesh, *body.matrices);
+    return;
+  }
+  ModeSettings settings{.count = order.modes};
   settings.report = [&](const std::string& stage, double share) {
-    progress.stage(prefix + stage, share, stage == "factorising" ? forecast.factor_seconds() : 0);
+    progress.stage(stage, share, stage == "factorising" ? forecast.factor_seconds() : 0);
   };
   settings.predict = [&](const FactorCost& cost) { forecast.factor(cost); };
-  return find_modes(mesh, materials, matrices, settings);
-}
-
-/// Errors from the same body on meshes 1.5 and 2.25 times as coarse. The observed order is
-/// p = ln((f3 - f2) / (f2 - f1)) / ln 1.5, kept within 1 and 4; the error (f2 - f1) / (1.5^p - 1).
-std::vector<double> verify(const Order& order, const Modes& fine, ProgressLine& progress,
-                           Forecast& forecast) {
-  constexpr double kStep = 1.5;
-  std::array<std::vector<double>, 2> coarse;
-  for (std::size_t i = 0; i < 2; ++i) {
-    progress.say(
-        format("verifying on a mesh %.2f times as coarse", i == 0 ? kStep : kStep * kStep));
-    const Mesh mesh = mesh_of(order, i == 0 ? kStep : kStep * kStep, progress, forecast);
-    check(mesh);
-    const auto materials = materials_of(order, mesh);
-    const Matrices matrices = assemble(mesh, materials, supports_of(order, mesh));
-    forecast.made(mesh);
-    coarse[i] = modes_of(mesh, materials, matrices, fine.frequency_hz.size(), progress, forecast,
-                         "verifying: ")
-                    .frequency_hz;
-  }
-  std::vector<double> errors;
-  for (std::size_t k = 0; k < fine.frequency_hz.size(); ++k) {
-    const double f1 = fine.frequency_hz[k];
-    const double f2 = k < coarse[0].size() ? coarse[0][k] : f1,
-                 f3 = k < coarse[1].size() ? coarse[1][k] : f2;
-    const double ratio = (f3 - f2) / (f2 - f1);
-    const double order_seen =
-        ratio > 1 ? std::clamp(std::log(ratio) / std::log(kStep), 1.0, 4.0) : 1.0;
-    errors.push_back(std::abs(f2 - f1) / (std::pow(kStep, order_seen) - 1) / f1);
-    if (k < 10)
-      progress.say(format("mode %zu: %.3f, %.3f, %.3f Hz; observed order %.1f", k + 1, f3, f2, f1,
-                          ratio > 0 ? std::log(ratio) / std::log(kStep) : 0.0));
-  }
-  return errors;
+  settings.inspect = [&](const Modes& modes, ShiftedFactor& factor) {
+    progress.stage("estimating errors", 0);
+    error = estimate_errors(body.mesh, body.materials, *body.matrices, factor, modes, .15,
+                            [&](double share) { progress.stage("estimating errors", share); });
+  };
+  body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);
 }
 
 /// Pipes and devices are refused before they are opened, which might never return.
@@ -237,17 +177,12 @@ void radiate_into(Solved& body, const Order& order, ProgressLine& progress,
                         body.radiation.resolved_hz));
 }
 
-} // namespace
-
-Solved solve(const Order& order, ProgressLine& progress) {
-  check_early(order);
-  if (order.slepc)
-    check_slepc();
-  set_solver_threads(order.threads);
-  Forecast forecast(order, progress);
+/// The mesh that stands next, checked and assembled.
+Solved assembled(const Order& order, Refinement& refinement, ProgressLine& progress,
+                 Forecast& forecast) {
   Solved body;
   progress.stage("meshing", 0);
-  body.mesh = mesh_of(order, 1, progress, forecast);
+  body.mesh = refinement.mesh();
   progress.stage("checking the mesh", 0);
   check(body.mesh);
   describe(body.mesh, progress);
@@ -261,34 +196,68 @@ Solved solve(const Order& order, ProgressLine& progress) {
   const std::vector<Support> supports = supports_of(order, body.mesh);
   for (std::size_t i = 0; i < supports.size(); ++i)
     body.support_words = (i ? body.support_words + "; " : "") + supports[i].name;
-  if (!order.inp.empty()) {
-    progress.stage("writing " + order.inp, 0);
-    write_inp(order.inp, body.mesh, body.materials, supports, order.modes);
-  }
   progress.stage("assembling", 0);
   body.matrices =
       std::make_unique<Matrices>(assemble(body.mesh, body.materials, supports, [&](double share) {
         progress.stage("assembling", share);
       }));
+  return body;
+}
+
+void export_files(const Order& order, const Solved& body, ProgressLine& progress) {
+  if (!order.inp.empty()) {
+    progress.stage("writing " + order.inp, 0);
+    write_inp(order.inp, body.mesh, body.materials, supports_of(order, body.mesh), order.modes);
+  }
   if (!order.petsc.empty()) {
     progress.stage("writing " + order.petsc, 0);
     write_petsc(order.petsc, *body.matrices);
   }
-  if (order.output.empty() && order.csv.empty() && order.vtu.empty() &&
-      !(order.inp.empty() && order.petsc.empty()))
-    return body;
+}
+
+/// Refines until the tolerance is met or the next mesh cannot be had; then the last one stays.
+void refine(Solved& body, const Order& order, Refinement& refinement, ErrorEstimate error,
+            ProgressLine& progress, Forecast& forecast) {
+  while (!refinement.finished(body.mesh, body.matrices->held, error)) {
+    try {
+      Solved next = assembled(order, refinement, progress, forecast);
+      ErrorEstimate remaining;
+      find_modes_of(next, order, remaining, progress, forecast);
+      body = std::move(next);
+      error = std::move(remaining);
+    } catch (const std::bad_alloc&) {
+      refinement.give_up("a finer mesh takes more memory than there is");
+      break;
+    } catch (const Refusal& refusal) {
+      refinement.give_up(refusal.what());
+      break;
+    }
+  }
+  body.relative_error = std::move(error.relative);
+}
+
+} // namespace
+
+Solved solve(const Order& order, ProgressLine& progress) {
+  check_early(order);
   if (order.slepc)
-    body.modes = slepc_modes(body.mesh, body.materials, *body.matrices, order.modes,
-                             order.ranks > 0 ? order.ranks : 2, progress);
-  else if (!order.import_values.empty())
-    body.modes = import_modes(order.import_values, order.import_vectors, body.mesh, *body.matrices);
-  else
-    body.modes =
-        modes_of(body.mesh, body.materials, *body.matrices, order.modes, progress, forecast);
+    check_slepc();
+  set_solver_threads(order.threads);
+  Forecast forecast(order, progress);
+  Refinement refinement(order, progress, forecast);
+  Solved body = assembled(order, refinement, progress, forecast);
+  const bool only_exports = order.output.empty() && order.csv.empty() && order.vtu.empty() &&
+                            !(order.inp.empty() && order.petsc.empty());
+  if (!only_exports) {
+    ErrorEstimate error;
+    find_modes_of(body, order, error, progress, forecast);
+    refine(body, order, refinement, std::move(error), progress, forecast);
+  }
+  export_files(order, body, progress);
+  if (only_exports)
+    return body;
   body.solved = true;
   say_inaudible(body, progress);
-  if (order.verify)
-    body.relative_error = verify(order, body.modes, progress, forecast);
   if (order.residual)
     body.residual = residual_compliance(
         body.mesh, body.materials, *body.matrices, body.modes, kCompliancePlaces,

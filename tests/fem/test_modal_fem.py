@@ -289,14 +289,65 @@ def test_a_bell_is_made_from_its_profile(tmp_path):
     assert "line 2" in refusal("bell", "--profile", "bad.txt", folder=tmp_path)
 
 
-def test_verification_estimates_the_error_it_has(tmp_path):
-    run("disk", "--diameter", 100, "--thickness", 12, "--h", 8, "--modes", 6, "--verify", "-o", "d.modal.npz",
-        folder=tmp_path)
+def errors(table):
+    return np.array(json.loads(bytes(table["meta"]))["accuracy"]["est_rel_error"])
+
+
+def test_every_mode_of_a_bar_is_within_the_tolerance_by_default(tmp_path):
+    # On the standard meshes of before, 5.3 % of 20 modes and 11.5 % of 40 were missed.
+    bar = ["bar", "--length", 400, "--width", 30, "--thickness", 10, "--modes", 20]
+    done = run(*bar, "-o", "bar.modal.npz", folder=tmp_path)
+    table = np.load(tmp_path / "bar.modal.npz")
+    assert errors(table).shape == (20,) and errors(table).max() <= 2e-3 and "estimated error %" in done.stdout
+    run(*bar, "--tolerance", 0.04, "-o", "fine.modal.npz", folder=tmp_path)
+    fine = np.load(tmp_path / "fine.modal.npz")
+    true = table["freq"] / (fine["freq"] * (1 - errors(fine))) - 1
+    assert true.max() <= 2e-3
+    seen = true > 1e-4
+    assert seen.sum() >= 5 and np.all(errors(table)[seen] > 0.5 * true[seen])
+    assert np.all(errors(table)[seen] < 3 * true[seen])
+    # By hand: Timoshenko's bending (first correction, Goens 1931) and Saint-Venant's torsion of b/t = 3, J = .263 b t^3.
+    young, nu, rho, length, b, t = 70.3e9, 0.33, 2700, 0.4, 0.03, 0.01
+    shear = young / (2 * (1 + nu))
+    ratio, softness = t * t / (12 * length**2), young / (5 / 6 * shear)
+    bending = 22.3733 / (2 * np.pi * length**2) * np.sqrt(young / rho) * t / np.sqrt(12)
+    bending /= np.sqrt(1 + ratio * (49.48 + softness * 12.30))
+    assert table["freq"][0] == pytest.approx(bending, rel=1e-3)
+    torsion = np.sqrt(shear * 0.2633 * b * t**3 / (rho * (b * t**3 + t * b**3) / 12)) / (2 * length)
+    assert abs(fine["freq"] / torsion - 1).min() < 0.01  # Saint-Venant: warping makes short waves a little stiffer
+
+
+def test_a_mesh_that_is_given_stays_and_its_errors_are_told(tmp_path):
+    said = run("bar", "--length", 400, "--width", 30, "--thickness", 10, "--modes", 20, "--h", 25, "-o", "b.modal.npz",
+               folder=tmp_path).stderr
+    assert said.count("meshing") == 1 and "warning: " in said and "--h" in said
+    assert errors(np.load(tmp_path / "b.modal.npz")).max() > 0.04  # 5 % are true
+    said = run("bar", "--length", 400, "--width", 30, "--thickness", 10, "--modes", 20, "--tolerance", 0, "-o",
+               "b.modal.npz", folder=tmp_path).stderr
+    assert said.count("meshing") == 1 and "warning" not in said
+    assert "--tolerance -1" in refusal("disk", "--tolerance", -1, folder=tmp_path)
+
+
+def test_the_estimate_is_near_the_error_against_the_axisymmetric_solution(tmp_path):
+    run("disk", "--diameter", 100, "--thickness", 12, "--h", 14, "--modes", 6, "-o", "d.modal.npz", folder=tmp_path)
     table = np.load(tmp_path / "d.modal.npz")
-    estimate = np.array(json.loads(bytes(table["meta"]))["accuracy"]["est_rel_error"])
     exact = np.array([5890.390, 5890.390, 9992.755, 12864.666, 12864.666, 20574.586])
-    error = np.abs(table["freq"] / exact - 1)
-    assert np.all(estimate > 0.2 * error) and np.all(estimate < 20 * np.maximum(error, 1e-5))
+    true = table["freq"] / exact - 1
+    assert true.max() > 2e-4
+    assert np.all(errors(table) > 0.5 * true) and np.all(errors(table) < 3 * true)
+
+
+@slow
+def test_a_bar_from_a_step_file_is_refined_to_the_bar(tmp_path):
+    write_step(tmp_path, "Box(1) = {0,0,0, 200,30,10};")
+    run("body.step", "--modes", 12, "-o", "file.modal.npz", folder=tmp_path)
+    run("bar", "--length", 200, "--width", 30, "--thickness", 10, "--modes", 12, "--tolerance", 0.04, "-o",
+        "bar.modal.npz", folder=tmp_path)
+    found, fine = (np.load(tmp_path / f"{name}.modal.npz") for name in ("file", "bar"))
+    true = found["freq"] / (fine["freq"] * (1 - errors(fine))) - 1
+    assert true.max() <= 2e-3 and errors(found).max() <= 2e-3
+    seen = true > 1e-4
+    assert np.all(errors(found)[seen] > 0.5 * true[seen]) and np.all(errors(found)[seen] < 3 * true[seen])
 
 
 def read_petsc_matrices(path):
@@ -347,20 +398,28 @@ def write_step(folder, geometry):
     return text
 
 
-def test_a_concave_edge_of_a_step_file_is_found_and_graded(tmp_path):
+@slow
+def test_a_step_file_is_refined_at_its_concave_edge(tmp_path):
     write_step(tmp_path, "Box(1) = {0,0,0, 60,20,10}; Box(2) = {0,0,10, 12,20,30};"
                          "BooleanUnion(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};")
-    said = run("body.step", "--modes", 3, "-o", "l.modal.npz", folder=tmp_path).stderr
+    run("body.step", "--modes", 3, "--tolerance", 0.4, "-o", "l.modal.npz", folder=tmp_path)
+    table = np.load(tmp_path / "l.modal.npz")
+    assert float(table["mass"]) == pytest.approx(2700 * (60 * 20 * 10 + 12 * 20 * 30) * 1e-9, rel=1e-6)
+    assert errors(table).max() <= 4e-3
+    # Vertices lie closer together at the edge x = 12, z = 10 than elsewhere on the skin.
+    sides = np.linalg.norm(table["xyz"][table["tri"]] - table["xyz"][np.roll(table["tri"], 1, 1)], axis=2).mean(axis=1)
+    middle = table["xyz"][table["tri"]].mean(axis=1)
+    away = np.hypot(middle[:, 0] - 0.012, middle[:, 2] - 0.010)
+    assert sides[away < 0.001].mean() < 0.5 * sides[away > 0.015].mean()
+    said = run("body.step", "--modes", 3, "--h", 5, "-o", "l.modal.npz", folder=tmp_path).stderr
     assert "1 concave edges" in said
-    mass = float(np.load(tmp_path / "l.modal.npz")["mass"])
-    assert mass == pytest.approx(2700 * (60 * 20 * 10 + 12 * 20 * 30) * 1e-9, rel=1e-6)
 
 
 def test_concave_edges_of_a_step_file_are_rounded_on_request(tmp_path):
     write_step(tmp_path, "Box(1) = {0,0,0, 60,20,10}; Box(2) = {0,0,10, 12,20,30};"
                          "BooleanUnion(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};")
-    run("body.step", "--modes", 3, "-o", "sharp.modal.npz", folder=tmp_path)
-    run("body.step", "--modes", 3, "--fillet", 4, "-o", "round.modal.npz", folder=tmp_path)
+    run("body.step", "--modes", 3, "--h", 5, "-o", "sharp.modal.npz", folder=tmp_path)
+    run("body.step", "--modes", 3, "--h", 5, "--fillet", 4, "-o", "round.modal.npz", folder=tmp_path)
     sharp, rounded = (np.load(tmp_path / f"{name}.modal.npz") for name in ("sharp", "round"))
     corner = 2700 * (1 - np.pi / 4) * 4**2 * 20 * 1e-9  # what a quarter circle leaves of its square
     assert rounded["mass"] - sharp["mass"] == pytest.approx(corner, rel=0.01)
@@ -393,7 +452,7 @@ def test_a_machine_part_of_a_debian_package_rings(name, tmp_path):
         pytest.skip("its package is not installed")
     raw = open(PARTS[name], "rb").read()
     (tmp_path / name).write_bytes(gzip.decompress(raw) if PARTS[name].endswith(".gz") else raw)
-    run(name, "--modes", 6, "--material", "steel", "-o", "part.modal.npz", folder=tmp_path)
+    run(name, "--modes", 6, "--tolerance", 2, "--material", "steel", "-o", "part.modal.npz", folder=tmp_path)
     table = np.load(tmp_path / "part.modal.npz")
     size = np.ptp(table["xyz"], axis=0)
     assert 0.02 < size.max() < 0.06  # both are some centimetres long, in files that speak of millimetres

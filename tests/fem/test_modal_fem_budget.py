@@ -1,4 +1,5 @@
 """What modal_fem foretells and refuses before it works, and what it says while it does."""
+import json
 import os
 import re
 import resource
@@ -41,19 +42,21 @@ BYTES = {"MB": 1e6, "GB": 1e9}
 
 
 def foretold(text):
-    value, unit = re.search(r"about ([\d.]+) (MB|GB) and .* ahead \(factor", text).groups()
+    value, unit = re.findall(r"about ([\d.]+) (MB|GB) and .* ahead \(factor", text)[-1]
     return float(value) * BYTES[unit]
 
 
 @slow
 @pytest.mark.parametrize("words", [
     DISK,
-    [*DISK, "--modes", 300],
+    [*DISK, "--h", 7],
+    [*DISK, "--h", 8, "--modes", 300],
+    ["plate", "--length", 300, "--width", 200, "--thickness", 5],
     ["sphere", "--diameter", 100, "--modes", 2, "--h", 8],
     ["plate", "--length", 300, "--width", 200, "--thickness", 5, "--h", 7],
     ["bar", "--length", 400, "--width", 30, "--thickness", 10, "--h", 5],
-    ["bowl", "--diameter", 200, "--thickness", 4],
-    ["hollow_sphere", "--diameter", 100, "--thickness", 5, "--residual"],
+    ["bowl", "--diameter", 200, "--thickness", 4, "--h", 8],
+    ["hollow_sphere", "--diameter", 100, "--thickness", 5, "--h", 4, "--residual"],
     [*DISK, "--h", 12, "--modes", 2, "--radiation", "body", "--acoustic-triangles", 6000],
 ])
 def test_the_memory_taken_is_the_memory_foretold(words, tmp_path):
@@ -74,12 +77,32 @@ def test_work_beyond_the_budget_is_refused_at_once_with_what_fits(tmp_path):
     said = refusal(*DISK, "--h", 0.001, "--memory", "10G", folder=tmp_path)
     assert "GB" in said and "expected at most 10 GB (--memory)" in said and "--engine slepc" in said
     assert 0.5 < float(re.search(r"--h ([\d.]+)", said)[1]) < 5
-    said = refusal("sphere", "--diameter", 100, "--modes", 2, "--memory", "500M", folder=tmp_path)
+    said = refusal("sphere", "--diameter", 100, "--modes", 2, "--h", 5, "--memory", "500M", folder=tmp_path)
     h = float(re.search(r"--h ([\d.]+)", said)[1])
     assert 7 < h < 14
     if not sanitized:  # what is offered does fit
         took, _ = peak("sphere", "--diameter", 100, "--modes", 2, "--memory", "500M", "--h", h, folder=tmp_path)
         assert took < 1.1 * 500e6
+
+
+@slow
+def test_a_refinement_beyond_the_budget_stops_at_the_last_mesh_and_says_its_errors(tmp_path):
+    plate = ["plate", "--length", 300, "--width", 200, "--thickness", 5, "--modes", 20]
+    took, said = peak(*plate, "--tolerance", 0.01, "--memory", "120M", "-o", "small.modal.npz", folder=tmp_path)
+    stop = re.search(r"warning: (\d+) of 20 modes have estimated errors above 0.01 %, up to ([\d.]+) % "
+                     r"\(mode (\d+)\): a finer mesh of \d+ unknowns would take .* expected at most 120 MB "
+                     r"\(--memory\)", said)
+    table = np.load(tmp_path / "small.modal.npz")
+    errors = np.array(json.loads(bytes(table["meta"]))["accuracy"]["est_rel_error"])
+    assert stop and took < 1.1 * 120e6
+    assert (errors > 1e-4).sum() == int(stop[1]) and errors.argmax() + 1 == int(stop[3])
+    assert 100 * errors.max() == pytest.approx(float(stop[2]), rel=0.06)
+
+
+@slow
+def test_few_modes_of_a_thick_body_take_little(tmp_path):
+    took, said = peak("sphere", "--diameter", 100, "--modes", 2, "--memory", "500M", "-o", "s.modal.npz", folder=tmp_path)
+    assert took < 500e6 and "warning" not in said
 
 
 def test_the_element_size_that_fits_counts_in_the_users_unit(tmp_path):
@@ -240,7 +263,7 @@ def test_no_stage_is_silent_for_long_in_a_log(tmp_path):
 def test_progress_on_a_terminal_rewrites_its_line(tmp_path):
     import pty
     leader, follower = pty.openpty()
-    child = subprocess.Popen([PROGRAM, *map(str, DISK), "--modes", "100", "-o", "d.modal.npz"], cwd=tmp_path,
+    child = subprocess.Popen([PROGRAM, *map(str, DISK), "--h", "8", "--modes", "100", "-o", "d.modal.npz"], cwd=tmp_path,
                              stdout=subprocess.DEVNULL, stderr=follower)
     os.close(follower)
     text = b""

@@ -1,0 +1,35 @@
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace tactus::fem {
+
+/// The error of a frequency goes as h^4 in an element of size h; in one at a singular edge as
+/// h^(2a), a = 0.544 at 270 degrees.
+inline constexpr double kSmoothOrder = 4, kSingularOrder = 1.1;
+
+/// What a refinement may do to the size of an element.
+struct FactorLimits {
+  double finest = 1.0 / 16, coarsest = 1;
+};
+
+/// Cells (elements, or intervals of a grid) with what each adds to each mode's relative error and
+/// the order with which that goes as the cell's size.
+struct ErrorCells {
+  std::vector<std::vector<double>> share; ///< [mode][cell]
+  std::vector<double> order;              ///< [cell]
+};
+
+/// Factors on the sizes of cells after which every mode's predicted error, sum_i share[k][i]
+/// factor_i^order_i, is at most `target`. `rule(error, pressure)` gives the factors that Lagrange's
+/// conditions ask for, with one error a cell and a multiplier that makes them smaller; the
+/// multiplier is found by bisection. The modes' errors are weighted, and a mode's weight rises
+/// while its predicted error is above the others'.
+using FactorRule =
+    std::function<std::vector<double>(std::span<const double> error, double pressure)>;
+[[nodiscard]] std::vector<double> balanced_factors(const ErrorCells&, double target,
+                                                   const FactorLimits&, const FactorRule& rule,
+                                                   int rounds);
+
+} // namespace tactus::fem

@@ -1,0 +1,47 @@
+#pragma once
+#include "fem/mesh/mesh.hpp"
+
+namespace tactus::fem {
+
+/// The functions by which an element's space grows to the next polynomial degree. They vanish at
+/// the element's nodes' functions' span only: together with the nodal functions they are a
+/// hierarchical basis, continuous across elements of any shape that share an edge or a face.
+///
+///   edge a-b    x (1 - x^2), x = l_b - l_a from the node of the lower number to that of the higher
+///               (linear elements: 1 - x^2)
+///   triangle    27 l_a l_b l_c                quadrilateral   (1 - x^2) (1 - y^2)
+///   hexahedron  (1 - x^2) (1 - y^2) (1 - z^2)
+///
+/// blended linearly to zero at the opposite edges and faces (Szabo & Babuska 1991, chapter 6). With
+/// them tet10 holds all cubics; hex20 and wedge15 too on parallelepipeds.
+enum class EntityKind : std::uint8_t { edge, face, interior };
+
+struct EnrichingFunction {
+  EntityKind kind;
+  std::array<int, 4> corner;   ///< of the edge or face, in the element's numbering; unused: -1
+  std::array<double, 3> share; ///< how much of it varies along each reference axis; sums to one
+};
+
+inline constexpr int kMaxEnriching = 19;
+
+/// Of a shape, in a fixed order. Reference axes as in `Element::interval`.
+[[nodiscard]] std::span<const EnrichingFunction> enriching_functions(Shape) noexcept;
+
+/// Values and reference derivatives at a point, edges oriented as listed. Entries beyond the
+/// shape's functions are untouched.
+void evaluate_enrichment(Shape, const Vector3& at, ShapeValues& out) noexcept;
+
+/// The enriching functions of a mesh, numbered: each element's functions stand at
+/// `number[first[e]..]`, with -1 in `sign` where the element's orientation of an odd edge function
+/// is opposite.
+struct Enrichment {
+  std::vector<std::size_t> first; ///< element count + 1
+  std::vector<int> number;
+  std::vector<std::int8_t> sign;
+  std::size_t count = 0;
+  std::vector<std::uint8_t> held; ///< 3 a function: every node of its edge or face is held
+
+  Enrichment(const Mesh&, std::span<const std::uint8_t> held_nodes);
+};
+
+} // namespace tactus::fem

@@ -1,0 +1,128 @@
+#include "fem/shapes/section.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::fem {
+namespace {
+
+constexpr double kGradation = 3;
+
+/// Of min prod_d N_d, N_d = sum_i 1/f_i, under sum_i error_i f_i^order_i = target:
+/// f_i^(order_i + 1) = 1 / (pressure order_i error_i N_d).
+std::vector<double> factors(const SweepGrid& grid, std::span<const double> error,
+                            std::span<const double> order, double pressure) {
+  std::vector<double> factor(error.size(), 1e3);
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::size_t first = grid.first_interval(d), end = first + grid.interval_count(d);
+    // Intervals of a uniform direction count as one, which has them all.
+    const double each = grid.uniform[d] > 0 ? static_cast<double>(grid.line[d].size() - 1) : 1;
+    double number = each * static_cast<double>(end - first);
+    for (int round = 0; round < 8; ++round) {
+      double sum = 0;
+      for (std::size_t i = first; i < end; ++i) {
+        if (error[i] > 0)
+          factor[i] = std::pow(pressure * order[i] * error[i] * number / each, -1 / (order[i] + 1));
+        sum += each / std::min(factor[i], 1e3);
+      }
+      number = std::sqrt(number * sum);
+    }
+  }
+  return factor;
+}
+
+/// Sizes of neighbouring intervals within `kGradation` of each other.
+void smooth(std::span<const double> line, std::span<double> factor) {
+  const auto size = [&](std::size_t i) { return line[i + 1] - line[i]; };
+  const std::size_t n = factor.size();
+  for (std::size_t i = 1; i < n; ++i)
+    factor[i] = std::min(factor[i], kGradation * size(i - 1) * factor[i - 1] / size(i));
+  for (std::size_t i = n - 1; i-- > 0;)
+    factor[i] = std::min(factor[i], kGradation * size(i + 1) * factor[i + 1] / size(i));
+}
+
+/// Splits singular intervals geometrically, by 3 a step, from the ends where the singular line may
+/// lie: one that a singular neighbour shares, or the body's own. Equal parts would waste elements.
+void grade_singular(std::vector<double>& line, std::vector<double>& factor,
+                    std::span<const double> order) {
+  std::vector<double> lines{line[0]}, factors;
+  const auto singular = [&](std::size_t i) { return order[i] < kSmoothOrder; };
+  for (std::size_t i = 0; i < factor.size(); ++i) {
+    if (!singular(i) || factor[i] > .5) {
+      lines.push_back(line[i + 1]);
+      factors.push_back(factor[i]);
+      continue;
+    }
+    const Ends ends{i == 0 || singular(i - 1), i + 1 == factor.size() || singular(i + 1)};
+    const double size = line[i + 1] - line[i];
+    const bool inside = !ends.low && !ends.high;
+    const auto parts = divide(line[i], line[i + 1], size, 1, inside ? Ends{true, true} : ends,
+                              factor[i] * size, 3);
+    for (std::size_t p = 1; p < parts.size(); ++p) {
+      lines.push_back(parts[p]);
+      factors.push_back(1);
+    }
+  }
+  line = std::move(lines);
+  factor = std::move(factors);
+}
+
+/// New lines with the density 1 / (factor size) of the old intervals, the kept ones among them.
+std::vector<double> divided(const std::vector<double>& line, const std::vector<double>& kept,
+                            std::span<const double> factor) {
+  const double near = 1e-9 * (line.back() - line.front());
+  std::vector<double> out{line.front()};
+  for (std::size_t k = 0, i = 0; k + 1 < kept.size(); ++k) {
+    std::vector<double> place{line[i]}, measure{0}; // elements up to each old line
+    for (; i + 1 < line.size() && line[i + 1] <= kept[k + 1] + near; ++i) {
+      place.push_back(line[i + 1]);
+      measure.push_back(measure.back() + 1 / factor[i]);
+    }
+    const int count = std::max(1, static_cast<int>(std::ceil(measure.back() - .1)));
+    for (int c = 1, at = 0; c < count; ++c) {
+      const double wanted = measure.back() * c / count;
+      while (measure[static_cast<std::size_t>(at) + 1] < wanted)
+        ++at;
+      const auto j = static_cast<std::size_t>(at);
+      out.push_back(place[j] + (place[j + 1] - place[j]) * (wanted - measure[j]) /
+                                   (measure[j + 1] - measure[j]));
+    }
+    out.push_back(place.back());
+  }
+  return out;
+}
+
+} // namespace
+
+SweepGrid refined(const SweepGrid& grid, const ErrorCells& cells, double target) {
+  std::vector<double> factor = balanced_factors(
+      cells, target, {.finest = 1. / 16, .coarsest = 2},
+      [&](std::span<const double> error, double pressure) {
+        return factors(grid, error, cells.order, pressure);
+      },
+      60);
+  SweepGrid finer = grid;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::span<double> own =
+        std::span(factor).subspan(grid.first_interval(d), grid.interval_count(d));
+    const std::vector<double>& line = grid.line[d];
+    if (grid.uniform[d] > 0) {
+      const int step = grid.uniform[d];
+      const double wanted = static_cast<double>(line.size() - 1) / own[0];
+      const int count = step * std::max(step > 1 ? 16 / step : 1,
+                                        static_cast<int>(std::ceil(wanted / step - .1)));
+      finer.line[d].clear();
+      for (int i = 0; i <= count; ++i)
+        finer.line[d].push_back(line.front() + (line.back() - line.front()) * i / count);
+      continue;
+    }
+    std::vector<double> lines = line, own_factors(own.begin(), own.end());
+    grade_singular(lines, own_factors,
+                   std::span(cells.order).subspan(grid.first_interval(d), own.size()));
+    smooth(lines, own_factors);
+    finer.line[d] = divided(lines, grid.kept[d], own_factors);
+  }
+  return finer;
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,37 @@
+#pragma once
+#include "fem/error/balance.hpp"
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tactus::fem {
+
+/// The lines that cut a swept shape into elements, in its three directions: x, y, z of a box; along
+/// the section (r, or the meridian), across it (z, or the wall), and around the axis of a body of
+/// revolution. Coordinates are the shape's own.
+struct SweepGrid {
+  std::array<std::vector<double>, 3> line; ///< ascending
+  std::array<std::vector<double>, 3> kept; ///< lines that no refinement may move: ends, corners
+  /// Equal intervals only, a multiple of this many; they count as a single one. 0: any lines.
+  std::array<int, 3> uniform{};
+
+  /// Intervals are numbered through: those of the first direction, the second, the third.
+  [[nodiscard]] std::size_t interval_count(std::size_t direction) const noexcept {
+    return uniform[direction] > 0 ? 1 : line[direction].size() - 1;
+  }
+  [[nodiscard]] std::size_t first_interval(std::size_t direction) const noexcept {
+    std::size_t first = 0;
+    for (std::size_t d = 0; d < direction; ++d)
+      first += interval_count(d);
+    return first;
+  }
+};
+
+/// Lines of a grid on which every mode's error is at most `target`, with the fewest elements.
+/// Cells are the grid's intervals. Sizes change by factors from 1/16 to 2, and those of neighbours
+/// differ by 3 at most.
+[[nodiscard]] SweepGrid refined(const SweepGrid&, const ErrorCells&, double target);
+
+} // namespace tactus::fem

@@ -1,0 +1,213 @@
+#include "programs/modal_fem/refine.hpp"
+
+#include "fem/io/load.hpp"
+#include "fem/io/words.hpp"
+#include "fem/mesh/surface.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <numbers>
+
+namespace tactus::fem {
+namespace {
+
+constexpr int kMaxRounds = 7;
+/// Without an explicit --tolerance no mesh has more unknowns.
+constexpr double kMaxUnknowns = 3e5;
+/// Of the number of elements in one round: the orders of the error are estimates.
+constexpr double kMaxGrowth = 12;
+/// Element size times the highest wave number. Quadratic elements then have errors of some percent,
+/// small enough for their fourth-power law to hold.
+constexpr double kFirstPhase = 1.0;
+/// Where nothing is refined the first mesh is the last.
+constexpr double kOnlyPhase = .6;
+
+bool is_volume_mesh(const std::string& path) {
+  const std::string ending = lower(std::filesystem::path(path).extension().string());
+  return ending == ".msh" || ending == ".inp";
+}
+
+/// The area of a mesh's skin, m^2.
+double outer_area(const Mesh& mesh) {
+  const Surface skin = surface_of(mesh);
+  double area = 0;
+  for (const auto& t : skin.triangles) {
+    const auto at = [&](std::size_t k) {
+      return mesh.nodes[static_cast<std::size_t>(skin.node[static_cast<std::size_t>(t[k])])];
+    };
+    area += .5 * length(cross(at(1) - at(0), at(2) - at(0)));
+  }
+  return area;
+}
+
+} // namespace
+
+Material first_material(const Order& order) {
+  Material m = find_material(order.body == "board" ? "spruce" : "aluminium");
+  for (const auto& [region, name] : order.materials) {
+    m = find_material(name);
+    if (!region.empty())
+      break;
+  }
+  for (const auto& [what, value] : order.changes) {
+    if (what == "young")
+      m.young_pa[0] = value;
+    else if (what == "poisson")
+      m.poisson[0] = value;
+    else if (what == "density")
+      m.density = value;
+  }
+  return m;
+}
+
+Refinement::Refinement(const Order& order, ProgressLine& progress, Forecast& forecast)
+    : order_(order), progress_(progress), forecast_(forecast) {
+  const bool only_exports = order.output.empty() && order.csv.empty() && order.vtu.empty() &&
+                            !(order.inp.empty() && order.petsc.empty());
+  refines_ = order.tolerance > 0 && order.choice.h <= 0 && order.choice.layers <= 0 &&
+             order.import_values.empty() && !order.slepc && !only_exports &&
+             !(order.is_file && is_volume_mesh(order.body));
+}
+
+double Refinement::first_size(double volume, double skin, double largest) const {
+  return (refines_ ? kFirstPhase : kOnlyPhase) /
+         highest_wave_number(volume, skin, largest, first_material(order_), order_.modes);
+}
+
+Mesh Refinement::mesh() { return order_.is_file ? mesh_of_file() : mesh_of_shape(); }
+
+Mesh Refinement::mesh_of_file() {
+  LoadChoice load{.unit = order_.unit_given ? order_.unit : 0,
+                  .h = order_.choice.h,
+                  .fillet = order_.fillet,
+                  .shrink_wrap = order_.shrink_wrap,
+                  .grade_concave = order_.choice.grade_concave,
+                  .curved = !order_.straight,
+                  .remesh = order_.remesh,
+                  .multi = order_.several_parts};
+  load.size_for = [this](double volume, double skin, double largest) {
+    return first_size(volume, skin, largest);
+  };
+  load.sizes = sizes_ ? &*sizes_ : nullptr;
+  load.say = [this](const std::string& sentence) { progress_.say(sentence); };
+  load.report = [this](const std::string& stage, double share) { progress_.stage(stage, share); };
+  load.limits.silence_s = order_.time_limit_s;
+  load.limits.memory_bytes = static_cast<std::uint64_t>(forecast_.budget().bytes());
+  load.foretold = [this](const MeshSize& size, const auto& say) { // in the child
+    forecast_.mesh(
+        size, [size](double h) { return resized_tetrahedra(size, h); }, say);
+  };
+  return load_body(order_.body, load);
+}
+
+std::vector<ProfilePoint> Refinement::profile() const {
+  return order_.profile.empty() ? std::vector<ProfilePoint>{}
+                                : read_profile(order_.profile, order_.unit);
+}
+
+Mesh Refinement::mesh_of_shape() {
+  const auto points = profile();
+  const auto plan_for = [&](const MeshChoice& choice) {
+    return plan_shape(order_.body, order_.dimensions, points, choice);
+  };
+  MeshChoice choice = order_.choice;
+  if (round_ > 0) {
+    choice.grid = &next_grid_;
+  } else if (choice.h <= 0 && choice.layers <= 0) {
+    // The body's volume and skin from a mesh of few elements.
+    MeshChoice coarse;
+    coarse.h = 1e12;
+    coarse.sparse = true;
+    const Mesh body = plan_for(coarse).make().mesh;
+    choice.h = first_size(volume(body), outer_area(body), bounding_box(body.nodes).largest());
+    choice.sparse = refines_;
+  }
+  const ShapePlan plan = plan_for(choice);
+  const auto resized = [&](double h) {
+    MeshChoice other = order_.choice;
+    other.h = h;
+    return plan_for(other).size;
+  };
+  forecast_.mesh(plan.size, resized);
+  progress_.stage("meshing", 0, forecast_.meshing_seconds());
+  SweptBody body = plan.make();
+  grid_ = std::move(body.grid);
+  return std::move(body.mesh);
+}
+
+void Refinement::plan(const Mesh& mesh, std::span<const std::uint8_t> held,
+                      const ErrorEstimate& estimate, double target) {
+  if (order_.is_file)
+    sizes_ = refined_sizes(mesh, element_errors(mesh, held, estimate), target);
+  else
+    next_grid_ =
+        refined(grid_, interval_errors(mesh, held, estimate, grid_.first_interval(3)), target);
+}
+
+MeshSize Refinement::planned_size(const Mesh& mesh) const {
+  if (order_.is_file)
+    return scaled(size_of(mesh), sizes_->elements);
+  MeshChoice choice = order_.choice;
+  choice.grid = &next_grid_;
+  return plan_shape(order_.body, order_.dimensions, profile(), choice).size;
+}
+
+void Refinement::give_up(const std::string& reason) {
+  const auto worst = std::max_element(errors_.begin(), errors_.end());
+  const auto above =
+      std::count_if(errors_.begin(), errors_.end(), [&](double e) { return e > order_.tolerance; });
+  progress_.say(format("warning: %td of %zu modes have estimated errors above %.2g %%, up to "
+                       "%.2g %% (mode %td): ",
+                       above, errors_.size(), 100 * order_.tolerance, 100 * *worst,
+                       worst - errors_.begin() + 1) +
+                reason);
+}
+
+bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> held,
+                          const ErrorEstimate& estimate) {
+  errors_ = estimate.relative;
+  if (errors_.empty())
+    return true;
+  const auto at = std::max_element(errors_.begin(), errors_.end());
+  const double worst = *at, tolerance = order_.tolerance;
+  progress_.say(
+      format("largest estimated error %.2g %% (mode %td)", 100 * worst, at - errors_.begin() + 1));
+  const auto leave = [&](const std::string& reason) {
+    give_up(reason);
+    return true;
+  };
+  if (worst <= tolerance || tolerance <= 0)
+    return true;
+  if (!refines_)
+    return leave(order_.is_file && is_volume_mesh(order_.body)
+                     ? "a volume mesh is not refined"
+                     : "the mesh was given (--h, --layers); without them it is refined");
+  if (round_ + 1 >= kMaxRounds)
+    return leave("the mesh was refined " + std::to_string(round_) + " times");
+  // Where the last aim was missed the next is lower by as much.
+  if (round_ > 0)
+    overdrive_ = std::clamp(overdrive_ * last_target_ / worst, .5, 1.0);
+  last_target_ = (worst > 2 * tolerance ? .7 : .85) * tolerance;
+  double target = overdrive_ * last_target_;
+  const double last = static_cast<double>(mesh.elements.size());
+  const double most = order_.tolerance_given ? 1e9 : kMaxUnknowns;
+  // The last mesh, its matrices and modes stay until the next one's are found.
+  const double kept = 8.0 * static_cast<double>(mesh.dofs() * (order_.modes + 100));
+  for (plan(mesh, held, estimate, target);; plan(mesh, held, estimate, target)) {
+    const MeshSize size = planned_size(mesh);
+    const std::string beyond = forecast_.beyond(size, kept);
+    if (beyond.empty() && size.dofs() <= most && size.elements <= kMaxGrowth * last)
+      break;
+    target *= 1.25;
+    if (target > .8 * worst)
+      return leave(!beyond.empty()
+                       ? beyond
+                       : format("a finer mesh would have some %.0f unknowns (--tolerance given "
+                                "allows them)",
+                                size.dofs()));
+  }
+  ++round_;
+  return false;
+}
+
+} // namespace tactus::fem

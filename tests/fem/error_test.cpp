@@ -1,0 +1,210 @@
+// The estimated errors of frequencies against true ones: meshes of another layout that are much
+// finer, and the axisymmetric solution of the disks.
+#include "fem/error/enrichment.hpp"
+#include "fem/error/error_estimate.hpp"
+#include "fem/shapes/block.hpp"
+#include "solve.hpp"
+#include "tetrahedra.hpp"
+
+#include <numbers>
+
+using namespace tactus::fem;
+
+namespace {
+
+struct Estimated {
+  std::vector<double> frequency;
+  ErrorEstimate error;
+  Matrices matrices;
+};
+
+Estimated estimated(const Mesh& mesh, const Material& material, std::size_t count,
+                    std::span<const Support> supports = {}) {
+  set_solver_threads(1);
+  check(mesh);
+  const std::vector<Material> materials(mesh.regions.size(), material);
+  Estimated out{{}, {}, assemble(mesh, materials, supports)};
+  ModeSettings settings;
+  settings.count = count;
+  settings.inspect = [&](const Modes& modes, ShiftedFactor& factor) {
+    out.error = estimate_errors(mesh, materials, out.matrices, factor, modes);
+  };
+  out.frequency = find_modes(mesh, materials, out.matrices, settings).frequency_hz;
+  return out;
+}
+
+/// Above this error the ratio of estimate and truth means something.
+constexpr double kNoise = 5e-5;
+
+void check_effectivity(const Estimated& a, const std::vector<double>& exact) {
+  REQUIRE(exact.size() >= a.frequency.size());
+  int seen = 0;
+  for (std::size_t k = 0; k < a.frequency.size(); ++k) {
+    const double error = a.frequency[k] / exact[k] - 1;
+    if (error < kNoise)
+      continue;
+    ++seen;
+    CAPTURE(k);
+    CAPTURE(error);
+    CAPTURE(a.error.relative[k]);
+    CHECK(a.error.relative[k] > .5 * error);
+    CHECK(a.error.relative[k] < 3 * error);
+  }
+  CHECK(seen >= 3);
+}
+
+std::vector<double> even(double a, double b, int count) {
+  std::vector<double> at;
+  for (int i = 0; i <= count; ++i)
+    at.push_back(a + (b - a) * i / count);
+  return at;
+}
+Mesh box(const Vector3& size, std::array<int, 3> cells) {
+  return block(even(0, size.x, cells[0]), even(0, size.y, cells[1]), even(0, size.z, cells[2]));
+}
+
+} // namespace
+
+TEST_CASE("enriching functions of neighbours agree on what they share") {
+  // On the shared face of two elements with arbitrary node numbers.
+  Mesh mesh = tetrahedral_block(2, true);
+  const Enrichment functions(mesh, std::vector<std::uint8_t>(mesh.dofs(), 0));
+  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> owners(functions.count);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+    for (std::size_t i = functions.first[e]; i < functions.first[e + 1]; ++i)
+      owners[static_cast<std::size_t>(functions.number[i])].push_back({e, i});
+  ShapeValues nodal, own;
+  const auto value = [&](std::size_t e, std::size_t i, const Vector3& x) {
+    // Straight tetrahedra: reference coordinates from the corners.
+    const auto n = mesh.nodes_of(mesh.elements[e]);
+    const auto at = [&](std::size_t c) { return mesh.nodes[static_cast<std::size_t>(n[c])]; };
+    const Vector3 a = at(1) - at(0), b = at(2) - at(0), c = at(3) - at(0), d = x - at(0);
+    const double whole = dot(a, cross(b, c));
+    evaluate_enrichment(
+        Shape::tet10,
+        {dot(d, cross(b, c)) / whole, dot(a, cross(d, c)) / whole, dot(a, cross(b, d)) / whole},
+        own);
+    return functions.sign[i] * own.value[i - functions.first[e]];
+  };
+  for (const auto& of : owners)
+    for (const auto& [e, i] : of) {
+      const auto n = mesh.nodes_of(mesh.elements[of[0].first]);
+      const auto& f =
+          enriching_functions(Shape::tet10)[of[0].second - functions.first[of[0].first]];
+      Vector3 x; // off the middle of the shared edge or face
+      double sum = 0;
+      for (std::size_t c = 0; c < 4; ++c)
+        if (f.corner[c] >= 0) {
+          const double weight = 1 + .7 * static_cast<double>(c);
+          x += weight *
+               mesh.nodes[static_cast<std::size_t>(n[static_cast<std::size_t>(f.corner[c])])];
+          sum += weight;
+        }
+      x = (1 / sum) * x;
+      CHECK(value(e, i, x) == doctest::Approx(value(of[0].first, of[0].second, x)));
+      CHECK(std::abs(value(e, i, x)) > .05);
+    }
+}
+
+TEST_CASE("the estimate of a bar is its error, where bending shears, twists and stretches it") {
+  const Vector3 size{.4, .03, .01};
+  const Material m = find_material("aluminium");
+  const auto fine = answer(box(size, {90, 10, 4}), m, 16);
+  for (const std::array<int, 3> cells : {std::array{16, 4, 3}, {40, 2, 1}, {24, 1, 1}})
+    check_effectivity(estimated(box(size, cells), m, 10), fine.modes.frequency_hz);
+}
+
+TEST_CASE("the estimate of a spruce board is its error") {
+  const Vector3 size{.5, .2, .006};
+  const Material m = find_material("spruce");
+  const auto fine = answer(box(size, {34, 32, 2}), m, 12);
+  check_effectivity(estimated(box(size, {14, 10, 1}), m, 8), fine.modes.frequency_hz);
+}
+
+TEST_CASE("the estimate sees the border of a clamped end") {
+  // Graded to the clamped end's edges, with elements of .05 mm: true to 2e-4.
+  const Vector3 size{.1, .02, .01};
+  const Material m = find_material("steel");
+  const auto clamp = [&](const Mesh& mesh) {
+    return std::vector<Support>{{"end", nodes_on(mesh, 0, 0), {true, true, true}, 0}};
+  };
+  const std::vector<double> along{0,    .00005, .0002, .0006, .0018, .005, .01,  .018,
+                                  .028, .038,   .048,  .058,  .068,  .078, .088, .1};
+  const std::vector<double> across{0,    .00005, .0002, .0007, .0025,  .006, .01,
+                                   .014, .0175,  .0193, .0198, .01995, .02};
+  const std::vector<double> through{0,     .00005, .0002, .0007,  .0025, .005,
+                                    .0075, .0093,  .0098, .00995, .01};
+  const Mesh graded = block(along, across, through);
+  const auto fine = answer(graded, m, 8, clamp(graded));
+  const Mesh coarse = box(size, {10, 2, 1});
+  check_effectivity(estimated(coarse, m, 6, clamp(coarse)), fine.modes.frequency_hz);
+}
+
+TEST_CASE("the estimate of a hollow disk sees its 270 degree edges") {
+  const std::map<std::string, double> hollow{
+      {"diameter", .1}, {"thickness", .025}, {"cavity_diameter", .08}, {"cavity_thickness", .013}};
+  const std::vector<double> exact{7308.224,  8825.272,  9835.904,  9835.904, 11982.289,
+                                  11982.289, 14620.028, 14620.028, 19075.348};
+  MeshChoice even_mesh;
+  even_mesh.h = .009;
+  even_mesh.grade_concave = false;
+  const auto a =
+      estimated(make_shape("hollow_disk", hollow, {}, even_mesh), find_material("aluminium"), 8);
+  CHECK(a.frequency[0] / exact[0] - 1 > .01);
+  check_effectivity(a, exact);
+}
+
+TEST_CASE("the estimate of tetrahedra is their error") {
+  Material m = find_material("glass");
+  Mesh mesh = tetrahedral_block(4, true);
+  for (Vector3& p : mesh.nodes)
+    p = {.1 * p.x, .03 * p.y, .02 * p.z};
+  const auto fine = answer(box({.1, .03, .02}, {24, 8, 6}), m, 12);
+  check_effectivity(estimated(mesh, m, 8), fine.modes.frequency_hz);
+}
+
+TEST_CASE("what elements and intervals add to an error sums to it") {
+  const SweptBody body =
+      plan_shape("disk", {{"diameter", .1}, {"thickness", .012}}, {}, {.h = .015}).make();
+  const auto a = estimated(body.mesh, find_material("steel"), 6);
+  const auto elements = element_errors(body.mesh, a.matrices.held, a.error);
+  const auto intervals =
+      interval_errors(body.mesh, a.matrices.held, a.error, body.grid.first_interval(3));
+  for (std::size_t k = 0; k < 6; ++k)
+    for (const auto& share : {elements.share[k], intervals.share[k]}) {
+      double sum = 0;
+      for (const double s : share)
+        sum += s;
+      CHECK(sum == doctest::Approx(a.error.relative[k]).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("one refinement of every shape comes down to its tolerance") {
+  const auto worst_after = [](const std::string& name, const std::map<std::string, double>& d,
+                              const std::string& material, double h) {
+    const Material m = find_material(material);
+    const SweptBody first = plan_shape(name, d, {}, {.h = h, .sparse = true}).make();
+    const auto before = estimated(first.mesh, m, 8);
+    const double aim =
+        .25 * *std::max_element(before.error.relative.begin(), before.error.relative.end());
+    const SweepGrid finer = refined(first.grid,
+                                    interval_errors(first.mesh, before.matrices.held, before.error,
+                                                    first.grid.first_interval(3)),
+                                    aim);
+    const SweptBody second = plan_shape(name, d, {}, {.grid = &finer}).make();
+    const auto after = estimated(second.mesh, m, 8);
+    return *std::max_element(after.error.relative.begin(), after.error.relative.end()) / aim;
+  };
+  // The law of the fourth power, whole numbers of elements: within a factor of two below and .5
+  // above.
+  for (const auto& [ratio, name] :
+       {std::pair{
+            worst_after("bar", {{"length", .2}, {"width", .03}, {"thickness", .01}}, "steel", .02),
+            "bar"},
+        {worst_after("disk", {{"diameter", .1}, {"thickness", .012}}, "aluminium", .018), "disk"},
+        {worst_after("bowl", {{"diameter", .2}, {"thickness", .008}}, "brass", .02), "bowl"},
+        {worst_after("sphere", {{"diameter", .06}}, "glass", .016), "sphere"}}) {
+    CAPTURE(std::string(name));
+    CHECK(ratio < 1.5);
+  }
+}
