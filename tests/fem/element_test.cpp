@@ -227,3 +227,30 @@ TEST_CASE("low faces on a curved wall do not tilt its skin") {
   }
   CHECK(walls > 500);
 }
+
+TEST_CASE("a side whose curve turns an element inside out becomes straight, and no other") {
+  Mesh mesh = tetrahedral_block(2, true);
+  CHECK(has_straight_sides(mesh));
+  const auto node_at = [&](const Vector3& p) {
+    std::size_t i = 0;
+    while (length(mesh.nodes[i] - p) > 1e-9)
+      ++i;
+    return i;
+  };
+  const std::size_t mild = node_at({.25, 0, 1}), wild = node_at({.75, 1, 1});
+  mesh.nodes[mild].z = 1.02;
+  CHECK(!has_straight_sides(mesh));
+  CHECK(straighten_inverted(mesh) == 0);
+  mesh.nodes[wild].z = .7;
+  double least = 1;
+  for (const Element& e : mesh.elements)
+    least = std::min(least, least_jacobian(mesh, e));
+  CHECK(least < 0);
+  CHECK_THROWS_AS(check(mesh), Refusal);
+  CHECK(straighten_inverted(mesh) == 1);
+  CHECK_NOTHROW(check(mesh));
+  CHECK(length(mesh.nodes[wild] - Vector3{.75, 1, 1}) < 1e-12);
+  CHECK(mesh.nodes[mild].z == 1.02);
+  for (const Element& e : mesh.elements)
+    CHECK(e.shape == Shape::tet10);
+}

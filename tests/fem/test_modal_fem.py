@@ -399,6 +399,19 @@ def write_step(folder, geometry):
 
 
 @slow
+def test_a_curved_step_body_is_refined_in_curved_quadratic_elements(tmp_path):
+    write_step(tmp_path, "Sphere(1) = {0,0,0, 50, -Pi/2, 0}; Sphere(2) = {0,0,0, 46, -Pi/2, 0}; "
+               "BooleanDifference(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};")
+    run("body.step", "--modes", 6, "--tolerance", 0.7, "-o", "file.modal.npz", folder=tmp_path)
+    run("bowl", "--diameter", 100, "--thickness", 4, "--modes", 6, "--tolerance", 0.1, "-o", "shape.modal.npz", folder=tmp_path)
+    file, shape = (np.load(tmp_path / f"{name}.modal.npz") for name in ("file", "shape"))
+    assert json.loads(bytes(file["meta"]))["element"] == "tet10"
+    assert file["mass"] == pytest.approx(2700 * 2 / 3 * np.pi * (0.05**3 - 0.046**3), rel=1e-3)
+    estimates = json.loads(bytes(file["meta"]))["accuracy"]["est_rel_error"]
+    true = file["freq"] / shape["freq"] - 1
+    assert max(estimates) <= 0.007 and true.max() < 1.5 * 0.007 and true.min() > -0.001
+
+
 def test_a_step_file_is_refined_at_its_concave_edge(tmp_path):
     write_step(tmp_path, "Box(1) = {0,0,0, 60,20,10}; Box(2) = {0,0,10, 12,20,30};"
                          "BooleanUnion(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};")
