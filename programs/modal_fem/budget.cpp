@@ -116,7 +116,7 @@ Budget::Budget(double bytes) : bytes_(bytes > 0 ? bytes : free_memory() / 2), gi
 }
 
 void Budget::hold(const std::string& body, const Workload& work, const Resized& resized,
-                  double unit, const std::optional<FactorCost>& exact) const {
+                  const Fewer& fewer, double unit, const std::optional<FactorCost>& exact) const {
   const Cost cost = foretell(work, exact);
   if (cost.bytes <= (exact ? 1.0 : kCostMargin) * bytes_)
     return;
@@ -129,6 +129,8 @@ void Budget::hold(const std::string& body, const Workload& work, const Resized& 
   };
   Workload other = work;
   const double modes = largest_that(work.modes, [&](double count) {
+    if (fewer)
+      return fits(fewer(count));
     other.modes = count;
     return fits(other, exact);
   });
@@ -147,7 +149,8 @@ void Budget::hold(const std::string& body, const Workload& work, const Resized& 
   } else if (modes >= 1) {
     offer(format("--modes %.0f", modes));
   }
-  if (resized && fits(resized(largest))) {
+  const bool sized_by_modes = fewer && modes >= 1; // a coarser mesh would not resolve as many
+  if (resized && !sized_by_modes && fits(resized(largest))) {
     double low = 1e-6 * largest, high = largest;
     for (int i = 0; i < 60; ++i) {
       const double middle = std::sqrt(low * high);

@@ -22,11 +22,13 @@ public:
 
   /// The same work with another element size (m) or, of gmsh's meshes, scaled from this one.
   using Resized = std::function<Workload(double h)>;
+  /// The work for fewer modes, where the mesh is sized by them.
+  using Fewer = std::function<Workload(double modes)>;
 
   /// Refuses work beyond the budget in one sentence: what it would take, what is allowed, and the
   /// element size, number of modes or of acoustic triangles that fits. `unit` in metres is what the
   /// user's --h counts in. A prediction that is not `exact` is forgiven kCostMargin.
-  void hold(const std::string& body, const Workload&, const Resized&, double unit,
+  void hold(const std::string& body, const Workload&, const Resized&, const Fewer&, double unit,
             const std::optional<FactorCost>& exact = {}) const;
 
 private:

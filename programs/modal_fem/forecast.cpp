@@ -80,9 +80,16 @@ void Forecast::hold(const std::optional<FactorCost>& exact) {
   Budget::Resized resized;
   if (resized_)
     resized = [this](double h) { return workload(resized_(h)); };
+  Budget::Fewer fewer;
+  if (fewer_)
+    fewer = [this](double modes) {
+      Workload work = workload(fewer_(modes));
+      work.modes = modes;
+      return work;
+    };
   const std::string body =
       order_.is_file ? std::filesystem::path(order_.body).filename().string() : order_.body;
-  budget_.hold(body, workload(size_), resized, order_.unit, exact);
+  budget_.hold(body, workload(size_), resized, fewer, order_.unit, exact);
 }
 
 void Forecast::say_odd_size(const Say& say) {
@@ -114,9 +121,10 @@ void Forecast::say_odd_size(const Say& say) {
 }
 
 void Forecast::mesh(const MeshSize& size, const std::function<MeshSize(double)>& resized,
-                    const Say& say) {
+                    const std::function<MeshSize(double)>& fewer, const Say& say) {
   size_ = size;
   resized_ = resized;
+  fewer_ = fewer;
   say_odd_size(say);
   hold({});
   check_room(order_, size_);

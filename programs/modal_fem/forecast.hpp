@@ -15,9 +15,10 @@ public:
 
   /// Before gmsh meshes or a shape is built. Refuses what is beyond the budget; says once when the
   /// body's size makes its modes inaudible. `resized`: the mesh's size for another h, if it has
-  /// one.
-  /// `say` in place of the progress line, for a child process.
-  void mesh(const MeshSize&, const std::function<MeshSize(double h)>& resized, const Say& say = {});
+  /// one; `fewer`: for fewer modes, if they size it. `say` in place of the progress line, for a
+  /// child process.
+  void mesh(const MeshSize&, const std::function<MeshSize(double h)>& resized,
+            const std::function<MeshSize(double modes)>& fewer, const Say& say = {});
   /// Of a mesh that is there, before it is assembled.
   void made(const Mesh&, double seconds_spent = 0);
   /// After the symbolic factorisation: the same with its exact count, and the time ahead.
@@ -39,7 +40,7 @@ private:
   ProgressLine& progress_;
   Budget budget_;
   MeshSize size_;
-  std::function<MeshSize(double)> resized_;
+  std::function<MeshSize(double)> resized_, fewer_;
   bool said_ = false;
   double flops_, meshing_s_ = 0, factor_s_ = 0;
 };

@@ -69,9 +69,10 @@ Refinement::Refinement(const Order& order, ProgressLine& progress, Forecast& for
              !(order.is_file && is_volume_mesh(order.body));
 }
 
-double Refinement::first_size(double volume, double skin, double largest) const {
+double Refinement::first_size(double volume, double skin, double largest, double modes) const {
   return (refines_ ? kFirstPhase : kOnlyPhase) /
-         highest_wave_number(volume, skin, largest, first_material(order_), order_.modes);
+         highest_wave_number(volume, skin, largest, first_material(order_),
+                             static_cast<std::size_t>(modes));
 }
 
 Mesh Refinement::mesh() { return order_.is_file ? mesh_of_file() : mesh_of_shape(); }
@@ -86,7 +87,7 @@ Mesh Refinement::mesh_of_file() {
                   .remesh = order_.remesh,
                   .multi = order_.several_parts};
   load.size_for = [this](double volume, double skin, double largest) {
-    return first_size(volume, skin, largest);
+    return first_size(volume, skin, largest, static_cast<double>(order_.modes));
   };
   load.sizes = sizes_ ? &*sizes_ : nullptr;
   load.say = [this](const std::string& sentence) { progress_.say(sentence); };
@@ -94,8 +95,14 @@ Mesh Refinement::mesh_of_file() {
   load.limits.silence_s = order_.time_limit_s;
   load.limits.memory_bytes = static_cast<std::uint64_t>(forecast_.budget().bytes());
   load.foretold = [this](const MeshSize& size, const auto& say) { // in the child
+    std::function<MeshSize(double)> fewer;
+    if (order_.choice.h <= 0 && !sizes_)
+      fewer = [this, size](double modes) {
+        const double largest = std::max({size.box.x, size.box.y, size.box.z});
+        return resized_tetrahedra(size, first_size(size.volume, size.skin_area, largest, modes));
+      };
     forecast_.mesh(
-        size, [size](double h) { return resized_tetrahedra(size, h); }, say);
+        size, [size](double h) { return resized_tetrahedra(size, h); }, fewer, say);
   };
   return load_body(order_.body, load);
 }
@@ -111,6 +118,7 @@ Mesh Refinement::mesh_of_shape() {
     return plan_shape(order_.body, order_.dimensions, points, choice);
   };
   MeshChoice choice = order_.choice;
+  std::function<MeshSize(double)> fewer;
   if (round_ > 0) {
     choice.grid = &next_grid_;
   } else if (choice.h <= 0 && choice.layers <= 0) {
@@ -119,8 +127,17 @@ Mesh Refinement::mesh_of_shape() {
     coarse.h = 1e12;
     coarse.sparse = true;
     const Mesh body = plan_for(coarse).make().mesh;
-    choice.h = first_size(volume(body), outer_area(body), bounding_box(body.nodes).largest());
     choice.sparse = refines_;
+    const auto size_for = [this, solid = volume(body), skin = outer_area(body),
+                           largest = bounding_box(body.nodes).largest()](double modes) {
+      return first_size(solid, skin, largest, modes);
+    };
+    choice.h = size_for(static_cast<double>(order_.modes));
+    fewer = [plan_for, choice, size_for](double modes) {
+      MeshChoice other = choice;
+      other.h = size_for(modes);
+      return plan_for(other).size;
+    };
   }
   const ShapePlan plan = plan_for(choice);
   const auto resized = [&](double h) {
@@ -128,7 +145,7 @@ Mesh Refinement::mesh_of_shape() {
     other.h = h;
     return plan_for(other).size;
   };
-  forecast_.mesh(plan.size, resized);
+  forecast_.mesh(plan.size, resized, fewer);
   progress_.stage("meshing", 0, forecast_.meshing_seconds());
   SweptBody body = plan.make();
   grid_ = std::move(body.grid);

@@ -35,7 +35,8 @@ private:
   [[nodiscard]] Mesh mesh_of_file();
   [[nodiscard]] std::vector<ProfilePoint> profile() const;
   [[nodiscard]] MeshSize planned_size(const Mesh&) const;
-  [[nodiscard]] double first_size(double volume, double skin, double largest) const;
+  /// Of elements for so many modes, from the body's volume, skin and extent.
+  [[nodiscard]] double first_size(double volume, double skin, double largest, double modes) const;
   void plan(const Mesh&, std::span<const std::uint8_t> held, const ErrorEstimate&, double target);
 
   const Order& order_;

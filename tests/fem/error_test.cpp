@@ -208,3 +208,21 @@ TEST_CASE("one refinement of every shape comes down to its tolerance") {
     CHECK(ratio < 1.5);
   }
 }
+
+TEST_CASE("a grid's density follows the errors by the law of the fewest elements") {
+  // Of min N under sum e_i f_i^p = target in one direction f_i^(p + 1) ~ 1 / e_i: errors 32 to 1
+  // and p = 4 give sizes 1 to 2.
+  SweepGrid grid;
+  grid.line = {even(0, 40, 40), {0, 1}, {0, 1}};
+  grid.kept = {{{0, 40}, {0, 1}, {0, 1}}};
+  ErrorCells cells{{std::vector<double>(42, 0.0)}, std::vector<double>(42, kSmoothOrder)};
+  for (std::size_t i = 0; i < 40; ++i)
+    cells.share[0][i] = i < 20 ? 1e-4 : 1e-4 / 32;
+  const SweepGrid finer = refined(grid, cells, 20 * 1e-4 * (1 + 1. / 32) / 40);
+  double left = 0, right = 0;
+  for (const double x : finer.line[0])
+    (x < 20 ? left : right) += 1;
+  REQUIRE(kSmoothOrder == 4);
+  CHECK(left / right == doctest::Approx(2).epsilon(.12));
+  CHECK(left > 40);
+}
