@@ -193,7 +193,7 @@ def test_the_reading_process_ends_with_the_program(signal_number, status, tmp_pa
     with open(tmp_path / "block.obj", "w") as file:
         file.writelines(f"v {x} {y} {z}\n" for x, y, z in corners)
         file.writelines(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
-    program = subprocess.Popen([PROGRAM, "block.obj", "--h", "0.8", "-o", "b.modal.npz"], cwd=tmp_path,
+    program = subprocess.Popen([PROGRAM, "block.obj", "--h", "0.8", "--memory", "9000G", "-o", "b.modal.npz"], cwd=tmp_path,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     until = time.monotonic() + 30
     while not (children := children_of(program.pid)):
