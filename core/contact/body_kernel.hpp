@@ -9,10 +9,13 @@ namespace tactus::contact {
 
 /// A body's state and its coefficients for the steps at hand; arrays of whole vectors.
 struct ModesView {
-  double* velocity;
-  double* potential;
-  const double* mean;
-  const double* turn;
+  double* real;
+  double* imaginary;
+  const double *turn_real, *turn_imaginary;         ///< P
+  const double *response_real, *response_imaginary; ///< B
+  const double *mean_real, *mean_imaginary;
+  const double* mobility;
+  const double* slowing;
   const double* outer; ///< force over sqrt(m) from outside
   std::size_t padded;
 };
@@ -23,17 +26,15 @@ struct Steps {
   std::size_t level;
 };
 
-/// One place on the body, for steps of one length. With phi = F h/2 a step is
-///     mean = b (a - w p) + push phi,   p += 2 w mean,   a <- 2 mean - a
-/// and what the place's free mean velocity will be in the step after the next is linear in the
-/// state now and the next phi: state_a . a + state_p . p + answer phi. So the sums over modes of a
-/// step need not wait for its force, nor its force for them.
+/// One place on the body, for steps of one length: z <- P z + F g B. The place's free mean velocity
+/// in the step after the next is linear in the state after the next and in the next force: ahead .
+/// z + answer F. So the sums over modes of a step need not wait for its force, nor its force for
+/// them.
 struct PlaceView {
-  const double* shape;   ///< g, over sqrt(m)
-  const double* push;    ///< b g
-  const double* state_a; ///< b g ((2 - 2w^2) b - 1)
-  const double* state_p; ///< -b g w ((2 - 2w^2) b + 1)
-  double answer;         ///< sum of b^2 g^2 (2 - 2w^2)
+  const double* shape;                        ///< g, over sqrt(m)
+  const double *push_real, *push_imaginary;   ///< g B
+  const double *ahead_real, *ahead_imaginary; ///< free mean velocity of the step after this one
+  double answer; ///< of the next step's mean velocity to this one's force
 };
 
 /// Sums over modes that a step leaves to the next ones.
@@ -49,7 +50,7 @@ struct Stretch {
   const double* normal; ///< of friction, N
   double* heard;        ///< velocity at the ear; null: not wanted
   double* force;        ///< mean of each sample; null: not wanted
-  const double* ear;
+  const double *ear_real, *ear_imaginary;
   std::size_t count;
 };
 
@@ -63,30 +64,36 @@ inline constexpr double kMostState = 1e60; ///< sqrt(J), N; beyond it all starts
 class BodyKernel {
 public:
   virtual ~BodyKernel() = default;
-  /// A sample of a body that nothing touches.
-  virtual void ring(const ModesView&, Steps) const noexcept = 0;
+  /// A step of a body that nothing touches.
+  virtual void ring(const ModesView&) const noexcept = 0;
   /// Foresight from the state alone.
   [[nodiscard]] virtual Foresight foresee(const ModesView&, const PlaceView&) const noexcept = 0;
   /// Samples with one exciter on the body that is near; no outer forces. Returns how many: it ends
   /// early after one that leaves the exciter in need of a look (TouchedBody::look_around).
   virtual std::size_t touch(const ModesView&, const PlaceView&, Foresight&, Exciter&, Steps,
                             const Stretch&) const noexcept = 0;
-  /// mean[i] = the modes' mean velocity of a step without contact force.
-  virtual void free_mean(const ModesView&, double* mean, double h) const noexcept = 0;
-  /// One step on, with that mean velocity.
-  virtual void advance(const ModesView&, const double* mean) const noexcept = 0;
+  /// A step on without contact force; mean[i] = the modes' mean velocity in it.
+  virtual void advance(const ModesView&, double* mean) const noexcept = 0;
+  /// What a force at a place with this shape does to a step that has been made: the states, and
+  /// the modes' mean velocity.
+  virtual void push(const ModesView&, double* mean, const double* shape,
+                    double force) const noexcept = 0;
   /// to += factor from
   virtual void add(double* to, const double* from, double factor,
                    std::size_t padded) const noexcept = 0;
-  /// to += factor from by, element by element
-  virtual void add_product(double* to, const double* from, const double* by, double factor,
-                           std::size_t padded) const noexcept = 0;
   /// Sum of a b.
   [[nodiscard]] virtual double dot(const double* a, const double* b,
                                    std::size_t padded) const noexcept = 0;
   /// Sum of a b c.
   [[nodiscard]] virtual double dot(const double* a, const double* b, const double* c,
                                    std::size_t padded) const noexcept = 0;
+  /// Sum of a b + c d.
+  [[nodiscard]] virtual double dots(const double* a, const double* b, const double* c,
+                                    const double* d, std::size_t padded) const noexcept = 0;
+  /// Velocity at a place with this shape: sum of shape (real - slowing imaginary).
+  [[nodiscard]] virtual double velocity(const double* shape, const double* real,
+                                        const double* imaginary, const double* slowing,
+                                        std::size_t padded) const noexcept = 0;
 };
 
 /// The widest that this processor runs.

@@ -51,39 +51,59 @@ template <class Set> class BodyLanes final : public BodyKernel {
         work(k + r * kWidth, r);
     }
   }
-  /// A step on, with the mean velocity; gives the new state.
-  [[gnu::always_inline]] static void turn(const ModesView& m, std::size_t i, V mean, V& velocity,
-                                          V& potential) noexcept {
-    const V twice = mean + mean;
-    potential += load(m.turn + i) * twice;
-    velocity = twice - velocity;
-    store(m.potential + i, potential);
-    store(m.velocity + i, velocity);
+  struct State {
+    V real, imaginary;
+  };
+  /// P z.
+  [[gnu::always_inline]] static State turned(const ModesView& m, std::size_t i) noexcept {
+    const V real = load(m.real + i), imaginary = load(m.imaginary + i);
+    const V cosine = load(m.turn_real + i), sine = load(m.turn_imaginary + i);
+    return {cosine * real - sine * imaginary, cosine * imaginary + sine * real};
   }
-  /// A step on under phi = F h/2 at the place, and what it foresees.
-  [[gnu::always_inline]] static void go_on(const ModesView& m, const PlaceView& place, double phi,
+  [[gnu::always_inline]] static void store(const ModesView& m, std::size_t i,
+                                           const State& z) noexcept {
+    store(m.real + i, z.real);
+    store(m.imaginary + i, z.imaginary);
+  }
+  /// A step on under a force at the place, and what it foresees.
+  [[gnu::always_inline]] static void go_on(const ModesView& m, const PlaceView& place, double force,
                                            Foresight& next) noexcept {
-    const double free = next.base + place.answer * phi;
-    const V push = all(phi);
+    const double free = next.base + place.answer * force;
+    const V push = all(force);
     V sums[kRegisters] = {};
     over(m.padded, [&](std::size_t i, std::size_t r) {
-      V velocity = load(m.velocity + i), potential = load(m.potential + i);
-      const V mean = load(m.mean + i) * (velocity - load(m.turn + i) * potential) +
-                     push * load(place.push + i);
-      turn(m, i, mean, velocity, potential);
-      sums[r] += load(place.state_a + i) * velocity + load(place.state_p + i) * potential;
+      State z = turned(m, i);
+      z.real += push * load(place.push_real + i);
+      z.imaginary += push * load(place.push_imaginary + i);
+      store(m, i, z);
+      sums[r] +=
+          load(place.ahead_real + i) * z.real + load(place.ahead_imaginary + i) * z.imaginary;
     });
     next = {free, across(sums)};
   }
 
+  [[gnu::always_inline]] static double velocity_at(const double* shape, const double* real,
+                                                   const double* imaginary, const double* slowing,
+                                                   std::size_t padded) noexcept {
+    V sums[kRegisters] = {};
+    over(padded, [&](std::size_t i, std::size_t r) {
+      sums[r] += load(shape + i) * (load(real + i) - load(slowing + i) * load(imaginary + i));
+    });
+    return across(sums);
+  }
+
   /// What an impulse does instead of steps that would be too long.
   [[gnu::noinline, gnu::cold]] static double knock(const ModesView& m, const PlaceView& spot,
-                                                   Foresight& next, Exciter& e, double rate,
+                                                   Foresight& next, Exciter& e, double own_velocity,
                                                    double h) noexcept {
+    const double rate =
+        own_velocity - velocity_at(spot.shape, m.real, m.imaginary, m.slowing, m.padded);
+    if (!(rate > 0))
+      return 0;
     const double kept = restitution(e.impact.law().dissipation_s_per_m * rate);
     const double impulse = (1 + kept) * rate * e.effective_mass_kg;
     over(m.padded, [&](std::size_t i, std::size_t) {
-      store(m.velocity + i, load(m.velocity + i) + all(impulse) * load(spot.shape + i));
+      store(m.real + i, load(m.real + i) + all(impulse) * load(spot.shape + i));
     });
     next = foreseen(m, spot);
     e.book_impulse(impulse, h);
@@ -93,11 +113,12 @@ template <class Set> class BodyLanes final : public BodyKernel {
   [[gnu::always_inline]] static std::size_t strike(const ModesView& m, const PlaceView& spot,
                                                    Foresight& foresight, Exciter& e, Steps steps,
                                                    const Stretch& stretch) noexcept {
-    const double h = steps.length_s, half_step = 0.5 * h;
-    const double own = half_step * e.per_mass, mobility = e.mobility[steps.level];
+    const double h = steps.length_s;
+    const double own = 0.5 * h * e.per_mass, mobility = e.mobility[steps.level];
     const double rate_of_samples = 1 / (h * static_cast<double>(std::size_t{1} << steps.level));
-    double x = e.depth_m, rate = e.approach_m_per_s, place = e.place_m,
-           velocity = e.velocity_m_per_s, impulse = 0, mean = e.mean_velocity_m_per_s;
+    double x = e.depth_m, before = e.approach_m_per_s, last_force = e.last_force_n,
+           place = e.place_m, velocity = e.velocity_m_per_s, impulse = 0,
+           mean = e.mean_velocity_m_per_s;
     Impact impact = e.impact;
     Foresight next = foresight;
     std::size_t done = 0;
@@ -105,15 +126,17 @@ template <class Set> class BodyLanes final : public BodyKernel {
       const double outer = own * (e.outer_force_n = bounded(stretch.drive[done], kMostForce));
       impulse = 0;
       for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
+        double own_free = velocity + outer, free = own_free - next.free;
+        double rate = expected(free - mobility * last_force, before);
         bool meets = Impact::meets(x, rate, h);
         if (meets && e.impulsive && !impact.touching() && rate > 0) {
-          const double jolt = knock(m, spot, next, e, rate, h);
+          const double jolt = knock(m, spot, next, e, velocity, h);
           velocity -= jolt * e.per_mass;
-          rate -= jolt * e.quick_mobility;
           impulse += jolt;
+          own_free = velocity + outer;
+          before = rate = free = own_free - next.free;
           meets = Impact::meets(x, rate, h);
         }
-        const double own_free = velocity + outer, free = own_free - next.free;
         double force = 0;
         mean = free;
         if (meets) {
@@ -127,24 +150,26 @@ template <class Set> class BodyLanes final : public BodyKernel {
             force = 0;
           }
         }
-        const double before = x;
+        const double from = x;
         x += h * mean;
-        rate = 2 * mean - rate;
+        before = mean;
+        last_force = force;
         impact.leave_step(x);
-        go_on(m, spot, half_step * force, next);
+        go_on(m, spot, force, next);
         const double own_mean = own_free - own * force;
         place += h * own_mean;
         velocity = 2 * own_mean - velocity;
-        e.book(before, x, force, h);
+        e.book(from, x, force, h);
         impulse += h * force;
       }
       const double force = impulse * rate_of_samples;
       if (stretch.force)
         stretch.force[done] = force;
       if (stretch.heard)
-        stretch.heard[done] = sum(stretch.ear, m.velocity, m.padded);
+        stretch.heard[done] =
+            sums(stretch.ear_real, m.real, stretch.ear_imaginary, m.imaginary, m.padded);
       goes_on = impact.touching() &&
-                e.judged(0.5 * e.effective_mass_kg * rate * rate + impact.stored_j()) &&
+                e.judged(0.5 * e.effective_mass_kg * mean * mean + impact.stored_j()) &&
                 std::abs(velocity) < kFastest && std::abs(force) < kMostState &&
                 std::abs(mean) < kMostState;
     }
@@ -152,7 +177,8 @@ template <class Set> class BodyLanes final : public BodyKernel {
     e.place_m = place;
     e.velocity_m_per_s = velocity;
     e.depth_m = x;
-    e.approach_m_per_s = rate;
+    e.approach_m_per_s = before;
+    e.last_force_n = last_force;
     e.mean_velocity_m_per_s = mean;
     e.force_n = impulse * rate_of_samples;
     foresight = next;
@@ -163,24 +189,25 @@ template <class Set> class BodyLanes final : public BodyKernel {
   [[gnu::always_inline]] static std::size_t rub(const ModesView& m, const PlaceView& spot,
                                                 Foresight& foresight, Exciter& e, Steps steps,
                                                 const Stretch& stretch) noexcept {
-    const double h = steps.length_s, half_step = 0.5 * h;
+    const double h = steps.length_s;
     const double mobility = e.mobility[steps.level];
     const double rate_of_samples = 1 / (h * static_cast<double>(std::size_t{1} << steps.level));
-    double rate = e.approach_m_per_s, rubbing = e.rubbing_m_per_s, normal = e.normal_force_n,
-           impulse = 0, dissipated = 0, mean = e.mean_velocity_m_per_s;
+    double before = e.approach_m_per_s, last_force = e.last_force_n, rubbing = e.rubbing_m_per_s,
+           normal = e.normal_force_n, impulse = 0, dissipated = 0, mean = e.mean_velocity_m_per_s;
     Friction friction = e.friction;
     Foresight next = foresight;
     std::size_t done = 0;
     for (bool goes_on = true; goes_on && done < stretch.count; ++done) {
       const double speed = bounded(stretch.drive[done], kFastest);
       normal = bounded(stretch.normal[done], kMostForce);
-      rate += speed - rubbing;
+      before += speed - rubbing;
       rubbing = speed;
       if (!(normal > 0)) // it has let go
         break;
       impulse = dissipated = 0;
       for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
         const double free = rubbing - next.free;
+        const double rate = expected(free - mobility * last_force, before);
         friction.enter_step(normal, rate, rough ? e.noise.normal() : 0.0, h);
         friction.refine(friction.mean(free, mobility));
         mean = friction.mean(free, mobility);
@@ -188,19 +215,22 @@ template <class Set> class BodyLanes final : public BodyKernel {
         const double stored = friction.stored_j();
         friction.pass_step(mean);
         dissipated += h * force * mean + (stored - friction.stored_j());
-        go_on(m, spot, half_step * force, next);
-        rate = 2 * mean - rate;
+        go_on(m, spot, force, next);
+        before = mean;
+        last_force = force;
         impulse += h * force;
       }
       const double force = impulse * rate_of_samples;
       if (stretch.force)
         stretch.force[done] = force;
       if (stretch.heard)
-        stretch.heard[done] = sum(stretch.ear, m.velocity, m.padded);
+        stretch.heard[done] =
+            sums(stretch.ear_real, m.real, stretch.ear_imaginary, m.imaginary, m.padded);
       goes_on = std::abs(force) < kMostState && std::abs(mean) < kMostState;
     }
     e.friction = friction;
-    e.approach_m_per_s = rate;
+    e.approach_m_per_s = before;
+    e.last_force_n = last_force;
     e.rubbing_m_per_s = rubbing;
     e.normal_force_n = normal;
     e.dissipated_j = dissipated;
@@ -215,28 +245,35 @@ template <class Set> class BodyLanes final : public BodyKernel {
     over(padded, [&](std::size_t i, std::size_t r) { sums[r] += load(a + i) * load(b + i); });
     return across(sums);
   }
+  [[gnu::always_inline]] static double sums(const double* a, const double* b, const double* c,
+                                            const double* d, std::size_t padded) noexcept {
+    V sums[kRegisters] = {};
+    over(padded, [&](std::size_t i, std::size_t r) {
+      sums[r] += load(a + i) * load(b + i) + load(c + i) * load(d + i);
+    });
+    return across(sums);
+  }
   [[gnu::always_inline]] static Foresight foreseen(const ModesView& m,
                                                    const PlaceView& place) noexcept {
     V free[kRegisters] = {}, base[kRegisters] = {};
     over(m.padded, [&](std::size_t i, std::size_t r) {
-      const V velocity = load(m.velocity + i), potential = load(m.potential + i);
-      free[r] += load(place.push + i) * (velocity - load(m.turn + i) * potential);
-      base[r] += load(place.state_a + i) * velocity + load(place.state_p + i) * potential;
+      const V real = load(m.real + i), imaginary = load(m.imaginary + i);
+      free[r] += load(place.shape + i) *
+                 (load(m.mean_real + i) * real + load(m.mean_imaginary + i) * imaginary);
+      base[r] += load(place.ahead_real + i) * real + load(place.ahead_imaginary + i) * imaginary;
     });
     return {across(free), across(base)};
   }
 
 public:
-  void ring(const ModesView& m, Steps steps) const noexcept override {
-    const V half = all(0.5 * steps.length_s);
-    for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;)
-      over(m.padded, [&](std::size_t i, std::size_t) {
-        V velocity = load(m.velocity + i), potential = load(m.potential + i);
-        turn(m, i,
-             load(m.mean + i) *
-                 ((velocity - load(m.turn + i) * potential) + half * load(m.outer + i)),
-             velocity, potential);
-      });
+  void ring(const ModesView& m) const noexcept override {
+    over(m.padded, [&](std::size_t i, std::size_t) {
+      State z = turned(m, i);
+      const V outer = load(m.outer + i);
+      z.real += load(m.response_real + i) * outer;
+      z.imaginary += load(m.response_imaginary + i) * outer;
+      store(m, i, z);
+    });
   }
   Foresight foresee(const ModesView& m, const PlaceView& place) const noexcept override {
     return foreseen(m, place);
@@ -248,18 +285,26 @@ public:
     return e.friction.law().roughness > 0 ? rub<true>(m, place, next, e, steps, stretch)
                                           : rub<false>(m, place, next, e, steps, stretch);
   }
-  void free_mean(const ModesView& m, double* mean, double h) const noexcept override {
-    const V half = all(0.5 * h);
+  void advance(const ModesView& m, double* mean) const noexcept override {
     over(m.padded, [&](std::size_t i, std::size_t) {
-      store(mean + i,
-            load(m.mean + i) * ((load(m.velocity + i) - load(m.turn + i) * load(m.potential + i)) +
-                                half * load(m.outer + i)));
+      const V outer = load(m.outer + i);
+      store(mean + i, (load(m.mean_real + i) * load(m.real + i) +
+                       load(m.mean_imaginary + i) * load(m.imaginary + i)) +
+                          load(m.mobility + i) * outer);
+      State z = turned(m, i);
+      z.real += load(m.response_real + i) * outer;
+      z.imaginary += load(m.response_imaginary + i) * outer;
+      store(m, i, z);
     });
   }
-  void advance(const ModesView& m, const double* mean) const noexcept override {
+  void push(const ModesView& m, double* mean, const double* shape,
+            double force) const noexcept override {
+    const V times = all(force);
     over(m.padded, [&](std::size_t i, std::size_t) {
-      V velocity = load(m.velocity + i), potential = load(m.potential + i);
-      turn(m, i, load(mean + i), velocity, potential);
+      const V f = times * load(shape + i);
+      store(m.real + i, load(m.real + i) + f * load(m.response_real + i));
+      store(m.imaginary + i, load(m.imaginary + i) + f * load(m.response_imaginary + i));
+      store(mean + i, load(mean + i) + f * load(m.mobility + i));
     });
   }
   void add(double* to, const double* from, double factor,
@@ -267,13 +312,6 @@ public:
     const V times = all(factor);
     over(padded,
          [&](std::size_t i, std::size_t) { store(to + i, load(to + i) + times * load(from + i)); });
-  }
-  void add_product(double* to, const double* from, const double* by, double factor,
-                   std::size_t padded) const noexcept override {
-    const V times = all(factor);
-    over(padded, [&](std::size_t i, std::size_t) {
-      store(to + i, load(to + i) + times * load(from + i) * load(by + i));
-    });
   }
   double dot(const double* a, const double* b, std::size_t padded) const noexcept override {
     return sum(a, b, padded);
@@ -284,6 +322,14 @@ public:
     over(padded,
          [&](std::size_t i, std::size_t r) { sums[r] += load(a + i) * load(b + i) * load(c + i); });
     return across(sums);
+  }
+  double dots(const double* a, const double* b, const double* c, const double* d,
+              std::size_t padded) const noexcept override {
+    return sums(a, b, c, d, padded);
+  }
+  double velocity(const double* shape, const double* real, const double* imaginary,
+                  const double* slowing, std::size_t padded) const noexcept override {
+    return velocity_at(shape, real, imaginary, slowing, padded);
   }
 };
 

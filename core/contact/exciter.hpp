@@ -10,6 +10,13 @@
 
 namespace tactus::contact {
 
+/// Relative velocity at the beginning of a step, as the force law is to expect it: halfway between
+/// the mean of the step before and the mean that would follow from the last force.
+[[nodiscard, gnu::always_inline]] inline double expected(double mean_with_last_force,
+                                                         double mean_before) noexcept {
+  return 0.5 * (mean_with_last_force + mean_before);
+}
+
 /// What a completed contact was like.
 struct Blow {
   double duration_s = 0;
@@ -38,7 +45,8 @@ struct Exciter {
 
   // Both.
   double depth_m = 0;               ///< penetration; friction: unused
-  double approach_m_per_s = 0;      ///< relative velocity, its rate
+  double approach_m_per_s = 0;      ///< relative velocity, its rate; after a step the step's mean
+  double last_force_n = 0;          ///< of the last step
   double mean_velocity_m_per_s = 0; ///< of the last step
   double force_n = 0;               ///< mean of the last sample; of a step while it runs
   double impulse_ns = 0;            ///< of the sample so far

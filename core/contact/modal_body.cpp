@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 namespace tactus::contact {
@@ -14,13 +15,32 @@ constexpr double kStill = 1e-20;                     // sqrt(J); a mode below it
 constexpr double kAbsurd = 1e60;                     // sqrt(J)
 constexpr double kSixtyDecibels = 6.907755278982137; // ln 1000
 
+/// B = (e^(s h) - 1)/s, and P - 1.
+struct Step {
+  std::complex<double> change, response;
+};
+Step step_of(std::complex<double> rate, double h) noexcept {
+  const std::complex<double> x = rate * h;
+  if (std::abs(x) < 0.1) { // the difference from its series: sum of x^n/(n + 1)!
+    std::complex<double> sum = 0;
+    for (int n = 10; n >= 0; --n)
+      sum = 1.0 + x / static_cast<double>(n + 2) * sum;
+    return {x * sum, h * sum};
+  }
+  const double radius = std::exp(x.real()), sine = std::sin(0.5 * x.imag());
+  const std::complex<double> change{std::expm1(x.real()) - 2 * radius * sine * sine,
+                                    radius * std::sin(x.imag())};
+  return {change, change / rate};
+}
+
 } // namespace
 
 ModalBody::ModalBody(std::size_t most_modes)
-    : velocity(most_modes), potential(most_modes), most_(most_modes), wanted_(most_modes),
-      per_root_mass_(most_modes) {
+    : real(most_modes), imaginary(most_modes), displacement(most_modes), slowing(most_modes),
+      most_(most_modes), wanted_(most_modes), per_root_mass_(most_modes) {
+  const ModeArray none(most_modes);
   for (Level& level : levels_)
-    level = {ModeArray(most_modes), ModeArray(most_modes), ModeArray(most_modes)};
+    level = {none, none, none, none, none, none, none};
 }
 
 void ModalBody::prepare(double sample_rate) noexcept {
@@ -39,56 +59,66 @@ void ModalBody::set_modes(std::span<const Mode> modes) noexcept {
 }
 
 void ModalBody::work_out() noexcept {
-  for (std::size_t i = 0; i < velocity.padded(); ++i) {
+  for (std::size_t i = 0; i < real.padded(); ++i) {
     const bool sounds = i < count_ && wanted_[i].frequency_hz < kHighest * sample_rate_;
+    const double velocity = real[i] - slowing[i] * imaginary[i];
+    const double stretch = std::sqrt(1 + slowing[i] * slowing[i]); // of omega^2 + d^2 over omega^2
     if (!sounds) {
-      velocity[i] = potential[i] = 0;
+      real[i] = imaginary[i] = displacement[i] = slowing[i] = 0;
       if (i < most_)
         per_root_mass_[i] = 0;
       for (Level& level : levels_)
-        level.mean[i] = level.turn[i] = level.displacement[i] = 0;
+        level.turn_real[i] = level.turn_imaginary[i] = level.response_real[i] =
+            level.response_imaginary[i] = level.mean_real[i] = level.mean_imaginary[i] =
+                level.mobility[i] = 0;
       continue;
     }
     per_root_mass_[i] = 1 / std::sqrt(wanted_[i].mass_kg);
     const double decay = kSixtyDecibels / wanted_[i].t60_s;
     const double omega = 2 * std::numbers::pi * wanted_[i].frequency_hz;
+    displacement[i] = 1 / omega;
+    slowing[i] = decay / omega;
+    imaginary[i] *= stretch / std::sqrt(1 + slowing[i] * slowing[i]);
+    real[i] = velocity + slowing[i] * imaginary[i];
     for (std::size_t l = 0; l < kLevels; ++l) {
       const double h = 1 / (sample_rate_ * static_cast<double>(std::size_t{1} << l));
-      // 1 - 2R cos(omega h) + R^2 and its like without cancellation at small steps.
-      const double radius = std::exp(-decay * h), loss = -std::expm1(-decay * h);
-      const double sine = std::sin(0.5 * omega * h), cosine = std::cos(0.5 * omega * h);
-      const double below = loss * loss + 4 * radius * sine * sine;
-      const double above = loss * loss + 4 * radius * cosine * cosine;
-      const double square = below / above; // W
-      const double damping = (1 + square) * loss * (1 + radius) / (1 + radius * radius);
-      levels_[l].mean[i] = 1 / (1 + damping + square);
-      levels_[l].turn[i] = std::sqrt(square);
-      levels_[l].displacement[i] = 0.5 * h / std::sqrt(square);
+      const auto [change, response] = step_of({-decay, omega}, h);
+      const double per_way = 1 / (omega * h);
+      Level& level = levels_[l];
+      level.turn_real[i] = 1 + change.real();
+      level.turn_imaginary[i] = change.imag();
+      level.response_real[i] = response.real();
+      level.response_imaginary[i] = response.imag();
+      level.mean_real[i] = change.imag() * per_way;
+      level.mean_imaginary[i] = change.real() * per_way;
+      level.mobility[i] = response.imag() * per_way;
     }
   }
 }
 
 double ModalBody::energy() const noexcept {
   double twice = 0;
-  for (std::size_t i = 0; i < count_; ++i)
-    twice += velocity[i] * velocity[i] + potential[i] * potential[i];
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double q = imaginary[i], velocity = real[i] - slowing[i] * q;
+    twice += velocity * velocity + (1 + slowing[i] * slowing[i]) * q * q;
+  }
   return 0.5 * twice;
 }
 
 bool ModalBody::tidy() noexcept {
   bool finite = true; // and of this world
   for (std::size_t i = 0; i < count_; ++i) {
-    const double size = std::abs(velocity[i]) + std::abs(potential[i]);
+    const double size = std::abs(real[i]) + std::abs(imaginary[i]);
     if (size < kStill)
-      velocity[i] = potential[i] = 0;
+      real[i] = imaginary[i] = 0;
     finite = finite && size < kAbsurd;
   }
   return finite;
 }
 
 void ModalBody::silence() noexcept {
-  velocity.clear();
-  potential.clear();
+  real.clear();
+  imaginary.clear();
 }
 
 } // namespace tactus::contact

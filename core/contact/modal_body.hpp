@@ -21,18 +21,14 @@ inline constexpr std::size_t kLevels = 7;
 
 /// The modes of a body, ready for steps of T, T/2, ... T/64.
 ///
-/// A mode's state is a = sqrt(m) q' and p = sqrt(m) w q, so that its energy is (a^2 + p^2)/2. The
-/// midpoint rule, which keeps energies exact, would put its poles where they do not belong
-/// (warping); so frequency and damping of each step length are chosen such that its poles are
-/// exactly R exp(+-j omega h), R = exp(-d h):
-///     g = 2R cos(omega h)/(1+R^2),  W = (1-g)/(1+g) = (w h/2)^2,  s h = (1+W)(1-R^2)/(1+R^2)
-///     mean a = b (a - sqrt(W) p + F h/2 / sqrt(m)),  b = 1/(1 + s h + W)
-///     p += 2 sqrt(W) mean a,   a <- 2 mean a - a
-/// Velocities are right at any frequency; displacements, sqrt(m) q = p h/(2 sqrt(W)), by the factor
-/// (omega h/2)/tan(omega h/2), 1 for a mode far below the rate of steps.
+/// A mode's state is z = sqrt(m) (q' + d q + j omega q). Within a step the force is constant, and z
+/// goes exactly to
+///     P z + F/sqrt(m) B,   P = e^(s h),   B = (P - 1)/s,   s = -d + j omega
+/// so frequency, decay, velocity and displacement are right at any frequency and step, and the mean
+/// velocity of a step is (q after - q before)/h.
 ///
-/// As energy is in (a, p) alone, neither another step length nor new frequencies, decay times or
-/// masses change the energy of a body that sounds.
+/// The energy of a mode is that of its velocity and displacement, (m q'^2 + m (omega^2 + d^2)
+/// q^2)/2; new frequencies, decay times or masses change neither part.
 class ModalBody {
 public:
   explicit ModalBody(std::size_t most_modes);
@@ -42,10 +38,13 @@ public:
   /// heard and are left out as well.
   void set_modes(std::span<const Mode> modes) noexcept;
 
+  /// What a step of one length does; of a force F, F/sqrt(m) counts.
   struct Level {
-    ModeArray mean;         ///< b
-    ModeArray turn;         ///< sqrt(W)
-    ModeArray displacement; ///< h/(2 sqrt(W)) = 1/w
+    ModeArray turn_real, turn_imaginary;         ///< P
+    ModeArray response_real, response_imaginary; ///< B
+    ModeArray mean_real,
+        mean_imaginary; ///< mean velocity of a step = these times the state's parts
+    ModeArray mobility; ///< mean velocity for a force, s
   };
   [[nodiscard]] const Level& level(std::size_t index) const noexcept { return levels_[index]; }
   [[nodiscard]] std::size_t modes() const noexcept { return count_; }
@@ -60,8 +59,9 @@ public:
   }
   [[nodiscard]] double sample_rate() const noexcept { return sample_rate_; }
 
-  ModeArray velocity;  ///< a
-  ModeArray potential; ///< p
+  ModeArray real, imaginary; ///< z
+  ModeArray displacement;    ///< 1/omega: sqrt(m) q = imaginary part times it
+  ModeArray slowing;         ///< d/omega: sqrt(m) q' = real part - imaginary part times it
   /// J.
   [[nodiscard]] double energy() const noexcept;
   /// Modes too quiet for normal numbers come to rest. False if a state is not finite.

@@ -14,8 +14,9 @@ TouchedBody::TouchedBody(std::size_t most_modes, std::size_t exciters, std::size
     : body_(most_modes), kernel_(&body_kernel()), exciters_(exciters),
       shape_(exciters, std::vector<double>(most_modes, 1)),
       ear_shape_(ears, std::vector<double>(most_modes, 1)), place_(exciters, ModeArray(most_modes)),
-      ear_(ears, ModeArray(most_modes)), outer_(most_modes), mean_(most_modes), push_(most_modes),
-      state_a_(most_modes), state_p_(most_modes), coupling_(exciters * exciters) {
+      ear_real_(ears, ModeArray(most_modes)), ear_imaginary_(ears, ModeArray(most_modes)),
+      outer_(most_modes), mean_(most_modes), push_real_(most_modes), push_imaginary_(most_modes),
+      ahead_real_(most_modes), ahead_imaginary_(most_modes), coupling_(exciters * exciters) {
   order_.reserve(exciters);
   like_the_one_before_.reserve(exciters);
   work_out_steps();
@@ -61,11 +62,17 @@ void TouchedBody::set_place(std::size_t slot, std::span<const double> shape) noe
 }
 
 void TouchedBody::set_ear(std::size_t ear, std::span<const double> shape) noexcept {
-  if (ear >= ear_.size())
+  if (ear >= ear_shape_.size())
     return;
-  for (std::size_t i = 0; i < ear_shape_[ear].size(); ++i) {
+  for (std::size_t i = 0; i < ear_shape_[ear].size(); ++i)
     ear_shape_[ear][i] = i < shape.size() ? bounded(shape[i], kMostShape) : 0;
-    ear_[ear][i] = ear_shape_[ear][i] * body_.per_root_mass(i);
+  work_out_ear(ear);
+}
+
+void TouchedBody::work_out_ear(std::size_t ear) noexcept {
+  for (std::size_t i = 0; i < body_.most_modes(); ++i) {
+    ear_real_[ear][i] = ear_shape_[ear][i] * body_.per_root_mass(i);
+    ear_imaginary_[ear][i] = -ear_real_[ear][i] * body_.slowing[i];
   }
 }
 
@@ -80,9 +87,8 @@ void TouchedBody::measure_places() noexcept {
 void TouchedBody::keep_places() noexcept {
   for (std::size_t i = 0; i < exciters_.size(); ++i)
     work_out_place(i);
-  for (std::size_t e = 0; e < ear_.size(); ++e)
-    for (std::size_t i = 0; i < body_.most_modes(); ++i)
-      ear_[e][i] = ear_shape_[e][i] * body_.per_root_mass(i);
+  for (std::size_t ear = 0; ear < ear_shape_.size(); ++ear)
+    work_out_ear(ear);
   unsorted_ = true;
   coupled_ = false;
 }
@@ -97,10 +103,10 @@ void TouchedBody::work_out_place(std::size_t slot) noexcept {
     e.quick_mobility += place[i] * place[i];
   }
   for (std::size_t l = 0; l < kLevels; ++l) {
-    double sum = strikes ? 1 / e.mass_kg : 0;
+    double sum = strikes ? 0.5 * step_s_[l] / e.mass_kg : 0;
     for (std::size_t i = 0; i < body_.modes(); ++i)
-      sum += place[i] * place[i] * body_.level(l).mean[i];
-    e.mobility[l] = 0.5 * step_s_[l] * sum;
+      sum += place[i] * place[i] * body_.level(l).mobility[i];
+    e.mobility[l] = sum;
   }
   e.per_mass = 1 / e.mass_kg;
   e.effective_mass_kg = e.quick_mobility > 0 ? 1 / e.quick_mobility : 1;
@@ -153,7 +159,7 @@ void TouchedBody::clear(std::size_t slot) noexcept {
   e.kind = Exciter::Kind::kNone;
   e.impact.release();
   e.friction.release();
-  e.outer_force_n = e.normal_force_n = e.rubbing_m_per_s = e.force_n = 0;
+  e.outer_force_n = e.normal_force_n = e.rubbing_m_per_s = e.force_n = e.last_force_n = 0;
   e.near = e.fresh = false;
   e.open = {};
   unsorted_ = true;
@@ -167,6 +173,7 @@ void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) no
   e.open = {};
   e.place_m = surface(slot) - bounded(gap_m, kFarthest);
   e.velocity_m_per_s = bounded(velocity, kFastest);
+  e.last_force_n = 0;
   e.fresh = e.near = false;
   unsorted_ = true;
 }
@@ -206,7 +213,7 @@ void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
   const double impulse = bounded(impulse_ns, kMostForce);
   if (slot >= exciters_.size() || impulse == 0)
     return;
-  kernel_->add(body_.velocity.data(), place_[slot].data(), impulse, body_.padded());
+  kernel_->add(body_.real.data(), place_[slot].data(), impulse, body_.padded());
   sounds_ = true;
   foreseen_ = false;
   for (Exciter& e : exciters_)
@@ -220,17 +227,21 @@ void TouchedBody::set_least_steps(unsigned steps) noexcept {
 }
 
 double TouchedBody::surface(std::size_t slot) const noexcept {
-  return sounds_ ? kernel_->dot(place_[slot].data(), body_.potential.data(),
-                                body_.level(level_).displacement.data(), body_.padded())
+  return sounds_ ? kernel_->dot(place_[slot].data(), body_.imaginary.data(),
+                                body_.displacement.data(), body_.padded())
                  : 0.0;
 }
 
 double TouchedBody::surface_velocity(std::size_t slot) const noexcept {
-  return sounds_ ? kernel_->dot(place_[slot].data(), body_.velocity.data(), body_.padded()) : 0.0;
+  return sounds_ ? kernel_->velocity(place_[slot].data(), body_.real.data(), body_.imaginary.data(),
+                                     body_.slowing.data(), body_.padded())
+                 : 0.0;
 }
 
 double TouchedBody::hear(std::size_t ear) const noexcept {
-  return sounds_ ? kernel_->dot(ear_[ear].data(), body_.velocity.data(), body_.padded()) : 0.0;
+  return sounds_ ? kernel_->dots(ear_real_[ear].data(), body_.real.data(),
+                                 ear_imaginary_[ear].data(), body_.imaginary.data(), body_.padded())
+                 : 0.0;
 }
 
 double TouchedBody::energy() const noexcept {
@@ -253,6 +264,7 @@ void TouchedBody::reset() noexcept {
     e.place_m = e.depth_m = -1;
     e.velocity_m_per_s = e.force_n = 0;
     e.near = e.fresh = false;
+    e.last_force_n = 0;
     e.level = 0;
   }
   level_ = quiet_ = near_ = 0;
@@ -261,10 +273,20 @@ void TouchedBody::reset() noexcept {
   coupled_ = false;
 }
 
-ModesView TouchedBody::view() noexcept {
-  const ModalBody::Level& level = body_.level(level_);
-  return {body_.velocity.data(), body_.potential.data(), level.mean.data(),
-          level.turn.data(),     outer_.data(),          body_.padded()};
+ModesView TouchedBody::view(std::size_t index) noexcept {
+  const ModalBody::Level& level = body_.level(index);
+  return {body_.real.data(),
+          body_.imaginary.data(),
+          level.turn_real.data(),
+          level.turn_imaginary.data(),
+          level.response_real.data(),
+          level.response_imaginary.data(),
+          level.mean_real.data(),
+          level.mean_imaginary.data(),
+          level.mobility.data(),
+          body_.slowing.data(),
+          outer_.data(),
+          body_.padded()};
 }
 
 } // namespace tactus::contact

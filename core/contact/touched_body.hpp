@@ -108,9 +108,10 @@ private:
   void judge(Exciter& e) const noexcept;
   void fly(Exciter& e) const noexcept;
   void change_level(std::size_t level) noexcept;
+  void work_out_ear(std::size_t ear) noexcept;
   void touch_many() noexcept;
   void knock_many() noexcept;
-  void solve(double h) noexcept;
+  void solve() noexcept;
   void solve_by_contact() noexcept;
   void couple() noexcept;
   void touch_one() noexcept;
@@ -121,17 +122,19 @@ private:
   void look_back() noexcept;
   void focus(std::size_t exciter) noexcept;
   void leave(std::size_t term, double h) noexcept;
-  void solve_by_mode(double h) noexcept;
-  [[nodiscard]] ModesView view() noexcept;
+  void solve_by_mode() noexcept;
+  [[nodiscard]] ModesView view(std::size_t level) noexcept;
   [[nodiscard]] double step_length() const noexcept { return step_s_[level_]; }
 
   ModalBody body_;
   const BodyKernel* kernel_;
   std::vector<Exciter> exciters_;
   std::vector<std::vector<double>> shape_, ear_shape_;
-  std::vector<ModeArray> place_, ear_; ///< shapes over sqrt(m)
+  std::vector<ModeArray> place_;                    ///< shapes over sqrt(m)
+  std::vector<ModeArray> ear_real_, ear_imaginary_; ///< velocity there = these times the state
   ModeArray outer_, mean_;
-  ModeArray push_, state_a_, state_p_; ///< of the one exciter that is near (PlaceView)
+  ModeArray push_real_, push_imaginary_, ahead_real_,
+      ahead_imaginary_; ///< of the one exciter that is near (PlaceView)
   double answer_ = 0;
   Foresight foresight_;
   bool foreseen_ = false; ///< foresight_ is of the state as it is

@@ -44,18 +44,17 @@ void substitute(const double* matrix, std::size_t count, double* x) noexcept {
 
 /// coupling_[c][d] = Y without the exciters' own masses, for those near.
 void TouchedBody::couple() noexcept {
-  const double half = 0.5 * step_length();
   for (std::size_t c = 0; c < near_; ++c)
     for (std::size_t d = 0; d <= c; ++d)
       coupling_[c * near_ + d] = coupling_[d * near_ + c] =
-          half * kernel_->dot(place_[close_[c]].data(), place_[close_[d]].data(),
-                              body_.level(level_).mean.data(), body_.padded());
+          kernel_->dot(place_[close_[c]].data(), place_[close_[d]].data(),
+                       body_.level(level_).mobility.data(), body_.padded());
   coupled_ = near_ > 1; // one alone has a PlaceView
 }
 
 void TouchedBody::touch_many() noexcept {
   const double h = step_length(), half = 0.5 * h;
-  const ModesView modes = view();
+  const ModesView modes = view(level_);
   sounds_ = true;
   foreseen_ = false;
   if (!coupled_ || near_ == 1)
@@ -63,7 +62,7 @@ void TouchedBody::touch_many() noexcept {
   bool any_friction = false;
   for (std::size_t n = std::size_t{1} << level_; n-- > 0;) {
     knock_many();
-    kernel_->free_mean(modes, mean_.data(), h);
+    kernel_->advance(modes, mean_.data());
     for (std::size_t c = 0; c < near_; ++c) {
       Exciter& e = exciters_[close_[c]];
       Term& t = terms_[c];
@@ -72,17 +71,19 @@ void TouchedBody::touch_many() noexcept {
       t.own_free = strikes ? e.velocity_m_per_s + t.own * e.outer_force_n : e.rubbing_m_per_s;
       t.free = t.own_free - kernel_->dot(place_[close_[c]].data(), mean_.data(), modes.padded);
       t.law = {};
+      const double own_mobility = coupling_[c * near_ + c] + t.own;
+      const double rate = expected(t.free - own_mobility * e.last_force_n, e.approach_m_per_s);
       if (strikes) {
-        if (Impact::meets(e.depth_m, e.approach_m_per_s, h))
-          t.law = e.impact.enter_step(e.depth_m, e.approach_m_per_s, h);
+        if (Impact::meets(e.depth_m, rate, h))
+          t.law = e.impact.enter_step(e.depth_m, rate, h);
       } else {
         any_friction = true;
-        e.friction.enter_step(e.normal_force_n, e.approach_m_per_s,
+        e.friction.enter_step(e.normal_force_n, rate,
                               e.friction.law().roughness > 0 ? e.noise.normal() : 0.0, h);
         t.law = e.friction.stage().plain();
       }
     }
-    solve(h);
+    solve();
     if (any_friction) {
       for (std::size_t c = 0; c < near_; ++c) {
         Exciter& e = exciters_[close_[c]];
@@ -91,13 +92,11 @@ void TouchedBody::touch_many() noexcept {
         e.friction.refine(terms_[c].mean);
         terms_[c].law = e.friction.stage().plain();
       }
-      solve(h);
+      solve();
     }
     for (std::size_t c = 0; c < near_; ++c)
       if (terms_[c].acts)
-        kernel_->add_product(mean_.data(), place_[close_[c]].data(), modes.mean,
-                             half * terms_[c].force, modes.padded);
-    kernel_->advance(modes, mean_.data());
+        kernel_->push(modes, mean_.data(), place_[close_[c]].data(), terms_[c].force);
     for (std::size_t c = 0; c < near_; ++c)
       leave(c, h);
   }
@@ -113,13 +112,13 @@ void TouchedBody::leave(std::size_t c, double h) noexcept {
     t.force = 0;
     t.mean = t.own_free - kernel_->dot(place_[close_[c]].data(), mean_.data(), body_.padded());
   }
-  e.mean_velocity_m_per_s = t.mean;
+  e.mean_velocity_m_per_s = e.approach_m_per_s = t.mean;
+  e.last_force_n = t.force;
   e.impulse_ns += h * t.force;
   if (e.kind == Exciter::Kind::kFriction) {
     const double stored = e.friction.stored_j();
     e.friction.pass_step(t.mean);
     e.dissipated_j += h * t.force * t.mean + (stored - e.friction.stored_j());
-    e.approach_m_per_s = 2 * t.mean - e.approach_m_per_s;
     return;
   }
   if (t.acts)
@@ -128,12 +127,11 @@ void TouchedBody::leave(std::size_t c, double h) noexcept {
   e.place_m += h * own_mean;
   e.velocity_m_per_s = 2 * own_mean - e.velocity_m_per_s;
   e.depth_m += h * t.mean;
-  e.approach_m_per_s = 2 * t.mean - e.approach_m_per_s;
   e.impact.leave_step(e.depth_m);
   e.book(before, e.depth_m, t.force, h);
 }
 
-void TouchedBody::solve(double h) noexcept {
+void TouchedBody::solve() noexcept {
   for (std::size_t c = 0; c < near_; ++c)
     terms_[c].acts = terms_[c].law.slope_ns_per_m > kLeastSlope;
   // Every round takes out at least one: it ends.
@@ -147,7 +145,7 @@ void TouchedBody::solve(double h) noexcept {
     if (acting_.size() <= body_.modes())
       solve_by_contact();
     else
-      solve_by_mode(h);
+      solve_by_mode();
     pulls = false;
     for (const std::size_t c : acting_)
       if (terms_[c].force < 0 && exciters_[close_[c]].kind == Exciter::Kind::kImpact) {
@@ -192,19 +190,18 @@ void TouchedBody::solve_by_contact() noexcept {
 
 /// With more contacts than modes. Each contact is eliminated, F = (offset + slope (free - g.d)) /
 /// (1 + slope own), d the change of the modes' mean velocities, which remain:
-/// d/b + h/2 sum g kappa (g.d) = h/2 sum g (offset + slope free)/(1 + slope own).
-void TouchedBody::solve_by_mode(double h) noexcept {
+/// d/y + sum g kappa (g.d) = sum g (offset + slope free)/(1 + slope own), y a mode's mobility.
+void TouchedBody::solve_by_mode() noexcept {
   const std::size_t count = body_.modes();
-  const double half = 0.5 * h;
-  const ModeArray& mean = body_.level(level_).mean;
+  const ModeArray& mobility = body_.level(level_).mobility;
   std::fill_n(matrix_.data(), count * count, 0.0);
   std::fill_n(right_.data(), count, 0.0);
   for (std::size_t i = 0; i < count; ++i)
-    matrix_[i * count + i] = mean[i] > 0 ? 1 / mean[i] : 1;
+    matrix_[i * count + i] = mobility[i] > 0 ? 1 / mobility[i] : 1;
   for (const std::size_t c : acting_) {
     const Term& t = terms_[c];
     const double* shape = place_[close_[c]].data();
-    const double over = half / (1 + t.law.slope_ns_per_m * t.own);
+    const double over = 1 / (1 + t.law.slope_ns_per_m * t.own);
     const double drive = over * (t.law.offset_n + t.law.slope_ns_per_m * t.free);
     for (std::size_t i = 0; i < count; ++i) {
       const double stiff = over * t.law.slope_ns_per_m * shape[i];
@@ -234,6 +231,11 @@ void TouchedBody::solve_by_mode(double h) noexcept {
 void TouchedBody::knock_many() noexcept {
   const double h = step_length();
   const std::size_t padded = body_.padded();
+  for (std::size_t c = 0; c < near_; ++c) { // these need the velocity at this moment
+    Exciter& e = exciters_[close_[c]];
+    if (e.kind == Exciter::Kind::kImpact && e.impulsive && !e.impact.touching())
+      e.approach_m_per_s = e.velocity_m_per_s - surface_velocity(close_[c]);
+  }
   for (int round = 0; round < kKnockRounds; ++round) {
     double work = 0, own = 0, least = 1;
     std::fill_n(mean_.data(), padded, 0.0);
@@ -257,7 +259,7 @@ void TouchedBody::knock_many() noexcept {
       return;
     const double answer = own + kernel_->dot(mean_.data(), mean_.data(), padded);
     const double theta = std::min(1.0, (1 + least) * work / answer);
-    kernel_->add(body_.velocity.data(), mean_.data(), theta, padded);
+    kernel_->add(body_.real.data(), mean_.data(), theta, padded);
     for (std::size_t c = 0; c < near_; ++c) {
       Exciter& e = exciters_[close_[c]];
       if (terms_[c].acts) {
@@ -270,8 +272,8 @@ void TouchedBody::knock_many() noexcept {
     for (std::size_t c = 0; c < near_; ++c) {
       Exciter& e = exciters_[close_[c]];
       const bool strikes = e.kind == Exciter::Kind::kImpact;
-      e.approach_m_per_s = (strikes ? e.velocity_m_per_s : e.rubbing_m_per_s) -
-                           kernel_->dot(place_[close_[c]].data(), body_.velocity.data(), padded);
+      e.approach_m_per_s =
+          (strikes ? e.velocity_m_per_s : e.rubbing_m_per_s) - surface_velocity(close_[c]);
     }
   }
 }

@@ -160,16 +160,12 @@ void TouchedBody::look_around() noexcept {
     change_level(wanted);
 }
 
-/// Displacements are read differently in other steps: the masses keep their distance.
 void TouchedBody::change_level(std::size_t level) noexcept {
   if (level == level_)
     return;
   level_ = level;
   quiet_ = 0;
   coupled_ = false;
-  for (const std::size_t i : close_)
-    if (exciters_[i].kind == Exciter::Kind::kImpact)
-      exciters_[i].place_m = exciters_[i].depth_m + surface(i);
 }
 
 /// What the kernel needs of the one place that is touched.
@@ -178,11 +174,16 @@ void TouchedBody::focus(std::size_t slot) noexcept {
   const ModeArray& place = place_[slot];
   answer_ = 0;
   for (std::size_t i = 0; i < body_.padded(); ++i) {
-    const double b = level.mean[i], w = level.turn[i], bend = 2 - 2 * w * w;
-    push_[i] = b * place[i];
-    state_a_[i] = push_[i] * (bend * b - 1);
-    state_p_[i] = -push_[i] * w * (bend * b + 1);
-    answer_ += push_[i] * push_[i] * bend;
+    push_real_[i] = place[i] * level.response_real[i];
+    push_imaginary_[i] = place[i] * level.response_imaginary[i];
+    // The mean velocity of the step after a state z is Re((mean_real - j mean_imaginary) z).
+    ahead_real_[i] = place[i] * level.mean_real[i];
+    ahead_imaginary_[i] = place[i] * level.mean_imaginary[i];
+    answer_ += ahead_real_[i] * push_real_[i] + ahead_imaginary_[i] * push_imaginary_[i];
+    // That of the step after the next: the same of P z.
+    const double real = ahead_real_[i], imaginary = ahead_imaginary_[i];
+    ahead_real_[i] = real * level.turn_real[i] + imaginary * level.turn_imaginary[i];
+    ahead_imaginary_[i] = imaginary * level.turn_real[i] - real * level.turn_imaginary[i];
   }
   coupled_ = true;
   foreseen_ = false;
@@ -197,18 +198,19 @@ void TouchedBody::touch_one() noexcept {
   if (!coupled_)
     focus(slot);
   const PlaceView place = place_view(slot);
-  const ModesView modes = view();
+  const ModesView modes = view(level_);
   if (!foreseen_)
     foresight_ = kernel_->foresee(modes, place);
   foreseen_ = true;
   const bool strikes = e.kind == Exciter::Kind::kImpact;
   const double drive = strikes ? e.outer_force_n : e.rubbing_m_per_s, normal = e.normal_force_n;
   kernel_->touch(modes, place, foresight_, e, {step_length(), level_},
-                 {&drive, &normal, nullptr, nullptr, nullptr, 1});
+                 {&drive, &normal, nullptr, nullptr, nullptr, nullptr, 1});
 }
 
 PlaceView TouchedBody::place_view(std::size_t slot) const noexcept {
-  return {place_[slot].data(), push_.data(), state_a_.data(), state_p_.data(), answer_};
+  return {place_[slot].data(), push_real_.data(),       push_imaginary_.data(),
+          ahead_real_.data(),  ahead_imaginary_.data(), answer_};
 }
 
 /// True while a sample needs nothing but its steps (look_around() would change nothing).
@@ -247,14 +249,14 @@ std::size_t TouchedBody::rest(std::size_t slot, const Stretch& whole) noexcept {
 }
 
 void TouchedBody::run(std::size_t slot, const Stretch& whole) noexcept {
-  if (slot >= exciters_.size() || ear_.empty())
+  if (slot >= exciters_.size() || ear_shape_.empty())
     return;
   Exciter& e = exciters_[slot];
   for (std::size_t n = 0; n < whole.count;) {
     const double normal = whole.normal ? whole.normal[n] : 0;
     const std::size_t still =
         rest(slot, {whole.drive + n, whole.normal ? whole.normal + n : nullptr, whole.heard + n,
-                    whole.force + n, nullptr, whole.count - n});
+                    whole.force + n, nullptr, nullptr, whole.count - n});
     if (still > 0) {
       n += still;
       continue;
@@ -262,10 +264,10 @@ void TouchedBody::run(std::size_t slot, const Stretch& whole) noexcept {
     if (steady(slot)) {
       const std::size_t room =
           std::min<std::size_t>(whole.count - n, kLookEvery - clock_ % kLookEvery);
-      const std::size_t done =
-          kernel_->touch(view(), place_view(slot), foresight_, e, {step_length(), level_},
-                         {whole.drive + n, whole.normal ? whole.normal + n : nullptr,
-                          whole.heard + n, whole.force + n, ear_[0].data(), room});
+      const std::size_t done = kernel_->touch(
+          view(level_), place_view(slot), foresight_, e, {step_length(), level_},
+          {whole.drive + n, whole.normal ? whole.normal + n : nullptr, whole.heard + n,
+           whole.force + n, ear_real_[0].data(), ear_imaginary_[0].data(), room});
       if (done > 0) {
         quiet_ = 0;
         clock_ += done;
@@ -287,17 +289,17 @@ void TouchedBody::run(std::size_t slot, const Stretch& whole) noexcept {
 
 void TouchedBody::run_mass(std::size_t slot, std::span<const double> force_n,
                            std::span<double> heard, std::span<double> contact_n) noexcept {
-  run(slot, {force_n.data(), nullptr, heard.data(), contact_n.data(), nullptr,
+  run(slot, {force_n.data(), nullptr, heard.data(), contact_n.data(), nullptr, nullptr,
              std::min({force_n.size(), heard.size(), contact_n.size()})});
 }
 
 void TouchedBody::run_rub(std::size_t slot, std::span<const double> velocity_m_per_s,
                           std::span<const double> normal_force_n, std::span<double> heard,
                           std::span<double> friction_n) noexcept {
-  run(slot,
-      {velocity_m_per_s.data(), normal_force_n.data(), heard.data(), friction_n.data(), nullptr,
-       std::min(
-           {velocity_m_per_s.size(), normal_force_n.size(), heard.size(), friction_n.size()})});
+  run(slot, {velocity_m_per_s.data(), normal_force_n.data(), heard.data(), friction_n.data(),
+             nullptr, nullptr,
+             std::min({velocity_m_per_s.size(), normal_force_n.size(), heard.size(),
+                       friction_n.size()})});
 }
 
 void TouchedBody::step() noexcept {
@@ -313,7 +315,7 @@ void TouchedBody::step() noexcept {
     touch_many();
   } else if (sounds_) {
     foreseen_ = false;
-    kernel_->ring(view(), {step_length(), level_});
+    kernel_->ring(view(0));
   }
   if (has_outer_) {
     outer_.clear();
