@@ -16,7 +16,6 @@ struct ModesView {
   const double *mean_real, *mean_imaginary;
   const double* mobility;
   const double* slowing;
-  const double* outer; ///< force over sqrt(m) from outside
   std::size_t padded;
 };
 
@@ -72,12 +71,10 @@ public:
   /// early after one that leaves the exciter in need of a look (TouchedBody::look_around).
   virtual std::size_t touch(const ModesView&, const PlaceView&, Foresight&, Exciter&, Steps,
                             const Stretch&) const noexcept = 0;
-  /// A step on without contact force; mean[i] = the modes' mean velocity in it.
-  virtual void advance(const ModesView&, double* mean) const noexcept = 0;
-  /// What a force at a place with this shape does to a step that has been made: the states, and
-  /// the modes' mean velocity.
-  virtual void push(const ModesView&, double* mean, const double* shape,
-                    double force) const noexcept = 0;
+  /// mean[i] = the modes' mean velocity in a step with these outer forces over sqrt(m) alone.
+  virtual void free_mean(const ModesView&, const double* outer, double* mean) const noexcept = 0;
+  /// A step on under forces over sqrt(m).
+  virtual void advance(const ModesView&, const double* force) const noexcept = 0;
   /// to += factor from
   virtual void add(double* to, const double* from, double factor,
                    std::size_t padded) const noexcept = 0;

@@ -116,9 +116,8 @@ template <class Set> class BodyLanes final : public BodyKernel {
     const double h = steps.length_s;
     const double own = 0.5 * h * e.per_mass, mobility = e.mobility[steps.level];
     const double rate_of_samples = 1 / (h * static_cast<double>(std::size_t{1} << steps.level));
-    double x = e.depth_m, before = e.approach_m_per_s, last_force = e.last_force_n,
-           place = e.place_m, velocity = e.velocity_m_per_s, impulse = 0,
-           mean = e.mean_velocity_m_per_s;
+    double x = e.depth_m, rate = e.approach_m_per_s, place = e.place_m,
+           velocity = e.velocity_m_per_s, impulse = 0, mean = e.mean_velocity_m_per_s;
     Impact impact = e.impact;
     Foresight next = foresight;
     std::size_t done = 0;
@@ -127,17 +126,17 @@ template <class Set> class BodyLanes final : public BodyKernel {
       impulse = 0;
       for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
         double own_free = velocity + outer, free = own_free - next.free;
-        double rate = expected(free - mobility * last_force, before);
         bool meets = Impact::meets(x, rate, h);
         if (meets && e.impulsive && !impact.touching() && rate > 0) {
           const double jolt = knock(m, spot, next, e, velocity, h);
           velocity -= jolt * e.per_mass;
           impulse += jolt;
           own_free = velocity + outer;
-          before = rate = free = own_free - next.free;
+          mean = rate = free = own_free - next.free;
           meets = Impact::meets(x, rate, h);
         }
         double force = 0;
+        const double mean_before = mean;
         mean = free;
         if (meets) {
           const LinearForce law = impact.enter_step(x, rate, h);
@@ -152,8 +151,7 @@ template <class Set> class BodyLanes final : public BodyKernel {
         }
         const double from = x;
         x += h * mean;
-        before = mean;
-        last_force = force;
+        rate = continued(mean, mean_before);
         impact.leave_step(x);
         go_on(m, spot, force, next);
         const double own_mean = own_free - own * force;
@@ -169,7 +167,7 @@ template <class Set> class BodyLanes final : public BodyKernel {
         stretch.heard[done] =
             sums(stretch.ear_real, m.real, stretch.ear_imaginary, m.imaginary, m.padded);
       goes_on = impact.touching() &&
-                e.judged(0.5 * e.effective_mass_kg * mean * mean + impact.stored_j()) &&
+                e.judged(0.5 * e.effective_mass_kg * rate * rate + impact.stored_j()) &&
                 std::abs(velocity) < kFastest && std::abs(force) < kMostState &&
                 std::abs(mean) < kMostState;
     }
@@ -177,8 +175,7 @@ template <class Set> class BodyLanes final : public BodyKernel {
     e.place_m = place;
     e.velocity_m_per_s = velocity;
     e.depth_m = x;
-    e.approach_m_per_s = before;
-    e.last_force_n = last_force;
+    e.approach_m_per_s = rate;
     e.mean_velocity_m_per_s = mean;
     e.force_n = impulse * rate_of_samples;
     foresight = next;
@@ -192,22 +189,22 @@ template <class Set> class BodyLanes final : public BodyKernel {
     const double h = steps.length_s;
     const double mobility = e.mobility[steps.level];
     const double rate_of_samples = 1 / (h * static_cast<double>(std::size_t{1} << steps.level));
-    double before = e.approach_m_per_s, last_force = e.last_force_n, rubbing = e.rubbing_m_per_s,
-           normal = e.normal_force_n, impulse = 0, dissipated = 0, mean = e.mean_velocity_m_per_s;
+    double last_force = e.last_force_n, rubbing = e.rubbing_m_per_s, normal = e.normal_force_n,
+           impulse = 0, dissipated = 0, mean = e.mean_velocity_m_per_s;
     Friction friction = e.friction;
     Foresight next = foresight;
     std::size_t done = 0;
     for (bool goes_on = true; goes_on && done < stretch.count; ++done) {
       const double speed = bounded(stretch.drive[done], kFastest);
       normal = bounded(stretch.normal[done], kMostForce);
-      before += speed - rubbing;
+      mean += speed - rubbing;
       rubbing = speed;
       if (!(normal > 0)) // it has let go
         break;
       impulse = dissipated = 0;
       for (std::size_t n = std::size_t{1} << steps.level; n-- > 0;) {
         const double free = rubbing - next.free;
-        const double rate = expected(free - mobility * last_force, before);
+        const double rate = expected(free - mobility * last_force, mean);
         friction.enter_step(normal, rate, rough ? e.noise.normal() : 0.0, h);
         friction.refine(friction.mean(free, mobility));
         mean = friction.mean(free, mobility);
@@ -216,7 +213,6 @@ template <class Set> class BodyLanes final : public BodyKernel {
         friction.pass_step(mean);
         dissipated += h * force * mean + (stored - friction.stored_j());
         go_on(m, spot, force, next);
-        before = mean;
         last_force = force;
         impulse += h * force;
       }
@@ -229,7 +225,7 @@ template <class Set> class BodyLanes final : public BodyKernel {
       goes_on = std::abs(force) < kMostState && std::abs(mean) < kMostState;
     }
     e.friction = friction;
-    e.approach_m_per_s = before;
+    e.approach_m_per_s = mean;
     e.last_force_n = last_force;
     e.rubbing_m_per_s = rubbing;
     e.normal_force_n = normal;
@@ -267,13 +263,7 @@ template <class Set> class BodyLanes final : public BodyKernel {
 
 public:
   void ring(const ModesView& m) const noexcept override {
-    over(m.padded, [&](std::size_t i, std::size_t) {
-      State z = turned(m, i);
-      const V outer = load(m.outer + i);
-      z.real += load(m.response_real + i) * outer;
-      z.imaginary += load(m.response_imaginary + i) * outer;
-      store(m, i, z);
-    });
+    over(m.padded, [&](std::size_t i, std::size_t) { store(m, i, turned(m, i)); });
   }
   Foresight foresee(const ModesView& m, const PlaceView& place) const noexcept override {
     return foreseen(m, place);
@@ -285,26 +275,20 @@ public:
     return e.friction.law().roughness > 0 ? rub<true>(m, place, next, e, steps, stretch)
                                           : rub<false>(m, place, next, e, steps, stretch);
   }
-  void advance(const ModesView& m, double* mean) const noexcept override {
+  void free_mean(const ModesView& m, const double* outer, double* mean) const noexcept override {
     over(m.padded, [&](std::size_t i, std::size_t) {
-      const V outer = load(m.outer + i);
       store(mean + i, (load(m.mean_real + i) * load(m.real + i) +
                        load(m.mean_imaginary + i) * load(m.imaginary + i)) +
-                          load(m.mobility + i) * outer);
-      State z = turned(m, i);
-      z.real += load(m.response_real + i) * outer;
-      z.imaginary += load(m.response_imaginary + i) * outer;
-      store(m, i, z);
+                          load(m.mobility + i) * load(outer + i));
     });
   }
-  void push(const ModesView& m, double* mean, const double* shape,
-            double force) const noexcept override {
-    const V times = all(force);
+  void advance(const ModesView& m, const double* force) const noexcept override {
     over(m.padded, [&](std::size_t i, std::size_t) {
-      const V f = times * load(shape + i);
-      store(m.real + i, load(m.real + i) + f * load(m.response_real + i));
-      store(m.imaginary + i, load(m.imaginary + i) + f * load(m.response_imaginary + i));
-      store(mean + i, load(mean + i) + f * load(m.mobility + i));
+      State z = turned(m, i);
+      const V f = load(force + i);
+      z.real += load(m.response_real + i) * f;
+      z.imaginary += load(m.response_imaginary + i) * f;
+      store(m, i, z);
     });
   }
   void add(double* to, const double* from, double factor,

@@ -10,8 +10,14 @@
 
 namespace tactus::contact {
 
-/// Relative velocity at the beginning of a step, as the force law is to expect it: halfway between
-/// the mean of the step before and the mean that would follow from the last force.
+/// Velocity at the end of a step from the step's mean and the mean of the one before.
+[[nodiscard, gnu::always_inline]] inline double continued(double mean,
+                                                          double mean_before) noexcept {
+  return mean + 0.5 * (mean - mean_before);
+}
+
+/// The same at a step's beginning, where forces may turn the velocity round in every step: halfway
+/// between the mean that would follow from the last step's force and the mean before.
 [[nodiscard, gnu::always_inline]] inline double expected(double mean_with_last_force,
                                                          double mean_before) noexcept {
   return 0.5 * (mean_with_last_force + mean_before);
@@ -42,11 +48,11 @@ struct Exciter {
   Friction friction;
   double normal_force_n = 0, rubbing_m_per_s = 0;
   Random noise;
+  double last_force_n = 0; ///< of the last step
 
   // Both.
   double depth_m = 0;               ///< penetration; friction: unused
-  double approach_m_per_s = 0;      ///< relative velocity, its rate; after a step the step's mean
-  double last_force_n = 0;          ///< of the last step
+  double approach_m_per_s = 0;      ///< relative velocity, its rate
   double mean_velocity_m_per_s = 0; ///< of the last step
   double force_n = 0;               ///< mean of the last sample; of a step while it runs
   double impulse_ns = 0;            ///< of the sample so far

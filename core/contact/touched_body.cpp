@@ -15,8 +15,9 @@ TouchedBody::TouchedBody(std::size_t most_modes, std::size_t exciters, std::size
       shape_(exciters, std::vector<double>(most_modes, 1)),
       ear_shape_(ears, std::vector<double>(most_modes, 1)), place_(exciters, ModeArray(most_modes)),
       ear_real_(ears, ModeArray(most_modes)), ear_imaginary_(ears, ModeArray(most_modes)),
-      outer_(most_modes), mean_(most_modes), push_real_(most_modes), push_imaginary_(most_modes),
-      ahead_real_(most_modes), ahead_imaginary_(most_modes), coupling_(exciters * exciters) {
+      outer_(most_modes), drive_(most_modes), mean_(most_modes), push_real_(most_modes),
+      push_imaginary_(most_modes), ahead_real_(most_modes), ahead_imaginary_(most_modes),
+      coupling_(exciters * exciters) {
   order_.reserve(exciters);
   like_the_one_before_.reserve(exciters);
   work_out_steps();
@@ -173,7 +174,6 @@ void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) no
   e.open = {};
   e.place_m = surface(slot) - bounded(gap_m, kFarthest);
   e.velocity_m_per_s = bounded(velocity, kFastest);
-  e.last_force_n = 0;
   e.fresh = e.near = false;
   unsorted_ = true;
 }
@@ -191,6 +191,7 @@ void TouchedBody::rub(std::size_t slot, double normal_force_n, double velocity) 
   Exciter& e = exciters_[slot];
   const double next = bounded(velocity, kFastest);
   e.approach_m_per_s += next - e.rubbing_m_per_s;
+  e.mean_velocity_m_per_s += next - e.rubbing_m_per_s;
   e.rubbing_m_per_s = next;
   e.normal_force_n = bounded(normal_force_n, kMostForce);
   moved_ = true;
@@ -262,9 +263,8 @@ void TouchedBody::reset() noexcept {
     e.open = e.last = {};
     e.blows = 0;
     e.place_m = e.depth_m = -1;
-    e.velocity_m_per_s = e.force_n = 0;
+    e.velocity_m_per_s = e.force_n = e.last_force_n = 0;
     e.near = e.fresh = false;
-    e.last_force_n = 0;
     e.level = 0;
   }
   level_ = quiet_ = near_ = 0;
@@ -285,7 +285,6 @@ ModesView TouchedBody::view(std::size_t index) noexcept {
           level.mean_imaginary.data(),
           level.mobility.data(),
           body_.slowing.data(),
-          outer_.data(),
           body_.padded()};
 }
 

@@ -132,7 +132,7 @@ private:
   std::vector<std::vector<double>> shape_, ear_shape_;
   std::vector<ModeArray> place_;                    ///< shapes over sqrt(m)
   std::vector<ModeArray> ear_real_, ear_imaginary_; ///< velocity there = these times the state
-  ModeArray outer_, mean_;
+  ModeArray outer_, drive_, mean_; ///< forces over sqrt(m): from outside, all; velocity
   ModeArray push_real_, push_imaginary_, ahead_real_,
       ahead_imaginary_; ///< of the one exciter that is near (PlaceView)
   double answer_ = 0;

@@ -62,7 +62,7 @@ void TouchedBody::touch_many() noexcept {
   bool any_friction = false;
   for (std::size_t n = std::size_t{1} << level_; n-- > 0;) {
     knock_many();
-    kernel_->advance(modes, mean_.data());
+    kernel_->free_mean(modes, outer_.data(), mean_.data());
     for (std::size_t c = 0; c < near_; ++c) {
       Exciter& e = exciters_[close_[c]];
       Term& t = terms_[c];
@@ -71,13 +71,13 @@ void TouchedBody::touch_many() noexcept {
       t.own_free = strikes ? e.velocity_m_per_s + t.own * e.outer_force_n : e.rubbing_m_per_s;
       t.free = t.own_free - kernel_->dot(place_[close_[c]].data(), mean_.data(), modes.padded);
       t.law = {};
-      const double own_mobility = coupling_[c * near_ + c] + t.own;
-      const double rate = expected(t.free - own_mobility * e.last_force_n, e.approach_m_per_s);
       if (strikes) {
-        if (Impact::meets(e.depth_m, rate, h))
-          t.law = e.impact.enter_step(e.depth_m, rate, h);
+        if (Impact::meets(e.depth_m, e.approach_m_per_s, h))
+          t.law = e.impact.enter_step(e.depth_m, e.approach_m_per_s, h);
       } else {
         any_friction = true;
+        const double rate =
+            expected(t.free - coupling_[c * near_ + c] * e.last_force_n, e.mean_velocity_m_per_s);
         e.friction.enter_step(e.normal_force_n, rate,
                               e.friction.law().roughness > 0 ? e.noise.normal() : 0.0, h);
         t.law = e.friction.stage().plain();
@@ -94,9 +94,12 @@ void TouchedBody::touch_many() noexcept {
       }
       solve();
     }
-    for (std::size_t c = 0; c < near_; ++c)
-      if (terms_[c].acts)
-        kernel_->push(modes, mean_.data(), place_[close_[c]].data(), terms_[c].force);
+    std::copy_n(outer_.data(), modes.padded, drive_.data());
+    for (const std::size_t c : acting_)
+      kernel_->add(drive_.data(), place_[close_[c]].data(), terms_[c].force, modes.padded);
+    if (acting_.size() < near_) // the others' velocities follow from the modes'
+      kernel_->free_mean(modes, drive_.data(), mean_.data());
+    kernel_->advance(modes, drive_.data());
     for (std::size_t c = 0; c < near_; ++c)
       leave(c, h);
   }
@@ -112,12 +115,13 @@ void TouchedBody::leave(std::size_t c, double h) noexcept {
     t.force = 0;
     t.mean = t.own_free - kernel_->dot(place_[close_[c]].data(), mean_.data(), body_.padded());
   }
-  e.mean_velocity_m_per_s = e.approach_m_per_s = t.mean;
-  e.last_force_n = t.force;
+  e.approach_m_per_s = continued(t.mean, e.mean_velocity_m_per_s);
+  e.mean_velocity_m_per_s = t.mean;
   e.impulse_ns += h * t.force;
   if (e.kind == Exciter::Kind::kFriction) {
     const double stored = e.friction.stored_j();
     e.friction.pass_step(t.mean);
+    e.last_force_n = t.force;
     e.dissipated_j += h * t.force * t.mean + (stored - e.friction.stored_j());
     return;
   }
@@ -274,6 +278,7 @@ void TouchedBody::knock_many() noexcept {
       const bool strikes = e.kind == Exciter::Kind::kImpact;
       e.approach_m_per_s =
           (strikes ? e.velocity_m_per_s : e.rubbing_m_per_s) - surface_velocity(close_[c]);
+      e.mean_velocity_m_per_s = e.approach_m_per_s;
     }
   }
 }

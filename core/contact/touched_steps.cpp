@@ -117,13 +117,17 @@ void TouchedBody::look_around() noexcept {
     if (e.kind == Exciter::Kind::kFriction) {
       e.near = e.normal_force_n > 0;
       if (!e.fresh)
-        e.approach_m_per_s = e.rubbing_m_per_s - surface_velocity(i);
-      if (!e.near)
+        e.approach_m_per_s = e.mean_velocity_m_per_s = e.rubbing_m_per_s - surface_velocity(i);
+      if (!e.near) {
         e.friction.release();
+        e.last_force_n = 0;
+      }
     } else {
       if (!e.fresh || look) {
         e.depth_m = e.place_m - surface(i);
         e.approach_m_per_s = e.velocity_m_per_s - surface_velocity(i);
+        if (!e.fresh)
+          e.mean_velocity_m_per_s = e.approach_m_per_s;
       }
       const double soon = e.approach_m_per_s + sample * e.outer_force_n * e.per_mass;
       e.near = e.impact.touching() || e.depth_m + kReach * sample * std::max(soon, 0.0) > 0;
@@ -315,7 +319,10 @@ void TouchedBody::step() noexcept {
     touch_many();
   } else if (sounds_) {
     foreseen_ = false;
-    kernel_->ring(view(0));
+    if (has_outer_)
+      kernel_->advance(view(0), outer_.data());
+    else
+      kernel_->ring(view(0));
   }
   if (has_outer_) {
     outer_.clear();
