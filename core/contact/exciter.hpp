@@ -38,6 +38,7 @@ struct Exciter {
   // Impact: a mass that flies, at `place_m` (into the body) with `velocity`.
   Impact impact;
   double mass_kg = 0.01;
+  bool held = false; ///< its motion is given, as if its mass were infinite
   double place_m = -1, velocity_m_per_s = 0;
   double outer_force_n = 0; ///< on the mass, into the body, until changed
   bool impulsive = false; ///< too short for the finest steps: an impulse with the exact restitution
@@ -64,13 +65,13 @@ struct Exciter {
   // Of its place on the body.
   std::array<double, kLevels> mobility{}; ///< m/(N s): mean velocity of a step for a force in it
   double quick_mobility = 0;              ///< 1/kg: change of velocity for an impulse
-  double per_mass = 100, effective_mass_kg = 0.01; ///< 1/mass_kg; 1/quick_mobility
+  double per_mass = 100, effective_mass_kg = 0.01; ///< 1/mass_kg, 0 where held; 1/quick_mobility
   double judged_j = -1; ///< energy of the contact for which `level` was found
 
   [[nodiscard]] double energy() const noexcept {
     if (kind == Kind::kImpact)
-      return 0.5 * mass_kg * velocity_m_per_s * velocity_m_per_s + impact.stored_j() +
-             impact.bank_j();
+      return (held ? 0.0 : 0.5 * mass_kg * velocity_m_per_s * velocity_m_per_s) +
+             impact.stored_j() + impact.bank_j();
     return kind == Kind::kFriction ? friction.stored_j() : 0.0;
   }
 

@@ -10,9 +10,11 @@
 namespace tactus::contact {
 namespace {
 
-constexpr double kHighest = 0.49;                    // of the sample rate
-constexpr double kStill = 1e-20;                     // sqrt(J); a mode below it comes to rest
-constexpr double kAbsurd = 1e60;                     // sqrt(J)
+constexpr double kHighest = 0.49; // of the sample rate
+constexpr double kStill = 1e-20;  // sqrt(J); a mode below it comes to rest
+constexpr double kAbsurd = 1e60;  // sqrt(J)
+/// 1/s of a rigid motion: after a second its speed has changed by less than 1e-16 of itself.
+constexpr double kRigid = 1e-8;
 constexpr double kSixtyDecibels = 6.907755278982137; // ln 1000
 
 /// B = (e^(s h) - 1)/s, and P - 1.
@@ -52,7 +54,9 @@ void ModalBody::set_modes(std::span<const Mode> modes) noexcept {
   count_ = std::min(modes.size(), most_);
   const Mode usual;
   for (std::size_t i = 0; i < count_; ++i)
-    wanted_[i] = {within(modes[i].frequency_hz, 1e-3, 1e7, usual.frequency_hz),
+    wanted_[i] = {modes[i].frequency_hz == 0
+                      ? 0
+                      : within(modes[i].frequency_hz, 1e-3, 1e7, usual.frequency_hz),
                   within(modes[i].t60_s, 1e-4, 1e4, usual.t60_s),
                   within(modes[i].mass_kg, 1e-6, 1e9, usual.mass_kg)};
   work_out();
@@ -74,8 +78,9 @@ void ModalBody::work_out() noexcept {
       continue;
     }
     per_root_mass_[i] = 1 / std::sqrt(wanted_[i].mass_kg);
-    const double decay = kSixtyDecibels / wanted_[i].t60_s;
-    const double omega = 2 * std::numbers::pi * wanted_[i].frequency_hz;
+    const bool rigid = wanted_[i].frequency_hz == 0;
+    const double decay = rigid ? 0 : kSixtyDecibels / wanted_[i].t60_s;
+    const double omega = rigid ? kRigid : 2 * std::numbers::pi * wanted_[i].frequency_hz;
     displacement[i] = 1 / omega;
     slowing[i] = decay / omega;
     imaginary[i] *= stretch / std::sqrt(1 + slowing[i] * slowing[i]);

@@ -11,7 +11,7 @@ namespace tactus::contact {
 
 /// One mode of vibration: m (q'' + 2 d q' + (omega^2 + d^2) q) = force on it, d = ln(1000)/t60.
 struct Mode {
-  double frequency_hz = 440;
+  double frequency_hz = 440; ///< 0: a free body's rigid motion, of that mass or inertia
   double t60_s = 1;
   double mass_kg = 1; ///< modal mass for shapes of the size used
 };

@@ -98,18 +98,18 @@ void TouchedBody::work_out_place(std::size_t slot) noexcept {
   Exciter& e = exciters_[slot];
   ModeArray& place = place_[slot];
   const bool strikes = e.kind == Exciter::Kind::kImpact;
-  e.quick_mobility = strikes ? 1 / e.mass_kg : 0;
+  e.per_mass = strikes && !e.held ? 1 / e.mass_kg : 0;
+  e.quick_mobility = e.per_mass;
   for (std::size_t i = 0; i < body_.most_modes(); ++i) {
     place[i] = shape_[slot][i] * body_.per_root_mass(i);
     e.quick_mobility += place[i] * place[i];
   }
   for (std::size_t l = 0; l < kLevels; ++l) {
-    double sum = strikes ? 0.5 * step_s_[l] / e.mass_kg : 0;
+    double sum = 0.5 * step_s_[l] * e.per_mass;
     for (std::size_t i = 0; i < body_.modes(); ++i)
       sum += place[i] * place[i] * body_.level(l).mobility[i];
     e.mobility[l] = sum;
   }
-  e.per_mass = 1 / e.mass_kg;
   e.effective_mass_kg = e.quick_mobility > 0 ? 1 / e.quick_mobility : 1;
   e.judged_j = -1;
   if (strikes)
@@ -122,17 +122,27 @@ void TouchedBody::set_impact(std::size_t slot, const ImpactLaw& law, double mass
     return;
   Exciter& e = exciters_[slot];
   const double mass = std::isfinite(mass_kg) ? std::clamp(mass_kg, 1e-6, 1e6) : 0.01;
-  if (e.kind != Exciter::Kind::kImpact) {
+  if (e.kind == Exciter::Kind::kImpact && !e.held && mass > e.mass_kg) // no energy from nowhere
+    e.velocity_m_per_s *= std::sqrt(e.mass_kg / mass);
+  e.mass_kg = mass;
+  become_impact(slot, law, false);
+}
+
+void TouchedBody::set_held(std::size_t slot, const ImpactLaw& law) noexcept {
+  if (slot < exciters_.size())
+    become_impact(slot, law, true);
+}
+
+void TouchedBody::become_impact(std::size_t slot, const ImpactLaw& law, bool held) noexcept {
+  Exciter& e = exciters_[slot];
+  if (e.kind != Exciter::Kind::kImpact || e.held != held) {
     clear(slot);
     e.kind = Exciter::Kind::kImpact;
-    e.depth_m = -1;
+    e.held = held;
+    e.place_m = surface(slot) - 1;
     e.velocity_m_per_s = 0;
-  } else {
-    e.depth_m = e.place_m - surface(slot);
-    if (mass > e.mass_kg) // no energy from nowhere
-      e.velocity_m_per_s *= std::sqrt(e.mass_kg / mass);
   }
-  e.mass_kg = mass;
+  e.depth_m = e.place_m - surface(slot);
   e.impact.set(law);
   work_out_place(slot);
   unsorted_ = true;
@@ -178,6 +188,16 @@ void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) no
   unsorted_ = true;
 }
 
+void TouchedBody::lead(std::size_t slot, double velocity_m_per_s) noexcept {
+  if (slot >= exciters_.size() || !exciters_[slot].held)
+    return;
+  Exciter& e = exciters_[slot];
+  const double next = bounded(velocity_m_per_s, kFastest);
+  e.approach_m_per_s += next - e.velocity_m_per_s;
+  e.mean_velocity_m_per_s += next - e.velocity_m_per_s;
+  e.velocity_m_per_s = next;
+}
+
 void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {
   if (slot >= exciters_.size())
     return;
@@ -215,6 +235,17 @@ void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
   if (slot >= exciters_.size() || impulse == 0)
     return;
   kernel_->add(body_.real.data(), place_[slot].data(), impulse, body_.padded());
+  sounds_ = true;
+  foreseen_ = false;
+  for (Exciter& e : exciters_)
+    e.fresh = false;
+}
+
+void TouchedBody::set_modal_velocity(std::size_t mode, double velocity_m_per_s) noexcept {
+  if (mode >= body_.modes() || !(body_.per_root_mass(mode) > 0))
+    return;
+  body_.real[mode] = bounded(velocity_m_per_s, kFastest) / body_.per_root_mass(mode) +
+                     body_.slowing[mode] * body_.imaginary[mode];
   sounds_ = true;
   foreseen_ = false;
   for (Exciter& e : exciters_)

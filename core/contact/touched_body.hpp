@@ -47,11 +47,17 @@ public:
   /// The slot holds a mass that flies freely, nothing, or a surface that rubs. Changing the law of
   /// a contact under way adds no energy.
   void set_impact(std::size_t exciter, const ImpactLaw& law, double mass_kg) noexcept;
+  /// A striker whose motion is given (throw_mass() for where it begins, lead()). At rest, on a
+  /// place with shapes of the modes of two bodies, both counted into their surfaces, it is the
+  /// contact between the two: all bodies' modes then stand in one list.
+  void set_held(std::size_t exciter, const ImpactLaw& law) noexcept;
   void set_friction(std::size_t exciter, const FrictionLaw& law) noexcept;
   void clear(std::size_t exciter) noexcept;
 
   /// Puts an impact's mass so far above the surface, with a velocity into the body.
   void throw_mass(std::size_t exciter, double gap_m, double velocity_m_per_s) noexcept;
+  /// Velocity of a held striker, into the body, until changed.
+  void lead(std::size_t exciter, double velocity_m_per_s) noexcept;
   /// Outer force on an impact's mass, into the body, until changed.
   void push_mass(std::size_t exciter, double force_n) noexcept;
   /// How a friction's surface presses and moves, until changed.
@@ -62,6 +68,8 @@ public:
   void push_body(std::size_t exciter, double force_n) noexcept;
   /// An impulse on the body at the slot's place, at once, N s.
   void knock_body(std::size_t exciter, double impulse_ns) noexcept;
+  /// Sets one mode's velocity at once, m/s for a shape of 1: how bodies are set off.
+  void set_modal_velocity(std::size_t mode, double velocity_m_per_s) noexcept;
   /// Steps of a sample, at least: 1, 2, 4 ... 64.
   void set_least_steps(unsigned steps) noexcept;
 
@@ -99,6 +107,7 @@ private:
   void measure_places() noexcept;
   void keep_places() noexcept;
   void work_out_place(std::size_t exciter) noexcept;
+  void become_impact(std::size_t exciter, const ImpactLaw& law, bool held) noexcept;
   void sort() noexcept;
   void look_for_difference() noexcept;
   [[nodiscard]] bool goes_before(std::size_t a, std::size_t b) const noexcept;

@@ -22,6 +22,7 @@ bool TouchedBody::goes_before(std::size_t a, std::size_t b) const noexcept {
     const ImpactLaw& i = e.impact.law();
     const FrictionLaw& f = e.friction.law();
     return std::array{static_cast<double>(e.kind),
+                      static_cast<double>(e.held),
                       e.mass_kg,
                       e.place_m,
                       e.velocity_m_per_s,
