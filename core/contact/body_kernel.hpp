@@ -3,6 +3,7 @@
 #include "core/contact/exciter.hpp"
 
 #include <cstddef>
+#include <span>
 
 /// The loops over modes that every step needs, one copy for each instruction set.
 namespace tactus::contact {
@@ -17,6 +18,12 @@ struct ModesView {
   const double* mobility;
   const double* slowing;
   std::size_t padded;
+};
+
+/// A force at a place with this shape, over sqrt(m).
+struct Push {
+  const double* shape;
+  double force;
 };
 
 /// One step length. 2^level of them make a sample.
@@ -71,10 +78,14 @@ public:
   /// early after one that leaves the exciter in need of a look (TouchedBody::look_around).
   virtual std::size_t touch(const ModesView&, const PlaceView&, Foresight&, Exciter&, Steps,
                             const Stretch&) const noexcept = 0;
-  /// mean[i] = the modes' mean velocity in a step with these outer forces over sqrt(m) alone.
-  virtual void free_mean(const ModesView&, const double* outer, double* mean) const noexcept = 0;
-  /// A step on under forces over sqrt(m).
-  virtual void advance(const ModesView&, const double* force) const noexcept = 0;
+  /// mean[i] = the modes' mean velocity in a step with these forces. Null `outer`: none.
+  virtual void mean(const ModesView&, const double* outer, std::span<const Push>,
+                    double* mean) const noexcept = 0;
+  /// The same without forces.
+  virtual void free_mean(const ModesView&, double* mean) const noexcept = 0;
+  /// A step on under these forces.
+  virtual void advance(const ModesView&, const double* outer,
+                       std::span<const Push>) const noexcept = 0;
   /// to += factor from
   virtual void add(double* to, const double* from, double factor,
                    std::size_t padded) const noexcept = 0;

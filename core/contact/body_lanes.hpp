@@ -30,6 +30,8 @@ template <class Set> class BodyLanes final : public BodyKernel {
     *reinterpret_cast<V*>(to) = value;
   }
   [[gnu::always_inline]] static V all(double value) noexcept { return value - V{}; }
+
+public:
   /// ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))
   [[gnu::always_inline]] static double across(const V* sums) noexcept {
     if constexpr (kRegisters == 4) {
@@ -42,6 +44,8 @@ template <class Set> class BodyLanes final : public BodyKernel {
       return two[0] + two[1];
     }
   }
+
+private:
   /// Calls work(i, r) for all registers of the modes, r counting those of a group of lanes.
   template <class Work>
   [[gnu::always_inline]] static void over(std::size_t padded, const Work& work) noexcept {
@@ -64,6 +68,14 @@ template <class Set> class BodyLanes final : public BodyKernel {
                                            const State& z) noexcept {
     store(m.real + i, z.real);
     store(m.imaginary + i, z.imaginary);
+  }
+  /// Forces over sqrt(m) on the modes, together.
+  [[gnu::always_inline]] static V force_of(const double* outer, std::span<const Push> pushes,
+                                           std::size_t i) noexcept {
+    V sum = outer ? load(outer + i) : V{};
+    for (const Push& push : pushes)
+      sum += all(push.force) * load(push.shape + i);
+    return sum;
   }
   /// A step on under a force at the place, and what it foresees.
   [[gnu::always_inline]] static void go_on(const ModesView& m, const PlaceView& place, double force,
@@ -275,17 +287,25 @@ public:
     return e.friction.law().roughness > 0 ? rub<true>(m, place, next, e, steps, stretch)
                                           : rub<false>(m, place, next, e, steps, stretch);
   }
-  void free_mean(const ModesView& m, const double* outer, double* mean) const noexcept override {
+  void mean(const ModesView& m, const double* outer, std::span<const Push> pushes,
+            double* mean) const noexcept override {
     over(m.padded, [&](std::size_t i, std::size_t) {
-      store(mean + i, (load(m.mean_real + i) * load(m.real + i) +
-                       load(m.mean_imaginary + i) * load(m.imaginary + i)) +
-                          load(m.mobility + i) * load(outer + i));
+      const V z = load(m.mean_real + i) * load(m.real + i) +
+                  load(m.mean_imaginary + i) * load(m.imaginary + i);
+      store(mean + i, z + load(m.mobility + i) * force_of(outer, pushes, i));
     });
   }
-  void advance(const ModesView& m, const double* force) const noexcept override {
+  void free_mean(const ModesView& m, double* mean) const noexcept override {
+    over(m.padded, [&](std::size_t i, std::size_t) {
+      store(mean + i, load(m.mean_real + i) * load(m.real + i) +
+                          load(m.mean_imaginary + i) * load(m.imaginary + i));
+    });
+  }
+  void advance(const ModesView& m, const double* outer,
+               std::span<const Push> pushes) const noexcept override {
     over(m.padded, [&](std::size_t i, std::size_t) {
       State z = turned(m, i);
-      const V f = load(force + i);
+      const V f = force_of(outer, pushes, i);
       z.real += load(m.response_real + i) * f;
       z.imaginary += load(m.response_imaginary + i) * f;
       store(m, i, z);

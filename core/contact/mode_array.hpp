@@ -7,6 +7,10 @@ namespace tactus::contact {
 
 inline constexpr std::size_t kModeLanes = 8; ///< arrays are whole multiples of it
 
+[[nodiscard]] constexpr std::size_t whole_lanes(std::size_t count) noexcept {
+  return (count + kModeLanes - 1) / kModeLanes * kModeLanes;
+}
+
 /// One number a mode, zeros up to a whole multiple of kModeLanes, aligned for vectors.
 class ModeArray {
 public:

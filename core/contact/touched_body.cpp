@@ -11,24 +11,23 @@ constexpr double kMostShape = 1e3;
 } // namespace
 
 TouchedBody::TouchedBody(std::size_t most_modes, std::size_t exciters, std::size_t ears)
-    : body_(most_modes), kernel_(&body_kernel()), exciters_(exciters),
+    : body_(most_modes), kernel_(&body_kernel()), dense_(&dense_kernel()), exciters_(exciters),
       shape_(exciters, std::vector<double>(most_modes, 1)),
       ear_shape_(ears, std::vector<double>(most_modes, 1)), place_(exciters, ModeArray(most_modes)),
       ear_real_(ears, ModeArray(most_modes)), ear_imaginary_(ears, ModeArray(most_modes)),
-      outer_(most_modes), drive_(most_modes), mean_(most_modes), push_real_(most_modes),
-      push_imaginary_(most_modes), ahead_real_(most_modes), ahead_imaginary_(most_modes),
-      coupling_(exciters * exciters) {
+      outer_(most_modes), mean_(most_modes), push_real_(most_modes), push_imaginary_(most_modes),
+      ahead_real_(most_modes), ahead_imaginary_(most_modes),
+      coupling_(exciters * whole_lanes(exciters)) {
   order_.reserve(exciters);
   like_the_one_before_.reserve(exciters);
   work_out_steps();
   close_.reserve(exciters);
   acting_.reserve(exciters);
+  pushes_.reserve(exciters);
   terms_.resize(exciters);
-  const std::size_t most = std::max(exciters, most_modes);
-  const std::size_t least = std::min(exciters, most_modes);
-  matrix_.resize(least * least);
-  right_.resize(most);
-  other_.resize(most);
+  const std::size_t unknowns = std::min(exciters, most_modes); // of the smaller system
+  matrix_ = ModeArray(unknowns * whole_lanes(unknowns));
+  right_ = other_ = root_ = answers_ = column_ = ModeArray(unknowns);
   for (std::size_t i = 0; i < exciters; ++i)
     exciters_[i].noise.seed(i + 1);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/contact/body_kernel.hpp"
+#include "core/contact/dense_kernel.hpp"
 #include "core/contact/exciter.hpp"
 #include "core/contact/modal_body.hpp"
 
@@ -98,7 +99,10 @@ public:
   /// True while modes ring or something is near.
   [[nodiscard]] bool active() const noexcept { return sounds_ || near_ > 0; }
   /// Instructions that every processor has, for comparison.
-  void use_baseline() noexcept { kernel_ = &baseline_body_kernel(); }
+  void use_baseline() noexcept {
+    kernel_ = &baseline_body_kernel();
+    dense_ = &baseline_dense_kernel();
+  }
   /// All at rest, masses 1 m away.
   void reset() noexcept;
 
@@ -122,6 +126,8 @@ private:
   void knock_many() noexcept;
   void solve() noexcept;
   void solve_by_contact() noexcept;
+  void solve_one() noexcept;
+  void solve_two() noexcept;
   void couple() noexcept;
   void touch_one() noexcept;
   void run(std::size_t exciter, const Stretch& whole) noexcept;
@@ -133,15 +139,19 @@ private:
   void leave(std::size_t term, double h) noexcept;
   void solve_by_mode() noexcept;
   [[nodiscard]] ModesView view(std::size_t level) noexcept;
+  [[nodiscard]] std::size_t coupling_stride() const noexcept {
+    return whole_lanes(exciters_.size());
+  }
   [[nodiscard]] double step_length() const noexcept { return step_s_[level_]; }
 
   ModalBody body_;
   const BodyKernel* kernel_;
+  const DenseKernel* dense_;
   std::vector<Exciter> exciters_;
   std::vector<std::vector<double>> shape_, ear_shape_;
   std::vector<ModeArray> place_;                    ///< shapes over sqrt(m)
   std::vector<ModeArray> ear_real_, ear_imaginary_; ///< velocity there = these times the state
-  ModeArray outer_, drive_, mean_; ///< forces over sqrt(m): from outside, all; velocity
+  ModeArray outer_, mean_; ///< forces over sqrt(m) from outside; modes' mean velocities
   ModeArray push_real_, push_imaginary_, ahead_real_,
       ahead_imaginary_; ///< of the one exciter that is near (PlaceView)
   double answer_ = 0;
@@ -163,7 +173,9 @@ private:
   };
   std::vector<Term> terms_;
   std::vector<std::size_t> acting_;
-  std::vector<double> coupling_, matrix_, right_, other_;
+  std::vector<Push> pushes_;
+  ModeArray coupling_, matrix_; ///< columns of whole lanes
+  ModeArray right_, other_, root_, answers_, column_;
 };
 
 } // namespace tactus::contact

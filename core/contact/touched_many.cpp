@@ -10,45 +10,18 @@ namespace {
 constexpr double kLeastSlope = 1e-250; // N s/m; a contact softer than that has no force
 constexpr int kKnockRounds = 8;
 
-/// Cholesky's factorisation of a symmetric positive definite matrix, rows of `count`, lower half.
-void factorise(double* matrix, std::size_t count) noexcept {
-  for (std::size_t i = 0; i < count; ++i) {
-    double* row = matrix + i * count;
-    for (std::size_t j = 0; j <= i; ++j) {
-      const double* above = matrix + j * count;
-      double sum = row[j];
-      for (std::size_t k = 0; k < j; ++k)
-        sum -= row[k] * above[k];
-      row[j] = j < i ? sum / above[j] : std::sqrt(std::max(sum, 1e-300));
-    }
-  }
-}
-
-/// Solves with that factorisation, in place.
-void substitute(const double* matrix, std::size_t count, double* x) noexcept {
-  for (std::size_t i = 0; i < count; ++i) {
-    double sum = x[i];
-    for (std::size_t k = 0; k < i; ++k)
-      sum -= matrix[i * count + k] * x[k];
-    x[i] = sum / matrix[i * count + i];
-  }
-  for (std::size_t i = count; i-- > 0;) {
-    double sum = x[i];
-    for (std::size_t k = i + 1; k < count; ++k)
-      sum -= matrix[k * count + i] * x[k];
-    x[i] = sum / matrix[i * count + i];
-  }
-}
-
 } // namespace
 
-/// coupling_[c][d] = Y without the exciters' own masses, for those near.
+/// coupling_ = Y without the exciters' own masses, for those near, in columns.
 void TouchedBody::couple() noexcept {
-  for (std::size_t c = 0; c < near_; ++c)
+  for (std::size_t c = 0; c < near_; ++c) {
+    double* const column = coupling_.data() + c * coupling_stride();
+    std::fill_n(column, coupling_stride(), 0.0);
     for (std::size_t d = 0; d <= c; ++d)
-      coupling_[c * near_ + d] = coupling_[d * near_ + c] =
+      column[d] = coupling_[d * coupling_stride() + c] =
           kernel_->dot(place_[close_[c]].data(), place_[close_[d]].data(),
                        body_.level(level_).mobility.data(), body_.padded());
+  }
   coupled_ = near_ > 1; // one alone has a PlaceView
 }
 
@@ -59,10 +32,14 @@ void TouchedBody::touch_many() noexcept {
   foreseen_ = false;
   if (!coupled_ || near_ == 1)
     couple();
+  const double* const outer = has_outer_ ? outer_.data() : nullptr;
   bool any_friction = false;
   for (std::size_t n = std::size_t{1} << level_; n-- > 0;) {
     knock_many();
-    kernel_->free_mean(modes, outer_.data(), mean_.data());
+    if (outer)
+      kernel_->mean(modes, outer, {}, mean_.data());
+    else
+      kernel_->free_mean(modes, mean_.data());
     for (std::size_t c = 0; c < near_; ++c) {
       Exciter& e = exciters_[close_[c]];
       Term& t = terms_[c];
@@ -76,8 +53,8 @@ void TouchedBody::touch_many() noexcept {
           t.law = e.impact.enter_step(e.depth_m, e.approach_m_per_s, h);
       } else {
         any_friction = true;
-        const double rate =
-            expected(t.free - coupling_[c * near_ + c] * e.last_force_n, e.mean_velocity_m_per_s);
+        const double rate = expected(t.free - coupling_[c * coupling_stride() + c] * e.last_force_n,
+                                     e.mean_velocity_m_per_s);
         e.friction.enter_step(e.normal_force_n, rate,
                               e.friction.law().roughness > 0 ? e.noise.normal() : 0.0, h);
         t.law = e.friction.stage().plain();
@@ -94,12 +71,12 @@ void TouchedBody::touch_many() noexcept {
       }
       solve();
     }
-    std::copy_n(outer_.data(), modes.padded, drive_.data());
+    pushes_.clear();
     for (const std::size_t c : acting_)
-      kernel_->add(drive_.data(), place_[close_[c]].data(), terms_[c].force, modes.padded);
+      pushes_.push_back({place_[close_[c]].data(), terms_[c].force});
     if (acting_.size() < near_) // the others' velocities follow from the modes'
-      kernel_->free_mean(modes, drive_.data(), mean_.data());
-    kernel_->advance(modes, drive_.data());
+      kernel_->mean(modes, outer, pushes_, mean_.data());
+    kernel_->advance(modes, outer, pushes_);
     for (std::size_t c = 0; c < near_; ++c)
       leave(c, h);
   }
@@ -159,36 +136,73 @@ void TouchedBody::solve() noexcept {
   }
 }
 
+void TouchedBody::solve_one() noexcept {
+  Term& t = terms_[acting_[0]];
+  const double y = coupling_[acting_[0] * coupling_stride() + acting_[0]] + t.own;
+  const double under = 1 / (1 + t.law.slope_ns_per_m * y);
+  t.mean = (t.free - y * t.law.offset_n) * under;
+  t.force = (t.law.offset_n + t.law.slope_ns_per_m * t.free) * under;
+}
+
+/// Two by elimination; the pivots are those of solve_by_contact(), 1 and above.
+void TouchedBody::solve_two() noexcept {
+  Term &a = terms_[acting_[0]], &b = terms_[acting_[1]];
+  const double* const column = coupling_.data() + acting_[0] * coupling_stride();
+  const double* const other = coupling_.data() + acting_[1] * coupling_stride();
+  const double y = column[acting_[1]], ya = column[acting_[0]] + a.own,
+               yb = other[acting_[1]] + b.own;
+  const double sa = a.law.slope_ns_per_m, sb = b.law.slope_ns_per_m;
+  const double fa = a.law.offset_n, fb = b.law.offset_n;
+  const double va = a.free - (ya * fa + y * fb), vb = b.free - (y * fa + yb * fb);
+  const double pa = fa + sa * a.free, pb = fb + sb * b.free;
+  const double first = 1 / (1 + sa * ya);
+  const double second = 1 / (1 + sb * yb - sa * sb * y * y * first);
+  b.mean = (vb - y * sa * first * va) * second;
+  a.mean = (va - y * sb * b.mean) * first;
+  b.force = (pb - y * sb * first * pa) * second;
+  a.force = (pa - y * sa * b.force) * first;
+}
+
 /// With S = sqrt(slopes): (1 + S Y S) S v = S (free - Y offset) and the same matrix for the forces
 /// over S, so that neither is a small difference of large numbers. Its eigenvalues are 1 and above.
 void TouchedBody::solve_by_contact() noexcept {
-  const std::size_t count = acting_.size();
+  if (acting_.size() == 1)
+    return solve_one();
+  if (acting_.size() == 2)
+    return solve_two();
+  const std::size_t count = acting_.size(), stride = whole_lanes(count);
+  const DenseView matrix{matrix_.data(), count, stride};
+  double *const root = root_.data(), *const answer = answers_.data();
+  std::fill_n(root, stride, 0.0);
+  std::fill_n(answer, stride, 0.0);
+  for (std::size_t i = 0; i < count; ++i)
+    root[i] = std::sqrt(terms_[acting_[i]].law.slope_ns_per_m);
+  for (std::size_t j = 0; j < count; ++j) {
+    const Term& t = terms_[acting_[j]];
+    const double* column = coupling_.data() + acting_[j] * coupling_stride();
+    if (count < near_) { // those that act, without the others
+      for (std::size_t i = 0; i < count; ++i)
+        column_[i] = column[acting_[i]];
+      column = column_.data();
+    }
+    dense_->take_column(matrix.at + j * stride, answer, column, root, root[j], t.law.offset_n,
+                        stride);
+    matrix(j, j) += 1 + t.law.slope_ns_per_m * t.own;
+    answer[j] += t.own * t.law.offset_n;
+  }
+  std::fill_n(right_.data(), stride, 0.0);
+  std::fill_n(other_.data(), stride, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
     const Term& t = terms_[acting_[i]];
-    const double root = std::sqrt(t.law.slope_ns_per_m);
-    double answer = t.own * t.law.offset_n;
-    for (std::size_t j = 0; j < count; ++j) {
-      const Term& other = terms_[acting_[j]];
-      double y = coupling_[acting_[i] * near_ + acting_[j]];
-      answer += y * other.law.offset_n;
-      if (j > i)
-        continue;
-      if (j == i)
-        y += t.own;
-      matrix_[i * count + j] =
-          (i == j ? 1.0 : 0.0) + root * std::sqrt(other.law.slope_ns_per_m) * y;
-    }
-    right_[i] = root * (t.free - answer);
-    other_[i] = t.law.offset_n / root + root * t.free;
+    right_[i] = root[i] * (t.free - answer[i]);
+    other_[i] = t.law.offset_n / root[i] + root[i] * t.free;
   }
-  factorise(matrix_.data(), count);
-  substitute(matrix_.data(), count, right_.data());
-  substitute(matrix_.data(), count, other_.data());
+  dense_->factorise(matrix);
+  dense_->substitute(matrix, right_.data(), other_.data());
   for (std::size_t i = 0; i < count; ++i) {
     Term& t = terms_[acting_[i]];
-    const double root = std::sqrt(t.law.slope_ns_per_m);
-    t.mean = right_[i] / root;
-    t.force = root * other_[i];
+    t.mean = right_[i] / root[i];
+    t.force = root[i] * other_[i];
   }
 }
 
@@ -196,32 +210,27 @@ void TouchedBody::solve_by_contact() noexcept {
 /// (1 + slope own), d the change of the modes' mean velocities, which remain:
 /// d/y + sum g kappa (g.d) = sum g (offset + slope free)/(1 + slope own), y a mode's mobility.
 void TouchedBody::solve_by_mode() noexcept {
-  const std::size_t count = body_.modes();
+  const std::size_t count = body_.modes(), stride = body_.padded();
   const ModeArray& mobility = body_.level(level_).mobility;
-  std::fill_n(matrix_.data(), count * count, 0.0);
-  std::fill_n(right_.data(), count, 0.0);
+  const DenseView matrix{matrix_.data(), count, stride};
+  std::fill_n(matrix_.data(), count * stride, 0.0);
+  std::fill_n(right_.data(), stride, 0.0);
+  std::fill_n(other_.data(), stride, 0.0);
   for (std::size_t i = 0; i < count; ++i)
-    matrix_[i * count + i] = mobility[i] > 0 ? 1 / mobility[i] : 1;
+    matrix(i, i) = mobility[i] > 0 ? 1 / mobility[i] : 1;
   for (const std::size_t c : acting_) {
     const Term& t = terms_[c];
     const double* shape = place_[close_[c]].data();
     const double over = 1 / (1 + t.law.slope_ns_per_m * t.own);
-    const double drive = over * (t.law.offset_n + t.law.slope_ns_per_m * t.free);
-    for (std::size_t i = 0; i < count; ++i) {
-      const double stiff = over * t.law.slope_ns_per_m * shape[i];
-      right_[i] += drive * shape[i];
-      for (std::size_t j = 0; j <= i; ++j)
-        matrix_[i * count + j] += stiff * shape[j];
-    }
+    kernel_->add(right_.data(), shape, over * (t.law.offset_n + t.law.slope_ns_per_m * t.free),
+                 stride);
+    dense_->add_square(matrix, shape, over * t.law.slope_ns_per_m);
   }
-  factorise(matrix_.data(), count);
-  substitute(matrix_.data(), count, right_.data());
+  dense_->factorise(matrix);
+  dense_->substitute(matrix, right_.data(), other_.data());
   for (const std::size_t c : acting_) {
     Term& t = terms_[c];
-    const double* shape = place_[close_[c]].data();
-    double change = 0;
-    for (std::size_t i = 0; i < count; ++i)
-      change += shape[i] * right_[i];
+    const double change = kernel_->dot(place_[close_[c]].data(), right_.data(), stride);
     const double over = 1 / (1 + t.law.slope_ns_per_m * t.own);
     t.force = over * (t.law.offset_n + t.law.slope_ns_per_m * (t.free - change));
     t.mean = over * (t.free - change - t.own * t.law.offset_n);

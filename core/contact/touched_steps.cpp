@@ -321,7 +321,7 @@ void TouchedBody::step() noexcept {
   } else if (sounds_) {
     foreseen_ = false;
     if (has_outer_)
-      kernel_->advance(view(0), outer_.data());
+      kernel_->advance(view(0), outer_.data(), {});
     else
       kernel_->ring(view(0));
   }
