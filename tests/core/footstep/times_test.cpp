@@ -1,0 +1,436 @@
+#include "core/footstep/drive.hpp"
+#include "core/footstep/gait.hpp"
+#include "core/footstep/room.hpp"
+#include "core/footstep/sole_sensor.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+// Times, sizes and limits of gait, sensors and drives, each from its own definition.
+
+using namespace tactus::footstep;
+
+namespace {
+
+constexpr double kRate = 48000;
+constexpr double kPi = std::numbers::pi;
+
+/// What happens to one foot, times in s.
+struct Events {
+  std::vector<double> heel, ball, heel_up, toe_off;
+  std::vector<double> heel_speed, ball_speed;
+};
+
+Events walk(const Walker& walker, double seconds, std::size_t foot, double variation = 0) {
+  Gait gait;
+  gait.prepare(kRate);
+  gait.set(walker, variation);
+  gait.walk(true);
+  Events events;
+  std::array<SoleState, Gait::kFeet> feet{};
+  for (int n = 0; n < seconds * kRate; ++n) {
+    gait.next(feet);
+    const SoleState& sole = feet[foot];
+    if (sole.heel_landing > 0) {
+      events.heel.push_back(n / kRate);
+      events.heel_speed.push_back(sole.heel_landing);
+    }
+    if (sole.ball_landing > 0) {
+      events.ball.push_back(n / kRate);
+      events.ball_speed.push_back(sole.ball_landing);
+    }
+    if (sole.heel_up)
+      events.heel_up.push_back(n / kRate);
+    if (sole.toe_off)
+      events.toe_off.push_back(n / kRate);
+  }
+  return events;
+}
+
+/// Sole forces that rise and fall along straight lines between (s, N).
+struct Line {
+  std::vector<std::array<double, 2>> points;
+  [[nodiscard]] double at(double t) const {
+    if (t <= points.front()[0])
+      return points.front()[1];
+    for (std::size_t i = 1; i < points.size(); ++i)
+      if (t < points[i][0])
+        return points[i - 1][1] + (points[i][1] - points[i - 1][1]) * (t - points[i - 1][0]) /
+                                      (points[i][0] - points[i - 1][0]);
+    return points.back()[1];
+  }
+};
+
+struct Felt {
+  std::vector<double> heel_landing_s, heel_speed, ball_landing_s, ball_speed, heel_up_s, toe_off_s;
+};
+
+Felt feel(const Line& heel, const Line& ball, double seconds, double weight = 700) {
+  SoleSensor sensor;
+  sensor.prepare(kRate);
+  sensor.set(weight);
+  Felt felt;
+  for (int n = 0; n < seconds * kRate; ++n) {
+    const double t = n / kRate;
+    const SoleState sole = sensor.next(heel.at(t), ball.at(t));
+    if (sole.heel_landing > 0) {
+      felt.heel_landing_s.push_back(t);
+      felt.heel_speed.push_back(sole.heel_landing);
+    }
+    if (sole.ball_landing > 0) {
+      felt.ball_landing_s.push_back(t);
+      felt.ball_speed.push_back(sole.ball_landing);
+    }
+    if (sole.heel_up)
+      felt.heel_up_s.push_back(t);
+    if (sole.toe_off)
+      felt.toe_off_s.push_back(t);
+  }
+  return felt;
+}
+
+} // namespace
+
+TEST_CASE("a gait without variation keeps the times and speeds of its walker") {
+  for (const Walker& walker :
+       {Walker{.9, 700, .2, false}, Walker{1.4, 700, .2, false}, Walker{3, 650, .2, true}}) {
+    CAPTURE(walker.speed_m_per_s);
+    GroundReaction reaction;
+    reaction.set(walker);
+    const double stride = reaction.stride_s(), stance = reaction.stance_s();
+    const double pace = std::pow(walker.speed_m_per_s / 1.4, .8);
+    for (const std::size_t foot : {0UL, 1UL}) {
+      const Events e = walk(walker, 6, foot);
+      REQUIRE(e.heel.size() >= 5);
+      REQUIRE(e.toe_off.size() >= 4);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double begin = static_cast<double>(k) * stride + (foot ? stride / 2 : 0);
+        CHECK(e.heel[k] == doctest::Approx(begin).epsilon(1e-9).scale(3 / kRate / 1e-9));
+        CHECK(std::abs(e.ball[k] - e.heel[k] - (walker.run ? .04 : .12) * stance) < 2 / kRate);
+        CHECK(std::abs(e.heel_up[k] - e.heel[k] - .62 * stance) < 2 / kRate);
+        CHECK(std::abs(e.toe_off[k] - e.heel[k] - stance) < 2 / kRate);
+        CHECK(e.heel_speed[k] == doctest::Approx(.5 * pace));
+        CHECK(e.ball_speed[k] == doctest::Approx(.3 * pace));
+      }
+    }
+  }
+  CHECK(walk({20, 700, 0, true}, 1, 0).heel_speed[0] ==
+        walk({8, 700, 0, true}, 1, 0).heel_speed[0]);
+  CHECK(walk({.1, 700, 0, false}, 1, 0).heel_speed[0] ==
+        walk({.3, 700, 0, false}, 1, 0).heel_speed[0]);
+  CHECK(walk({1.4, 700, 0, false}, 4, 0, 9).heel == walk({1.4, 700, 0, false}, 4, 0, .5).heel);
+}
+
+TEST_CASE("slopes are the forces' differences, and a scatter of forces is the variation's") {
+  Gait gait;
+  gait.prepare(kRate);
+  gait.set({1.4, 700, .4, false}, .04);
+  gait.walk(true);
+  std::array<SoleState, Gait::kFeet> feet{};
+  double before_heel = 0, before_ball = 0, worst = 0, impulse = 0;
+  std::vector<double> impulses, speeds;
+  for (int n = 0; n < 300 * kRate; ++n) {
+    gait.next(feet);
+    const SoleState& sole = feet[0];
+    if (sole.heel_landing > 0)
+      speeds.push_back(std::log(sole.heel_landing));
+    if (sole.heel_n > 0 && before_heel > 0) {
+      worst = std::max(worst, std::abs(sole.heel_slope - (sole.heel_n - before_heel) * kRate));
+      worst = std::max(worst, std::abs(sole.ball_slope - (sole.ball_n - before_ball) * kRate));
+    }
+    before_heel = sole.heel_n;
+    before_ball = sole.ball_n;
+    impulse += (sole.heel_n + sole.ball_n) / kRate;
+    if (sole.toe_off)
+      impulses.push_back(std::log(std::exchange(impulse, 0)));
+  }
+  CHECK(worst < 1e-4);
+  const auto scatter = [](const std::vector<double>& x) {
+    double sum = 0, square = 0;
+    for (const double v : x) {
+      sum += v / static_cast<double>(x.size());
+      square += v * v / static_cast<double>(x.size());
+    }
+    return std::sqrt(square - sum * sum);
+  };
+  REQUIRE(impulses.size() > 250); // standard error of a scatter: 4.5 %
+  CHECK(scatter(impulses) == doctest::Approx(.04 * std::sqrt(2.)).epsilon(.18)); // force and stance
+  CHECK(scatter(speeds) == doctest::Approx(.16).epsilon(.18));
+}
+
+TEST_CASE("walking begins at once, ends after the step, goes on with the other foot; single steps "
+          "are steps") {
+  Gait gait;
+  gait.prepare(kRate);
+  gait.set({1.4, 700, 0, false}, 0);
+  std::array<SoleState, Gait::kFeet> feet{};
+  gait.next(feet);
+  CHECK(feet[0].heel_landing == 0);
+  CHECK_FALSE(gait.walking());
+  gait.walk(true);
+  CHECK(gait.walking());
+  gait.next(feet);
+  CHECK(feet[0].heel_landing > 0);
+  CHECK(feet[1].heel_landing == 0);
+  gait.walk(false);
+  int offs = 0, landings = 0;
+  for (int n = 0; n < 2 * kRate; ++n) {
+    gait.next(feet);
+    offs += feet[0].toe_off + feet[1].toe_off;
+    landings += (feet[0].heel_landing > 0) + (feet[1].heel_landing > 0);
+  }
+  CHECK(offs == 1);
+  CHECK(landings == 0);
+  gait.walk(true);
+  gait.walk(true); // is nothing new
+  gait.next(feet);
+  CHECK(feet[1].heel_landing > 0);
+  gait.reset();
+  CHECK(gait.walking());
+  gait.next(feet);
+  CHECK(feet[0].heel_landing > 0);
+  CHECK(feet[1].heel_n == 0);
+  gait.walk(false);
+  gait.reset();
+  gait.step(1);
+  gait.step(7); // there is none
+  gait.next(feet);
+  CHECK(feet[1].heel_landing > 0);
+  CHECK(feet[0].heel_landing == 0);
+  for (int n = 0; n < 2000; ++n)
+    gait.next(feet);
+  gait.step(1); // on the ground
+  gait.next(feet);
+  CHECK(feet[1].heel_landing == 0);
+}
+
+TEST_CASE("forces of walking between the published speeds, and of running, follow their rules") {
+  GroundReaction reaction;
+  const auto highest = [&](double from, double to) {
+    double best = 0;
+    for (int i = 0; i <= 1000; ++i)
+      best = std::max(best, reaction.force(from + (to - from) * i / 1000));
+    return best;
+  };
+  const auto mean = [&] {
+    double sum = 0;
+    for (int i = 0; i < 20000; ++i)
+      sum += reaction.force((i + .5) / 20000) / 20000;
+    return sum;
+  };
+  reaction.set({1.25, 1000, 0, false}); // halfway between 1.1 and 1.4
+  CHECK(highest(.1, .4) == doctest::Approx(1000 * .5 * (1.06 + 1.13)).epsilon(1e-4));
+  CHECK(highest(.6, .9) == doctest::Approx(1000 * .5 * (1.06 + 1.10)).epsilon(1e-4));
+  CHECK(reaction.force(.48) == doctest::Approx(1000 * .5 * (.8 + .72)).epsilon(1e-4));
+  CHECK(reaction.duty() == doctest::Approx(.63));
+  CHECK(reaction.stride_s() == doctest::Approx(120 / (100 + 27.8 * .25)));
+  CHECK(mean() == doctest::Approx(1000 / (2 * .63)).epsilon(1e-3));
+  const auto like = [&](const Walker& one, const Walker& two) {
+    GroundReaction a, b;
+    a.set(one);
+    b.set(two);
+    bool same = a.stance_s() == b.stance_s() && a.stride_s() == b.stride_s();
+    for (int i = 0; i <= 50; ++i)
+      same = same && a.force(i / 50.) == b.force(i / 50.);
+    return same;
+  };
+  CHECK(like({9, 700, 0, false}, {2.5, 700, 0, false}));
+  CHECK_FALSE(like({2.4, 700, 0, false}, {2.5, 700, 0, false}));
+  CHECK(like({.1, 700, 0, false}, {.3, 700, 0, false}));
+  CHECK(like({20, 700, 0, true}, {8, 700, 0, true}));
+  CHECK(like({1, 700, 0, true}, {1.5, 700, 0, true}));
+  CHECK(like({1, -5, 0, false}, {1, 0, 0, false}));
+  CHECK(like({1, 1e9, 0, false}, {1, 1e5, 0, false}));
+  CHECK(like({1, 700, 3, false}, {1, 700, 1, false}));
+  CHECK_FALSE(like({1, 700, .9, false}, {1, 700, 1, false}));
+  CHECK(like({1, 700, -3, false}, {1, 700, 0, false}));
+  for (const double speed : {2., 4., 7.5}) {
+    reaction.set({speed, 1000, 0, true});
+    const double stance = std::max(.32 - .02 * speed, .16), stride = 120 / (150 + 8 * speed);
+    CHECK(reaction.stance_s() == doctest::Approx(std::min(stance, .29)));
+    CHECK(reaction.stride_s() == doctest::Approx(stride));
+    CHECK(mean() == doctest::Approx(1000 * stride / (2 * reaction.stance_s())).epsilon(1e-3));
+    CHECK(reaction.force(.5) == doctest::Approx(mean() * kPi / 2).epsilon(1e-3));
+    CHECK(reaction.force(.25) == doctest::Approx(reaction.force(.5) * std::sqrt(.5)).epsilon(1e-6));
+  }
+  GroundReaction bare; // the transient alone: .6 weights, 16.5 ms after contact
+  bare.set({1.4, 1000, 0, false});
+  reaction.set({1.4, 1000, 1, false});
+  const double x = .0165 / reaction.stance_s();
+  const double u = x / .22, s = std::sin(kPi / 2 * u);
+  CHECK(reaction.force(x) > 600);
+  CHECK(reaction.force(x) < 600 + 1130 * s); // over a flank between sine and its square
+  CHECK(reaction.force(x) > 600 + 1130 * s * s);
+  CHECK(mean() == doctest::Approx(1000 / (2 * .62)).epsilon(1e-3)); // the impulse stays
+  CHECK(reaction.force(0) == 0);
+  CHECK(reaction.force(1) == 0);
+}
+
+TEST_CASE(
+    "a region lands at 5 %, or at 2.5 % while it rises as a step does, and lifts below 2.5 %") {
+  // 700 N. Slowly: 5 % = 35 N. On a line of 100 N/s the baseline follows, 35 = 50 (1 - e^(-t/.5)),
+  // and waits from then on; the low-pass lags by sqrt(2)/(2 pi 200) = 1.1 ms.
+  const Line none{{{0, 0}}};
+  Felt felt = feel({{{.2, 0}, {1.2, 100}, {2, 100}, {2.5, 0}}}, none, 3);
+  REQUIRE(felt.heel_landing_s.size() == 1);
+  const double time = -.5 * std::log(1 - 35. / 50), baseline = 100 * time - 35;
+  CHECK(felt.heel_landing_s[0] == doctest::Approx(.2 + time + .0011).epsilon(.001));
+  const double slope = 100 * std::exp(-time / .5) / 700; // weights a second
+  CHECK(felt.heel_speed[0] == doctest::Approx(.5 * std::sqrt(slope / 12)).epsilon(.01));
+  REQUIRE(felt.heel_up_s.size() == 1);
+  CHECK(felt.heel_up_s[0] == doctest::Approx(2.5 - (baseline + 17.5) / 200 + .0011).epsilon(.001));
+  CHECK(felt.toe_off_s == felt.heel_up_s);
+  // As a step: 7000 N/s are 10 weights a second; 2.5 ms to 17.5 N, told 2.7 ms after 7 N at 1 ms.
+  felt = feel({{{.2, 0}, {.3, 700}, {.6, 700}, {.7, 0}}}, none, 1);
+  REQUIRE(felt.heel_landing_s.size() == 1);
+  CHECK(felt.heel_landing_s[0] > .2 + .001 + .0027);
+  CHECK(felt.heel_landing_s[0] < .2 + .001 + .0027 + .0025);
+  CHECK(felt.heel_speed[0] > .25);
+  CHECK(felt.heel_speed[0] < .5);
+  // 3.9 weights a second are not a step's rise: 5 % are waited for; 4.1 are.
+  const double slow = feel({{{.2, 0}, {.2 + 1 / 3.5, 700}}}, none, .5).heel_landing_s.at(0) - .2;
+  const double fast = feel({{{.2, 0}, {.2 + 1 / 4.6, 700}}}, none, .5).heel_landing_s.at(0) - .2;
+  CHECK(slow == doctest::Approx(.05 / 3.5 + .0011).epsilon(.05));
+  CHECK(fast < .05 / 4.6 - .001);
+  CHECK(fast > .025 / 4.6);
+}
+
+TEST_CASE("no stance ends before 80 ms and no swing before 60 ms") {
+  const Line none{{{0, 0}}};
+  Felt felt = feel({{{.2, 0}, {.21, 400}, {.23, 400}, {.24, 0}}}, none, 1);
+  REQUIRE(felt.heel_up_s.size() == 1);
+  CHECK(felt.heel_up_s[0] == doctest::Approx(.2025 + .08).epsilon(.01));
+  felt =
+      feel({{{.2, 0}, {.21, 400}, {.40, 400}, {.41, 0}, {.43, 0}, {.44, 400}, {.7, 400}, {.71, 0}}},
+           none, 1);
+  REQUIRE(felt.heel_landing_s.size() == 2);
+  CHECK(felt.heel_landing_s[1] == doctest::Approx(.4095 + .0011 + .06).epsilon(.01));
+  CHECK(felt.heel_up_s.size() == 2);
+}
+
+TEST_CASE("a ball lands under a heel that stands as soon as it carries 1 %") {
+  const Line heel{{{.2, 0}, {.25, 500}, {.6, 500}, {.65, 0}}};
+  const Line ball{{{.3, 0}, {1.0, 210}, {1.1, 0}}}; // 300 N/s: 7 N after 23 ms
+  const Felt felt = feel(heel, ball, 2);
+  REQUIRE(felt.ball_landing_s.size() == 1);
+  CHECK(felt.ball_landing_s[0] == doctest::Approx(.3 + 7. / 300 + .0027 + .0011).epsilon(.005));
+  CHECK(felt.ball_speed[0] == doctest::Approx(.3 * std::sqrt(300. / 700 / .3)).epsilon(.02));
+  REQUIRE(felt.heel_up_s.size() == 1);
+  REQUIRE(felt.toe_off_s.size() == 1); // the ball, last
+  CHECK(felt.toe_off_s[0] > 1.08);
+}
+
+TEST_CASE("a baseline follows in the air, within half a second upwards and at once downwards") {
+  SoleSensor sensor;
+  sensor.prepare(kRate);
+  const auto settle = [&](double reading, double seconds) {
+    SoleState sole;
+    for (int n = 0; n < seconds * kRate; ++n)
+      sole = sensor.next(reading, 0);
+    return sole.heel_n;
+  };
+  // From 10 N: force 10 e^(-t/.5), apart from the time in which nothing may follow.
+  const double first = settle(10, .2), second = settle(10, .5);
+  CHECK(second / first == doctest::Approx(std::exp(-1.)).epsilon(.01));
+  CHECK(settle(10, 5) < .01);
+  CHECK(settle(-5, .3) < .01);
+  CHECK(settle(0, .0) < 6);
+  const double again = settle(0, .01);
+  CHECK(again == doctest::Approx(5).epsilon(.1)); // the baseline had gone down to -5
+  // And no lower than 2 % of the weight, 14 N: from -100 back to 0 N reads 14 at most.
+  settle(-100, 2);
+  CHECK(settle(0, .01) == doctest::Approx(14).epsilon(.1));
+}
+
+TEST_CASE("what has been reset answers like new: sensors, rooms and drives") {
+  SoleSensor used, fresh;
+  Room used_room, fresh_room;
+  Drive used_drive, fresh_drive;
+  for (SoleSensor* sensor : {&used, &fresh})
+    sensor->prepare(kRate);
+  for (Room* room : {&used_room, &fresh_room}) {
+    room->prepare(kRate);
+    room->set({-3, .4, 3000});
+  }
+  for (Drive* drive : {&used_drive, &fresh_drive}) {
+    drive->prepare(kRate);
+    drive->set({1, 3, .3, .01});
+    const std::array<double, 4> table{100, 6, 300, -4};
+    CHECK(drive->equalise(table));
+  }
+  const auto force = [](int n) { return 300 + 300 * std::sin(.001 * n); };
+  for (int n = 0; n < 20011; ++n) {
+    used.next(force(n), 20);
+    used_room.next(std::sin(.3 * n));
+    used_drive.next(30 * std::sin(.02 * n), 0, 5);
+  }
+  CHECK_FALSE(used_room.silent());
+  used.reset();
+  used_room.reset();
+  used_drive.reset();
+  CHECK(used_room.silent());
+  CHECK_FALSE(used.in_stance());
+  bool same = true;
+  for (int n = 0; n < 20011; ++n) {
+    const SoleState a = used.next(force(n), 200), b = fresh.next(force(n), 200);
+    same = same && std::abs(a.heel_n - b.heel_n) < 1e-9 && a.heel_landing == b.heel_landing &&
+           std::abs(a.heel_slope - b.heel_slope) < 1e-6 && a.toe_off == b.toe_off;
+    const double x = n < 4000 ? std::sin(.3 * n) : 0;
+    same = same && std::abs(used_room.next(x) - fresh_room.next(x)) < 1e-12;
+    const Drive::Pair c = used_drive.next(x, 0, 0), d = fresh_drive.next(x, 0, 0);
+    same = same && std::abs(c.heel - d.heel) < 1e-12 && std::abs(c.ball - d.ball) < 1e-12;
+  }
+  CHECK(same);
+}
+
+TEST_CASE("a limit holds at once and lets go within 50 ms") {
+  PeakLimit limit;
+  limit.prepare(kRate);
+  CHECK(limit.next(.5, 1) == .5);
+  CHECK(limit.next(4, 1) == doctest::Approx(1));
+  // The gain fell to 1/4 and rises by 1 - e^(-t/50 ms) of what is missing.
+  for (const double passed : {.02, .05}) {
+    limit.reset();
+    limit.next(4, 1);
+    double y = 0;
+    for (int n = 0; n < passed * kRate; ++n)
+      y = limit.next(.1, 1);
+    CHECK(y == doctest::Approx(.1 * (1 - .75 * std::exp(-passed / .05))).epsilon(1e-3));
+  }
+  CHECK(limit.next(-9, 1) == doctest::Approx(-1));
+  limit.reset();
+  CHECK(limit.next(1, 1) == 1);
+}
+
+TEST_CASE("a calibration reads 5 to 32 points, beyond its ends too, until it is cleared") {
+  Calibration table;
+  std::vector<double> points;
+  for (int i = 0; i < 33; ++i) {
+    points.push_back(i);
+    points.push_back(i * i);
+  }
+  CHECK_FALSE(table.set(points));
+  points.resize(64);
+  CHECK(table.set(points));
+  CHECK(table.force(30.5) == doctest::Approx(.5 * (900 + 961)));
+  CHECK(table.force(32) == doctest::Approx(961 + 61));
+  CHECK(table.force(-1) == doctest::Approx(-1));
+  CHECK(table.force(1) == doctest::Approx(1));
+  points.push_back(99);
+  CHECK_FALSE(table.set(points)); // half a point
+  points = {0, 0, 1, 1, 2, 2, 3, 3, 3, 4};
+  CHECK_FALSE(table.set(points)); // a reading twice
+  points = {0, 0, 1, 1, 2, 2, 3, 3, 4, 3};
+  CHECK_FALSE(table.set(points)); // a force twice
+  points = {0, 0, 1, 1, 2, 2, 3, 3, 4, std::nan("")};
+  CHECK_FALSE(table.set(points));
+  CHECK(table.force(32) == doctest::Approx(961 + 61));
+  table.clear();
+  CHECK(table.force(32) == 32);
+}
