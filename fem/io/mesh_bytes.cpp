@@ -83,7 +83,8 @@ std::string to_bytes(const Mesh& mesh) {
     put_text(out, name);
   put_size(out, mesh.elements.size());
   for (const Element& e : mesh.elements) {
-    const std::array<int, 2> words{static_cast<int>(e.shape), e.region};
+    const std::array<int, 5> words{static_cast<int>(e.shape), e.region, e.interval[0],
+                                   e.interval[1], e.interval[2]};
     put(out, words.data(), words.size());
   }
   put_size(out, mesh.node_sets.size());
@@ -107,14 +108,18 @@ Mesh mesh_from_bytes(std::string_view bytes) {
   mesh.regions.resize(cursor.count(8));
   for (std::string& name : mesh.regions)
     name = cursor.text();
-  mesh.elements.resize(cursor.count(8));
+  mesh.elements.resize(cursor.count(20));
   std::size_t first = 0;
   for (Element& e : mesh.elements) {
-    std::array<int, 2> words{};
+    std::array<int, 5> words{};
     cursor.take(words.data(), words.size());
     cursor.require(words[0] >= 0 && words[0] <= static_cast<int>(Shape::wedge15) && words[1] >= 0 &&
                    static_cast<std::size_t>(words[1]) < mesh.regions.size());
-    e = {static_cast<Shape>(words[0]), words[1], first};
+    // No more intervals than elements have axes: they are indices later.
+    for (std::size_t axis = 2; axis < words.size(); ++axis)
+      cursor.require(words[axis] >= -1 &&
+                     static_cast<std::size_t>(words[axis] + 1) <= 3 * mesh.elements.size());
+    e = {static_cast<Shape>(words[0]), words[1], first, {words[2], words[3], words[4]}};
     first += static_cast<std::size_t>(node_count(e.shape));
     cursor.require(first <= mesh.connectivity.size());
   }

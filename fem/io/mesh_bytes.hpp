@@ -4,7 +4,8 @@
 namespace tactus::fem {
 
 /// A mesh as bytes for another process on this machine: counts (u64), then nodes (3 doubles each),
-/// connectivity (i32), shape and region of each element (i32), names of regions, node sets.
+/// connectivity (i32), shape, region and intervals of each element (i32), names of regions, node
+/// sets.
 [[nodiscard]] std::string to_bytes(const Mesh&);
 
 /// The mesh again. Trusts nothing: counts are compared with the bytes there are before anything is

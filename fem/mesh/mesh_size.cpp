@@ -100,6 +100,24 @@ MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box
   return size;
 }
 
+MeshSize foretell_sweep(double volume, double skin_area, const Vector3& box, double height,
+                        double h, double layers) {
+  MeshSize size;
+  size.volume = volume;
+  size.skin_area = skin_area;
+  size.box = box;
+  size.height = height;
+  const double base = volume / height, side = (skin_area - 2 * base) / height;
+  const double triangles = 2.4 * base / (h * h) + side / h; // the base's rim
+  size.elements = triangles * layers;
+  size.nodes = 2 * triangles * (layers + 1) + .5 * triangles * layers;
+  size.node_pairs = 25 * size.nodes;
+  size.skin_triangles = 8 * triangles + 12 * side / h * layers;
+  size.nodes_made = size.nodes;
+  set_cells(size, skin_area);
+  return size;
+}
+
 MeshSize scaled(const MeshSize& size, double elements) {
   const double ratio = elements / size.elements, side = std::cbrt(ratio);
   MeshSize other = size;

@@ -21,6 +21,7 @@ struct MeshSize {
   double volume = 0;          ///< m^3
   double skin_area = 0;       ///< m^2, of gmsh's meshes
   double h = 0;               ///< m, the element size that gmsh's meshes were asked for; 0: unknown
+  double height = 0;          ///< m, that a base is swept through; 0: none
   Vector3 box{};              ///< m, the bounding box's sides
   [[nodiscard]] double dofs() const noexcept { return 3 * nodes; }
 };
@@ -35,6 +36,10 @@ struct MeshSize {
 /// to twice as many.
 [[nodiscard]] MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box,
                                            double h, double faces = 0);
+
+/// The size of a swept mesh (prism.hpp) of wedge15: triangles of edge h in the base's area, layers.
+[[nodiscard]] MeshSize foretell_sweep(double volume, double skin_area, const Vector3& box,
+                                      double height, double h, double layers);
 
 /// The size of a mesh of the same body and kind with another number of elements.
 [[nodiscard]] MeshSize scaled(const MeshSize&, double elements);

@@ -1,5 +1,4 @@
 #pragma once
-#include "fem/error/balance.hpp"
 #include "fem/mesh/mesh.hpp"
 
 namespace tactus::fem {
@@ -15,6 +14,8 @@ public:
   [[nodiscard]] double largest() const noexcept;
   double elements = 0;   ///< about how many there will be
   bool straight = false; ///< the last mesh had straight sides only
+  /// Of a body that is swept (prism.hpp): where its layers meet, shares of its height, 0 to 1.
+  std::vector<double> levels;
 
 private:
   [[nodiscard]] std::size_t cell(const Vector3&, int dx, int dy, int dz) const noexcept;
@@ -26,11 +27,5 @@ private:
   std::array<int, 3> cells_{};
   std::vector<std::size_t> first_, inside_;
 };
-
-/// Sizes on which every mode's error is at most `target`, with the fewest elements: of min sum
-/// 1/f_i^3 under sum error_i f_i^order_i = target, f_i^(order_i + 3) ~ 1 / (order_i error_i). Cells
-/// are the mesh's elements. They do not grow, since the shape of curved faces hangs on them; over a
-/// distance d sizes grow by d/2 at most.
-[[nodiscard]] SizeField refined_sizes(const Mesh&, const ErrorCells&, double target);
 
 } // namespace tactus::fem

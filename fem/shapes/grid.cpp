@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kGradation = 3;
 
-/// Of min prod_d N_d, N_d = sum_i 1/f_i, under sum_i error_i f_i^order_i = target:
-/// f_i^(order_i + 1) = 1 / (pressure order_i error_i N_d).
+/// Of min prod_d N_d^p_d, N_d = sum_i 1/f_i, under sum_i error_i f_i^order_i = target:
+/// f_i^(order_i + 1) = p_d / (pressure order_i error_i N_d).
 std::vector<double> factors(const SweepGrid& grid, std::span<const double> error,
                             std::span<const double> order, double pressure) {
   std::vector<double> factor(error.size(), 1e3);
@@ -22,7 +22,8 @@ std::vector<double> factors(const SweepGrid& grid, std::span<const double> error
       double sum = 0;
       for (std::size_t i = first; i < end; ++i) {
         if (error[i] > 0)
-          factor[i] = std::pow(pressure * order[i] * error[i] * number / each, -1 / (order[i] + 1));
+          factor[i] = std::pow(pressure * order[i] * error[i] * number / (each * grid.power[d]),
+                               -1 / (order[i] + 1));
         sum += each / std::min(factor[i], 1e3);
       }
       number = std::sqrt(number * sum);
@@ -68,7 +69,7 @@ void grade_singular(std::vector<double>& line, std::vector<double>& factor,
 }
 
 /// New lines with the density 1 / (factor size) of the old intervals, the kept ones among them.
-std::vector<double> divided(const std::vector<double>& line, const std::vector<double>& kept,
+std::vector<double> divided(const std::vector<double>& line, std::span<const double> kept,
                             std::span<const double> factor) {
   const double near = 1e-9 * (line.back() - line.front());
   std::vector<double> out{line.front()};
@@ -94,6 +95,13 @@ std::vector<double> divided(const std::vector<double>& line, const std::vector<d
 
 } // namespace
 
+std::vector<double> divided_anew(std::vector<double> line, std::span<const double> kept,
+                                 std::vector<double> factor, std::span<const double> order) {
+  grade_singular(line, factor, order);
+  smooth(line, factor);
+  return divided(line, kept, factor);
+}
+
 SweepGrid refined(const SweepGrid& grid, const ErrorCells& cells, double target) {
   std::vector<double> factor = balanced_factors(
       cells, target, {.finest = 1. / 16, .coarsest = 2},
@@ -116,11 +124,9 @@ SweepGrid refined(const SweepGrid& grid, const ErrorCells& cells, double target)
         finer.line[d].push_back(line.front() + (line.back() - line.front()) * i / count);
       continue;
     }
-    std::vector<double> lines = line, own_factors(own.begin(), own.end());
-    grade_singular(lines, own_factors,
-                   std::span(cells.order).subspan(grid.first_interval(d), own.size()));
-    smooth(lines, own_factors);
-    finer.line[d] = divided(lines, grid.kept[d], own_factors);
+    finer.line[d] =
+        divided_anew(line, grid.kept[d], {own.begin(), own.end()},
+                     std::span(cells.order).subspan(grid.first_interval(d), own.size()));
   }
   return finer;
 }

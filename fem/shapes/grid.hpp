@@ -16,6 +16,8 @@ struct SweepGrid {
   std::array<std::vector<double>, 3> kept; ///< lines that no refinement may move: ends, corners
   /// Equal intervals only, a multiple of this many; they count as a single one. 0: any lines.
   std::array<int, 3> uniform{};
+  /// Elements go as the product of each direction's intervals to this power.
+  std::array<double, 3> power{1, 1, 1};
 
   /// Intervals are numbered through: those of the first direction, the second, the third.
   [[nodiscard]] std::size_t interval_count(std::size_t direction) const noexcept {
@@ -28,6 +30,14 @@ struct SweepGrid {
     return first;
   }
 };
+
+/// A direction's lines with the intervals' sizes times `factor`: singular ones (`order`) split
+/// geometrically towards the singular line, neighbours within a factor of three, `kept` lines where
+/// they are.
+[[nodiscard]] std::vector<double> divided_anew(std::vector<double> line,
+                                               std::span<const double> kept,
+                                               std::vector<double> factor,
+                                               std::span<const double> order);
 
 /// Lines of a grid on which every mode's error is at most `target`, with the fewest elements.
 /// Cells are the grid's intervals. Sizes change by factors from 1/16 to 2, and those of neighbours

@@ -73,11 +73,6 @@ struct Shell {
 /// Of `along` by `layers` quads; which of its ends lie on the axis.
 [[nodiscard]] SectionSize size_of_shell(double along, double layers, Ends on_axis);
 
-/// A solid ball's half section: a rectangle in the middle and three curved blocks around it.
-/// Its grid's first direction cuts the rectangle, the second the curved blocks.
-[[nodiscard]] Section ball(double radius, double h, const SweepGrid* grid = nullptr);
-[[nodiscard]] SectionSize size_of_ball(double radius, double h, const SweepGrid* grid = nullptr);
-
 /// Turns a section about the z axis: hex20 away from the axis, wedge15 along it. Nodes lie exactly
 /// on the body of revolution. Refuses a section that touches the axis with a corner alone.
 [[nodiscard]] Mesh revolve(const Section&, int sectors);

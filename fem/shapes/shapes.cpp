@@ -2,6 +2,7 @@
 
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/words.hpp"
+#include "fem/shapes/ball.hpp"
 #include "fem/shapes/block.hpp"
 #include "fem/shapes/section.hpp"
 #include "fem/shapes/spline.hpp"
@@ -245,16 +246,12 @@ ShapePlan bar(const Dimensions& d, const MeshChoice& choice) {
 }
 
 ShapePlan sphere(const Dimensions& d, const MeshChoice& choice) {
-  const double diameter = d.at("diameter"), h = element_size(choice, diameter);
-  const double sectors = sectors_of(choice, diameter / 2, h);
-  const SectionSize section = size_of_ball(diameter / 2, h, choice.grid);
-  MeshSize size =
-      turned(section, sectors, {std::sqrt(section.quads / 2), std::sqrt(2 * section.quads)});
-  size.volume = kPi * diameter * diameter * diameter / 6;
-  size.box = {diameter, diameter, diameter};
-  return planned(size, [diameter, h, sectors, given = grid_of(choice)] {
-    return turn(ball(diameter / 2, h, pointer_to(given)), sectors);
-  });
+  const double radius = d.at("diameter") / 2, h = element_size(choice, 2 * radius);
+  const int at_least = choice.sparse ? 1 : 2;
+  return planned(size_of_ball(radius, h, at_least, choice.grid),
+                 [radius, h, at_least, given = grid_of(choice)] {
+                   return make_ball(radius, h, at_least, pointer_to(given));
+                 });
 }
 
 ShapePlan hollow_sphere(const Dimensions& d, const MeshChoice& choice) {

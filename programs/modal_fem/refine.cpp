@@ -99,7 +99,10 @@ Mesh Refinement::mesh_of_file() {
     if (order_.choice.h <= 0 && !sizes_)
       fewer = [this, size](double modes) {
         const double largest = std::max({size.box.x, size.box.y, size.box.z});
-        return resized_tetrahedra(size, first_size(size.volume, size.skin_area, largest, modes));
+        const double h = first_size(size.volume, size.skin_area, largest, modes);
+        return size.height > 0 ? foretell_sweep(size.volume, size.skin_area, size.box, size.height,
+                                                h, std::ceil(size.height / h))
+                               : resized_tetrahedra(size, h);
       };
     forecast_.mesh(
         size, [size](double h) { return resized_tetrahedra(size, h); }, fewer, say);
@@ -154,7 +157,10 @@ Mesh Refinement::mesh_of_shape() {
 
 void Refinement::plan(const Mesh& mesh, std::span<const std::uint8_t> held,
                       const ErrorEstimate& estimate, double target) {
-  if (order_.is_file)
+  if (const auto swept = order_.is_file ? swept_layers(mesh) : std::nullopt)
+    sizes_ = refined_swept_sizes(mesh, *swept,
+                                 interval_errors(mesh, held, estimate, swept->intervals()), target);
+  else if (order_.is_file)
     sizes_ = refined_sizes(mesh, element_errors(mesh, held, estimate), target);
   else
     next_grid_ =

@@ -1,6 +1,6 @@
 #pragma once
 #include "fem/error/error_estimate.hpp"
-#include "fem/mesh/size_field.hpp"
+#include "fem/error/refined_sizes.hpp"
 #include "fem/shapes/grid.hpp"
 #include "programs/modal_fem/forecast.hpp"
 

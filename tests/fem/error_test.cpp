@@ -2,6 +2,7 @@
 // finer, and the axisymmetric solution of the disks.
 #include "fem/error/enrichment.hpp"
 #include "fem/error/error_estimate.hpp"
+#include "fem/error/refined_sizes.hpp"
 #include "fem/shapes/block.hpp"
 #include "solve.hpp"
 #include "tetrahedra.hpp"
@@ -226,4 +227,71 @@ TEST_CASE("a grid's density follows the errors by the law of the fewest elements
   REQUIRE(kSmoothOrder == 4);
   CHECK(left / right == doctest::Approx(2).epsilon(.12));
   CHECK(left > 40);
+}
+
+namespace {
+
+/// A block as a CAD body swept along z has it: columns, then layers.
+Mesh swept_block(std::array<int, 3> cells) {
+  Mesh mesh = box({.4, .2, .02}, cells);
+  const int columns = cells[0] * cells[1];
+  for (Element& e : mesh.elements) {
+    const int column = e.interval[0] + cells[0] * (e.interval[1] - cells[0]);
+    e.interval = {column, column, columns + e.interval[2] - cells[0] - cells[1]};
+  }
+  return mesh;
+}
+
+} // namespace
+
+TEST_CASE("a swept body's sizes and layers follow its errors by the law of the fewest elements") {
+  const Mesh mesh = swept_block({20, 10, 12});
+  const auto swept = swept_layers(mesh);
+  REQUIRE(swept);
+  CHECK(swept->columns == 200);
+  REQUIRE(swept->levels.size() == 13);
+  CHECK(swept->levels[3] == doctest::Approx(.25));
+  CHECK_FALSE(swept_layers(box({1, 1, 1}, {2, 2, 2})));
+  CHECK_FALSE(swept_layers(tetrahedral_block(2, true)));
+  // Of min f^-2 g^-1 under e f^4 + d g^4 = target: the columns keep two thirds of it.
+  ErrorCells cells{{std::vector<double>(212, 0.0)}, std::vector<double>(212, kSmoothOrder)};
+  const double of_columns = 2e-2, of_layers = 1e-3, target = 1e-4;
+  std::fill_n(cells.share[0].begin(), 200, of_columns / 200);
+  std::fill_n(cells.share[0].begin() + 200, 12, of_layers / 12);
+  const SizeField even_sizes = refined_swept_sizes(mesh, *swept, cells, target);
+  const double f = std::pow(2. / 3 * target / of_columns, 1. / 4),
+               g = std::pow(1. / 3 * target / of_layers, 1. / 4);
+  CHECK(even_sizes.at({.2, .1, 0}) == doctest::Approx(.02 * f).epsilon(.02));
+  CHECK(static_cast<double>(even_sizes.levels.size() - 1) == doctest::Approx(12 / g).epsilon(.05));
+  CHECK(even_sizes.elements ==
+        doctest::Approx(200 / (f * f) * std::ceil(12 / g - .1)).epsilon(.05));
+  CHECK(even_sizes.levels.back() == 1);
+  // f^6 ~ 1/e among columns: errors 64 to 1 give sizes 1 to 2.
+  for (std::size_t c = 0; c < 200; ++c)
+    cells.share[0][c] = c % 20 < 10 ? 1e-4 : 1e-4 / 64;
+  const SizeField graded = refined_swept_sizes(mesh, *swept, cells, 1e-3);
+  CHECK(graded.at({.38, .1, 0}) / graded.at({.04, .1, 0}) == doctest::Approx(2).epsilon(.02));
+}
+
+TEST_CASE("a ball's mesh has its volume, and modes whose estimates are their errors") {
+  // Spheroidal and torsional roots of a free ball (Lamb 1882), nu = 0.33: omega a / c_t.
+  const Material m = find_material("aluminium");
+  const double radius = .05;
+  const SweptBody body = plan_shape("sphere", {{"diameter", 2 * radius}}, {}, {.h = .025}).make();
+  CHECK(volume(body.mesh) ==
+        doctest::Approx(4. / 3 * std::numbers::pi * std::pow(radius, 3)).epsilon(1e-9));
+  std::vector<double> exact;
+  const double speed = std::sqrt(m.young_pa[0] / (2 * (1 + m.poisson[0])) / m.density);
+  for (const auto& [root, count] :
+       {std::pair{2.501133, 5}, {2.649686, 5}, {3.589542, 3}, {3.864700, 7}})
+    exact.insert(exact.end(), static_cast<std::size_t>(count),
+                 root * speed / (2 * std::numbers::pi * radius));
+  const auto a = estimated(body.mesh, m, 20);
+  for (std::size_t k = 0; k < 20; ++k)
+    if (const double error = a.frequency[k] / exact[k] - 1; error > 1e-4) {
+      CAPTURE(k);
+      CHECK(error < 4e-3);
+      CHECK(a.error.relative[k] > .45 * error); // the skin's shape is 1e-4 off too
+      CHECK(a.error.relative[k] < 3 * error);
+    }
 }

@@ -1,0 +1,30 @@
+#pragma once
+#include "fem/error/balance.hpp"
+#include "fem/mesh/mesh.hpp"
+#include "fem/mesh/size_field.hpp"
+
+#include <optional>
+
+namespace tactus::fem {
+
+/// Sizes on which every mode's error is at most `target`, with the fewest elements: of min sum
+/// 1/f_i^3 under sum error_i f_i^order_i = target, f_i^(order_i + 3) ~ 1 / (order_i error_i). Cells
+/// are the mesh's elements. They do not grow, since the shape of curved faces hangs on them; over a
+/// distance d sizes grow by d/2 at most.
+[[nodiscard]] SizeField refined_sizes(const Mesh&, const ErrorCells&, double target);
+
+/// The triangles and layers of a swept CAD body (prism.hpp).
+struct SweptLayers {
+  std::size_t columns = 0;    ///< triangles of the base
+  std::vector<double> levels; ///< shares of the height, 0 to 1
+  [[nodiscard]] std::size_t intervals() const noexcept { return columns + levels.size() - 1; }
+};
+/// Of a mesh whose elements are all wedge15 in columns and layers; else nothing.
+[[nodiscard]] std::optional<SweptLayers> swept_layers(const Mesh&);
+
+/// The same for a swept body: sizes in the base and levels, of min (sum_c 1/f_c^2) (sum_l 1/g_l).
+/// Cells are the columns, then the layers (interval_errors). Layers may grow by 2.
+[[nodiscard]] SizeField refined_swept_sizes(const Mesh&, const SweptLayers&, const ErrorCells&,
+                                            double target);
+
+} // namespace tactus::fem
