@@ -9,9 +9,13 @@
 namespace tactus::fem {
 namespace {
 
-constexpr std::size_t kMaxSteps = 12;
-/// What V + W holds of the whole error: .95 or more of smooth modes, .6 at singular edges.
-constexpr double kHeldShare = .8;
+constexpr std::size_t kMaxSteps = 20;
+/// What V + W holds of an element's error: nearly all where modes are smooth, half next to a
+/// singular line.
+constexpr double kHeldSmooth = .85, kHeldSingular = .5;
+/// Steps of conjugate gradients add ever less; what the steps not done would have added is taken
+/// to go on geometrically, by this ratio at most.
+constexpr double kMaxRatio = .75;
 
 Lanes inner(std::span<const Lanes> a, std::span<const Lanes> b) noexcept {
   Lanes sum{};
@@ -41,6 +45,7 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
   estimate.share.assign(count * mesh.elements.size() * 3, 0.0F);
   std::vector<Lanes> u(n), down(n), right(m), r(m), z(m), p(m), q(m), e(m);
   std::vector<double> flat(n * kTogether);
+  const std::vector<std::uint8_t> singular = singular_elements(mesh, matrices.held);
   std::vector<int> elements_of(system.functions().count, 0);
   for (const int f : system.functions().number)
     ++elements_of[static_cast<std::size_t>(f)];
@@ -55,7 +60,7 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
     std::fill(e.begin(), e.end(), Lanes{});
     system.precondition(r, z);
     p = z;
-    Lanes rz = inner(r, z), eta{};
+    Lanes rz = inner(r, z), eta{}, added{}, ratio{};
     for (std::size_t step = 0; step < kMaxSteps; ++step) {
       system.multiply(p, q, down);
       for (std::size_t i = 0; i < n; ++i)
@@ -69,7 +74,9 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
       bool done = true;
       for (std::size_t c = 0; c < width; ++c) {
         alpha[c] = pq[c] > 0 ? rz[c] / pq[c] : 0;
-        eta[c] += alpha[c] * rz[c];
+        ratio[c] = added[c] > 0 ? std::min(alpha[c] * rz[c] / added[c], kMaxRatio) : 0;
+        added[c] = alpha[c] * rz[c];
+        eta[c] += added[c];
         done = done && alpha[c] * rz[c] <= settle * eta[c];
       }
       for (std::size_t i = 0; i < m; ++i)
@@ -89,8 +96,10 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
         for (std::size_t c = 0; c < kTogether; ++c)
           p[i][c] = z[i][c] + beta[c] * p[i][c];
     }
+    Lanes scale{};
     for (std::size_t c = 0; c < width; ++c)
-      estimate.relative[begin + c] = eta[c] / (2 * lambda[c] * kHeldShare);
+      if (eta[c] > 0)
+        scale[c] = (1 + added[c] * ratio[c] / ((1 - ratio[c]) * eta[c])) / (2 * lambda[c]);
     const Enrichment& w = system.functions();
     for (std::size_t element = 0; element < mesh.elements.size(); ++element) {
       const auto functions = enriching_functions(mesh.elements[element].shape);
@@ -100,7 +109,8 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
           double part = 0;
           for (std::size_t k = 0; k < 3; ++k)
             part += right[3 * f + k][c] * e[3 * f + k][c];
-          part /= 2 * lambda[c] * kHeldShare * elements_of[f];
+          part *= scale[c] / (elements_of[f] * (singular[element] ? kHeldSingular : kHeldSmooth));
+          estimate.relative[begin + c] += part;
           float* to = &estimate.share[((begin + c) * mesh.elements.size() + element) * 3];
           for (std::size_t axis = 0; axis < 3; ++axis)
             to[axis] += static_cast<float>(part * functions[a].share[axis]);
@@ -115,19 +125,24 @@ ErrorEstimate estimate_errors(const Mesh& mesh, std::span<const Material> materi
 
 ErrorCells interval_errors(const Mesh& mesh, std::span<const std::uint8_t> held,
                            const ErrorEstimate& estimate, std::size_t intervals) {
-  ErrorCells cells{{}, std::vector<double>(intervals, kSmoothOrder)};
-  const auto singular = singular_elements(mesh, held);
-  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
-    for (const int i : mesh.elements[e].interval)
-      if (singular[e])
-        cells.order[static_cast<std::size_t>(i)] = kSingularOrder;
+  // An interval's order is the mean over its elements, by what they add to each mode's error.
+  ErrorCells cells{{}, std::vector<double>(intervals, 0.0)};
+  std::vector<double> weight(intervals, 1e-12);
+  const auto singular = singular_axes(mesh, held);
   for (std::size_t k = 0; k < estimate.relative.size(); ++k) {
     std::vector<double>& sum = cells.share.emplace_back(intervals, 0.0);
     for (std::size_t e = 0; e < mesh.elements.size(); ++e)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        sum[static_cast<std::size_t>(mesh.elements[e].interval[axis])] +=
-            double(estimate.share[(k * mesh.elements.size() + e) * 3 + axis]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<std::size_t>(mesh.elements[e].interval[axis]);
+        const double part = double(estimate.share[(k * mesh.elements.size() + e) * 3 + axis]);
+        sum[i] += part;
+        const double of_mode = std::max(part, 0.0) / std::max(estimate.relative[k], 1e-300);
+        weight[i] += of_mode;
+        cells.order[i] += of_mode * (singular[e][axis] ? kSingularOrder : kSmoothOrder);
+      }
   }
+  for (std::size_t i = 0; i < intervals; ++i)
+    cells.order[i] = (cells.order[i] + 1e-12 * kSmoothOrder) / weight[i];
   return cells;
 }
 

@@ -23,10 +23,11 @@ struct ErrorEstimate {
 /// K_VV^-1 is the factor that the modes were found with, so V and W are coupled in full and thin
 /// elements, whose bending is stiff in V alone, are seen as they are. Conjugate gradients with the
 /// 3 x 3 diagonal blocks of K_WW, all modes at once; r'e grows from below in each step, and a mode
-/// is done when a step adds less than `settle` of it. The error of f is half that of lambda. V + W
-/// leaves a share of the error of V: little where modes are smooth; where the stress grows as
-/// r^(a-1) about (2/3)^(4a), 0.41 at an edge of 270 degrees (a = 0.544). The estimate is divided by
-/// 0.8, and so lies between 0.75 and 1.3 times the error.
+/// is done when a step adds less than `settle` of it; what further steps would add is extrapolated.
+/// The error of f is half that of lambda. V + W leaves a share of the error of V: little where
+/// modes are smooth; where the stress grows as r^(a-1) about (2/3)^(4a), 0.41 at an edge of 270
+/// degrees (a = 0.544). So what elements at a singular line add is divided by 0.5, what others add
+/// by 0.85.
 [[nodiscard]] ErrorEstimate estimate_errors(const Mesh&, std::span<const Material>, const Matrices&,
                                             ShiftedFactor&, const Modes&, double settle = .05,
                                             const Progress& = {});

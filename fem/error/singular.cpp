@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 namespace tactus::fem {
 
-std::vector<std::uint8_t> singular_elements(const Mesh& mesh, std::span<const std::uint8_t> held) {
+namespace {
+
+/// Nodes on a line where the stress is unbounded.
+std::vector<std::uint8_t> singular_nodes(const Mesh& mesh, std::span<const std::uint8_t> held) {
   std::vector<std::uint8_t> singular_node(mesh.nodes.size(), 0);
   const Surface skin = surface_of(mesh);
   const auto node = [&](int v) {
@@ -35,23 +39,34 @@ std::vector<std::uint8_t> singular_elements(const Mesh& mesh, std::span<const st
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
     return std::tie(a.edge, a.triangle) < std::tie(b.edge, b.triangle);
   });
-  const double limit = std::sin(20 * 3.14159265358979 / 180);
+  constexpr double kTurn = 20 * std::numbers::pi / 180;
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     if (sides[i].edge != sides[i + 1].edge)
       continue;
     const auto& [a, b] = sides[i].edge;
-    const auto& f = skin.triangles[sides[i].triangle];
-    const auto& g = skin.triangles[sides[i + 1].triangle];
     const auto at = [&](int v) { return mesh.nodes[node(v)]; };
-    const Vector3 normal = cross(at(f[1]) - at(f[0]), at(f[2]) - at(f[0]));
-    Vector3 away;
-    for (const int v : g)
-      if (node(v) != a && node(v) != b)
-        away = at(v) - .5 * (mesh.nodes[a] + mesh.nodes[b]);
-    // The far corner of one triangle rises above the outward plane of the other.
-    if (dot(normal, away) > limit * length(normal) * length(away))
+    const auto normal = [&](const std::array<int, 3>& t) {
+      return cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0]));
+    };
+    const auto& f = skin.triangles[sides[i].triangle];
+    const Vector3 n = normal(f), m = normal(skin.triangles[sides[i + 1].triangle]);
+    // From one normal to the next about the edge, as the first triangle runs along it: positive
+    // where the body is convex. Far corners would not do: on thin facets at a round edge they are
+    // farther off by the roundness than by the facet.
+    Vector3 along = mesh.nodes[b] - mesh.nodes[a];
+    for (std::size_t k = 0; k < 3; ++k)
+      if (node(f[k]) == b && node(f[(k + 1) % 3]) == a)
+        along = -1 * along;
+    if (std::atan2(dot(cross(n, m), along) / length(along), dot(n, m)) < -kTurn)
       singular_node[a] = singular_node[b] = 1;
   }
+  return singular_node;
+}
+
+} // namespace
+
+std::vector<std::uint8_t> singular_elements(const Mesh& mesh, std::span<const std::uint8_t> held) {
+  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, held);
   std::vector<std::uint8_t> singular;
   for (const Element& e : mesh.elements) {
     const auto nodes = mesh.nodes_of(e);
@@ -60,6 +75,40 @@ std::vector<std::uint8_t> singular_elements(const Mesh& mesh, std::span<const st
     }));
   }
   return singular;
+}
+
+std::vector<std::array<std::uint8_t, 3>> singular_axes(const Mesh& mesh,
+                                                       std::span<const std::uint8_t> held) {
+  const std::vector<std::uint8_t> singular_node = singular_nodes(mesh, held);
+  std::vector<std::array<std::uint8_t, 3>> axes;
+  for (const Element& e : mesh.elements) {
+    const auto nodes = mesh.nodes_of(e);
+    const auto corners = static_cast<std::size_t>(corner_count(e.shape));
+    const auto on_line = [&](std::size_t c) {
+      return singular_node[static_cast<std::size_t>(nodes[c])] != 0;
+    };
+    bool any = false;
+    for (std::size_t c = 0; c < corners; ++c)
+      any = any || on_line(c);
+    auto& of = axes.emplace_back(std::array<std::uint8_t, 3>{any, any, any});
+    if (!any)
+      continue;
+    // The line runs along an axis if it meets the corners at both ends of that axis or neither.
+    const auto reference = reference_nodes(e.shape);
+    for (std::size_t axis = e.shape == Shape::wedge15 ? 2 : 0;
+         axis < (e.shape == Shape::wedge15 || e.shape == Shape::hex20 ? 3U : 0U); ++axis) {
+      bool along = true;
+      for (std::size_t a = 0; a < corners; ++a)
+        for (std::size_t b = 0; b < a; ++b) {
+          Vector3 apart = reference[a] - reference[b];
+          apart[static_cast<int>(axis)] = 0;
+          if (dot(apart, apart) < 1e-9)
+            along = along && on_line(a) == on_line(b);
+        }
+      of[axis] = !along;
+    }
+  }
+  return axes;
 }
 
 } // namespace tactus::fem

@@ -1,6 +1,8 @@
 #pragma once
 #include "fem/mesh/mesh.hpp"
 
+#include <array>
+
 namespace tactus::fem {
 
 /// Which elements touch a line where the stress is unbounded: an edge of the body with an inner
@@ -9,5 +11,10 @@ namespace tactus::fem {
 /// part of a face that is half held and half free counts as the border.
 [[nodiscard]] std::vector<std::uint8_t> singular_elements(const Mesh&,
                                                           std::span<const std::uint8_t> held);
+
+/// Along which reference axes of swept elements (Element::interval) the stress is unbounded: an
+/// axis that runs along the singular line sees it smooth. [element][axis].
+[[nodiscard]] std::vector<std::array<std::uint8_t, 3>>
+singular_axes(const Mesh&, std::span<const std::uint8_t> held);
 
 } // namespace tactus::fem

@@ -47,7 +47,9 @@ void smooth(std::span<const double> line, std::span<double> factor) {
 void grade_singular(std::vector<double>& line, std::vector<double>& factor,
                     std::span<const double> order) {
   std::vector<double> lines{line[0]}, factors;
-  const auto singular = [&](std::size_t i) { return order[i] < kSmoothOrder; };
+  const auto singular = [&](std::size_t i) {
+    return order[i] < .5 * (kSmoothOrder + kSingularOrder);
+  };
   for (std::size_t i = 0; i < factor.size(); ++i) {
     if (!singular(i) || factor[i] > .5) {
       lines.push_back(line[i + 1]);
@@ -102,9 +104,9 @@ std::vector<double> divided_anew(std::vector<double> line, std::span<const doubl
   return divided(line, kept, factor);
 }
 
-SweepGrid refined(const SweepGrid& grid, const ErrorCells& cells, double target) {
+SweepGrid refined(const SweepGrid& grid, const ErrorCells& cells, double target, double coarsest) {
   std::vector<double> factor = balanced_factors(
-      cells, target, {.finest = 1. / 16, .coarsest = 2},
+      cells, target, {.finest = 1. / 16, .coarsest = coarsest},
       [&](std::span<const double> error, double pressure) {
         return factors(grid, error, cells.order, pressure);
       },

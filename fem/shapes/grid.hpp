@@ -40,8 +40,9 @@ struct SweepGrid {
                                                std::span<const double> order);
 
 /// Lines of a grid on which every mode's error is at most `target`, with the fewest elements.
-/// Cells are the grid's intervals. Sizes change by factors from 1/16 to 2, and those of neighbours
-/// differ by 3 at most.
-[[nodiscard]] SweepGrid refined(const SweepGrid&, const ErrorCells&, double target);
+/// Cells are the grid's intervals. Sizes change by factors from 1/16 to `coarsest`, and those of
+/// neighbours differ by 3 at most.
+[[nodiscard]] SweepGrid refined(const SweepGrid&, const ErrorCells&, double target,
+                                double coarsest = 2);
 
 } // namespace tactus::fem

@@ -164,7 +164,8 @@ void Refinement::plan(const Mesh& mesh, std::span<const std::uint8_t> held,
     sizes_ = refined_sizes(mesh, element_errors(mesh, held, estimate), target);
   else
     next_grid_ =
-        refined(grid_, interval_errors(mesh, held, estimate, grid_.first_interval(3)), target);
+        refined(grid_, interval_errors(mesh, held, estimate, grid_.first_interval(3)), target,
+                round_ > 0 ? 1 : 2); // once; later it would undo what the last round did
 }
 
 MeshSize Refinement::planned_size(const Mesh& mesh) const {
@@ -210,7 +211,7 @@ bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> held,
   // Where the last aim was missed the next is lower by as much.
   if (round_ > 0)
     overdrive_ = std::clamp(overdrive_ * last_target_ / worst, .5, 1.0);
-  last_target_ = (worst > 2 * tolerance ? .7 : .85) * tolerance;
+  last_target_ = (worst > 2 * tolerance ? .8 : .9) * tolerance;
   double target = overdrive_ * last_target_;
   const double last = static_cast<double>(mesh.elements.size());
   const double most = order_.tolerance_given ? 1e9 : kMaxUnknowns;

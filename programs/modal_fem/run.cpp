@@ -106,7 +106,7 @@ void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, Progr
   settings.predict = [&](const FactorCost& cost) { forecast.factor(cost); };
   settings.inspect = [&](const Modes& modes, ShiftedFactor& factor) {
     progress.stage("estimating errors", 0);
-    error = estimate_errors(body.mesh, body.materials, *body.matrices, factor, modes, .15,
+    error = estimate_errors(body.mesh, body.materials, *body.matrices, factor, modes, .1,
                             [&](double share) { progress.stage("estimating errors", share); });
   };
   body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);
