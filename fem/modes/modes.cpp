@@ -22,6 +22,11 @@ double estimated_frequency(const Vector3& box, double volume, double speed) {
   return std::min(speed * thickness / (size * size), speed / (2 * size));
 }
 
+double usual_shift(const Mesh& mesh, std::span<const Material> materials) {
+  const double root = 2 * std::numbers::pi * .3 * estimated_frequency(mesh, materials);
+  return root * root;
+}
+
 double highest_wave_number(double volume, double skin, double length, const Material& m,
                            std::size_t count) {
   // Of an orthotropic material the geometric mean of the stiffest direction and the softest: its
@@ -58,8 +63,7 @@ Modes find_modes(const Mesh& mesh, std::span<const Material> materials, const Ma
     if (settings.report)
       settings.report(stage, share);
   };
-  const double root = 2 * std::numbers::pi * .3 * estimated_frequency(mesh, materials);
-  const double shift = root * root;
+  const double shift = usual_shift(mesh, materials);
   report("ordering the equations", 0);
   const std::vector<double> rigid = rigid_motions(mesh, matrices);
   ShiftedFactor factor(matrices, shift);

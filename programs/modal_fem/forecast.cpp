@@ -155,6 +155,17 @@ std::string Forecast::beyond(const MeshSize& size, double held) const {
                                   : ", half of what is free: give more with --memory");
 }
 
+std::string Forecast::beyond_here(const FactorCost& cost) const {
+  Workload work = workload(size_);
+  work.estimated = true;
+  work.factor_elsewhere = false;
+  const double bytes = foretell(work, cost).bytes;
+  return bytes <= budget_.bytes()
+             ? std::string()
+             : "they need the factor here, which would take " + words_of_bytes(bytes) +
+                   ", expected at most " + words_of_bytes(budget_.bytes()) + " (--memory)";
+}
+
 void Forecast::factor(const FactorCost& cost) {
   hold(cost);
   const Cost all = foretell(workload(size_), cost);

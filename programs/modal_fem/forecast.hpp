@@ -27,6 +27,10 @@ public:
   /// Why a mesh is beyond the budget while `held` bytes of another are in use; empty: it is not.
   [[nodiscard]] std::string beyond(const MeshSize&, double held) const;
 
+  /// Why a factor of modes that were found elsewhere, and the estimate of their errors with it, are
+  /// beyond the budget; empty: they are not.
+  [[nodiscard]] std::string beyond_here(const FactorCost&) const;
+
   [[nodiscard]] double meshing_seconds() const noexcept { return meshing_s_; }
   [[nodiscard]] double factor_seconds() const noexcept { return factor_s_; }
   [[nodiscard]] const Budget& budget() const noexcept { return budget_; }

@@ -203,8 +203,9 @@ bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> held,
   if (worst <= tolerance || tolerance <= 0)
     return true;
   if (!refines_)
-    return leave(order_.is_file && is_volume_mesh(order_.body)
-                     ? "a volume mesh is not refined"
+    return leave(order_.is_file && is_volume_mesh(order_.body) ? "a volume mesh is not refined"
+                 : order_.slepc || !order_.import_values.empty()
+                     ? "modes from elsewhere keep their mesh; give a smaller --h"
                      : "the mesh was given (--h, --layers); without them it is refined");
   if (round_ + 1 >= kMaxRounds)
     return leave("the mesh was refined " + std::to_string(round_) + " times");

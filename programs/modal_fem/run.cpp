@@ -14,6 +14,9 @@
 namespace tactus::fem {
 namespace {
 
+/// Conjugate gradients of the estimate stop when a step adds less of it.
+constexpr double kSettle = .1;
+
 std::vector<Material> materials_of(const Order& order, const Mesh& mesh) {
   const std::string standard = order.body == "board" ? "spruce" : "aluminium";
   std::vector<Material> materials(mesh.regions.size(), find_material(standard));
@@ -87,16 +90,35 @@ std::vector<Support> supports_of(const Order& order, const Mesh& mesh) {
   return supports;
 }
 
+/// The errors of modes that were found elsewhere: their factor has to be made here again, where
+/// there is room for it.
+void estimate_here(const Solved& body, ErrorEstimate& error, ProgressLine& progress,
+                   const Forecast& forecast) {
+  progress.stage("ordering the equations", 0);
+  ShiftedFactor factor(*body.matrices, usual_shift(body.mesh, body.materials));
+  if (const std::string beyond = forecast.beyond_here(factor.cost()); !beyond.empty()) {
+    progress.say("warning: the errors are not estimated: " + beyond);
+    return;
+  }
+  progress.stage("factorising", 0);
+  factor.factorise();
+  progress.stage("estimating errors", 0);
+  error = estimate_errors(body.mesh, body.materials, *body.matrices, factor, body.modes, kSettle,
+                          [&](double share) { progress.stage("estimating errors", share); });
+}
+
 /// The modes and their errors, with progress.
 void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, ProgressLine& progress,
                    Forecast& forecast) {
   if (order.slepc) {
     body.modes = slepc_modes(body.mesh, body.materials, *body.matrices, order.modes,
                              order.ranks > 0 ? order.ranks : 2, progress);
+    estimate_here(body, error, progress, forecast);
     return;
   }
   if (!order.import_values.empty()) {
     body.modes = import_modes(order.import_values, order.import_vectors, body.mesh, *body.matrices);
+    estimate_here(body, error, progress, forecast);
     return;
   }
   ModeSettings settings{.count = order.modes};
@@ -106,7 +128,7 @@ void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, Progr
   settings.predict = [&](const FactorCost& cost) { forecast.factor(cost); };
   settings.inspect = [&](const Modes& modes, ShiftedFactor& factor) {
     progress.stage("estimating errors", 0);
-    error = estimate_errors(body.mesh, body.materials, *body.matrices, factor, modes, .1,
+    error = estimate_errors(body.mesh, body.materials, *body.matrices, factor, modes, kSettle,
                             [&](double share) { progress.stage("estimating errors", share); });
   };
   body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);

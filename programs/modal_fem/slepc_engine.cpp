@@ -155,7 +155,6 @@ void check_slepc() {
 Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const Matrices& matrices,
                   std::size_t count, int ranks, ProgressLine& progress) {
   const std::size_t n = matrices.dofs();
-  const double estimate = 2 * std::numbers::pi * .3 * estimated_frequency(mesh, materials);
   const std::vector<double> rigid = rigid_motions(mesh, matrices);
   const std::size_t held =
       static_cast<std::size_t>(std::count(matrices.held.begin(), matrices.held.end(), 1));
@@ -175,7 +174,7 @@ Modes slepc_modes(const Mesh& mesh, std::span<const Material> materials, const M
       start({mpirun_path(), "--oversubscribe", "--bind-to", "none", "-n", std::to_string(ranks),
              solver_path(), folder.file("matrices"), folder.file("rigid"), folder.file("values"),
              folder.file("vectors"), std::to_string(wanted), std::to_string(rigid.size() / n),
-             format("%.17g", estimate * estimate)},
+             format("%.17g", usual_shift(mesh, materials))},
             folder.file("errors"), output);
   double peak = 0;
   {

@@ -1,5 +1,6 @@
 """modal_fem --engine slepc. Skipped where this build has no SLEPc: ./test must not need MPI, which is
 large, and the program is the same without it."""
+import json
 import os
 import shutil
 import subprocess
@@ -43,8 +44,20 @@ def test_slepc_gives_the_same_modes(body, ranks, tmp_path):
     single = own["mult"] == 1
     for a, b in zip(own["phi"][single], other["phi"][single]):
         assert min(np.abs(a - b).max(), np.abs(a + b).max()) < 1e-4 * np.abs(a).max()
+    # The estimate is of the mesh and its modes, whoever found them.
+    estimates = [json.loads(bytes(t["meta"]))["accuracy"]["est_rel_error"] for t in (own, other)]
+    assert len(estimates[1]) == len(own["freq"]) and np.allclose(*estimates, rtol=.02)
     assert f"{ranks} processes, at most" in said and "SLEPc: finding modes" in said
     assert sorted(p.name for p in tmp_path.iterdir()) == ["own.modal.npz", "slepc.modal.npz"]
+
+
+@needs_slepc
+def test_errors_are_not_estimated_where_the_factor_has_no_room_and_that_is_said(tmp_path):
+    body = ["plate", "--length", 60, "--width", 60, "--thickness", 60, "--h", 6, "--modes", 4, "-o", "t.modal.npz"]
+    assert "the factor would take" in run(*body, "--memory", "110M", folder=tmp_path, expect=1).stderr
+    said = run(*body, "--memory", "110M", "--engine", "slepc", "--ranks", 1, folder=tmp_path).stderr
+    assert "warning: the errors are not estimated: they need the factor here, which would take" in said
+    assert json.loads(bytes(np.load(tmp_path / "t.modal.npz")["meta"]))["accuracy"]["est_rel_error"] == []
 
 
 @needs_slepc
