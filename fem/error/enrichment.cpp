@@ -35,17 +35,9 @@ constexpr std::array<Edge, 12> kHexEdges{{{0, 1, 0},
                                           {3, 7, 2}}};
 
 std::span<const Edge> edges(Shape shape) noexcept {
-  switch (shape) {
-  case Shape::tet4:
-  case Shape::tet10:
-    return kTetEdges;
-  case Shape::wedge15:
+  if (shape == Shape::wedge15)
     return kWedgeEdges;
-  case Shape::hex8:
-  case Shape::hex20:
-    break;
-  }
-  return kHexEdges;
+  return corner_count(shape) == 4 ? std::span<const Edge>(kTetEdges) : kHexEdges;
 }
 
 std::vector<EnrichingFunction> list(Shape shape) {

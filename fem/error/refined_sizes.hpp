@@ -13,13 +13,13 @@ namespace tactus::fem {
 /// distance d sizes grow by d/2 at most.
 [[nodiscard]] SizeField refined_sizes(const Mesh&, const ErrorCells&, double target);
 
-/// The triangles and layers of a swept CAD body (prism.hpp).
+/// The cells and layers of a swept CAD body (sweep.hpp).
 struct SweptLayers {
-  std::size_t columns = 0;    ///< triangles of the base
+  std::size_t columns = 0;    ///< cells of the base
   std::vector<double> levels; ///< shares of the height, 0 to 1
   [[nodiscard]] std::size_t intervals() const noexcept { return columns + levels.size() - 1; }
 };
-/// Of a mesh whose elements are all wedge15 in columns and layers; else nothing.
+/// Of a mesh whose elements are all hex20 and wedge15 in columns and layers; else nothing.
 [[nodiscard]] std::optional<SweptLayers> swept_layers(const Mesh&);
 
 /// The same for a swept body: sizes in the base and levels, of min (sum_c 1/f_c^2) (sum_l 1/g_l).

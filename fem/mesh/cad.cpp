@@ -3,8 +3,8 @@
 #include "fem/io/cad_format.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/gmsh_model.hpp"
-#include "fem/mesh/prism.hpp"
 #include "fem/mesh/surface_file.hpp"
+#include "fem/mesh/sweep.hpp"
 
 #include <gmsh.h>
 #include <new>
@@ -315,53 +315,6 @@ Triangles skin_of_model(const vectorpair& volumes, double unit) {
   return out;
 }
 
-double area_of(const vectorpair& volumes) {
-  double sum = 0;
-  vectorpair faces;
-  gmsh::model::getBoundary(volumes, faces, true, false);
-  for (const auto& [dimension, tag] : faces)
-    sum += mass_of(dimension, tag);
-  return sum;
-}
-
-/// The model's mesh in layers, if it is a prism, with the sizes of its own estimate or those of a
-/// refinement.
-std::optional<Mesh> swept_mesh(const LoadChoice& choice, double unit, bool quadrilaterals,
-                               const std::function<void(const std::string&)>& say) {
-  const std::optional<Prism> prism = find_prism();
-  if (!prism || (choice.sizes && choice.sizes->levels.empty()))
-    return {};
-  const double solid = unit * unit * unit * mass_of(3, prism->volume),
-               skin = unit * unit * area_of({{3, prism->volume}}), height = unit * prism->height;
-  const Vector3 box = unit * box_of(3, prism->volume).size();
-  double h = 0;
-  std::vector<double> levels;
-  if (choice.sizes) {
-    levels = choice.sizes->levels;
-    MeshSize size = foretell_sweep(solid, skin, box, height, choice.sizes->largest(), 1);
-    if (choice.foretold)
-      choice.foretold(scaled(size, choice.sizes->elements), say);
-    set_sizes(*choice.sizes, unit);
-  } else {
-    h = choice.size_for(solid, skin, std::max({box.x, box.y, box.z}));
-    levels = even_levels(height, h);
-    if (choice.foretold)
-      choice.foretold(
-          foretell_sweep(solid, skin, box, height, h, static_cast<double>(levels.size() - 1)), say);
-    gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
-    gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
-    set_sizes(h / unit, {});
-    gmsh::option::setNumber("Mesh.CharacteristicLengthMin", h / unit / 3);
-  }
-  Mesh mesh = sweep(*prism, levels,
-                    {.quadrilaterals = quadrilaterals, .curved = choice.curved, .unit = unit});
-  check(mesh);
-  if (const double change = volume(mesh) / solid - 1; std::abs(change) > kMaxVolumeChange)
-    throw Refusal(
-        format("the swept mesh has %+.2f %% of the solid's volume too much", 100 * change));
-  return mesh;
-}
-
 } // namespace
 
 Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
@@ -378,7 +331,7 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         if (!heal && finer == 1 && choice.h <= 0 && choice.size_for && !(choice.fillet > 0)) {
           for (const bool quadrilaterals : {true, false}) {
             std::optional<Mesh> mesh;
-            const bool done = tried([&] { mesh = swept_mesh(choice, unit, quadrilaterals, say); });
+            const bool done = tried([&] { mesh = swept_mesh(choice, unit, quadrilaterals); });
             if (mesh)
               return std::move(*mesh);
             if (done)
@@ -398,7 +351,11 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         }
         const vectorpair volumes = volumes_of_model();
         const double solid = volume_of(volumes);
-        const double area = area_of(volumes);
+        double area = 0;
+        vectorpair faces;
+        gmsh::model::getBoundary(volumes, faces, true, false);
+        for (const auto& [dimension, tag] : faces)
+          area += mass_of(dimension, tag);
         const double h = finer / unit *
                          first_size(choice, unit * unit * unit * solid, unit * unit * area,
                                     unit * box_of(-1, -1).largest());

@@ -37,7 +37,7 @@ struct MeshSize {
 [[nodiscard]] MeshSize foretell_tetrahedra(double volume, double skin_area, const Vector3& box,
                                            double h, double faces = 0);
 
-/// The size of a swept mesh (prism.hpp) of wedge15: triangles of edge h in the base's area, layers.
+/// The size of a swept mesh (sweep.hpp) of wedge15: triangles of edge h in the base's area, layers.
 [[nodiscard]] MeshSize foretell_sweep(double volume, double skin_area, const Vector3& box,
                                       double height, double h, double layers);
 

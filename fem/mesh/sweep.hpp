@@ -1,0 +1,23 @@
+#pragma once
+#include "fem/io/load.hpp"
+#include "fem/mesh/prism.hpp"
+
+namespace tactus::fem {
+
+struct SweepChoice {
+  bool quadrilaterals = true; ///< of pairs of triangles, where that is possible
+  bool curved = true;
+  double unit = 1; ///< metres a unit of the model
+};
+
+/// gmsh's quadratic mesh of the base moved through `levels` (shares of the height, 0 to 1): hex20
+/// and wedge15, whose intervals are the number of their cell of the base (twice) and, numbered on,
+/// of their layer. Metres. gmsh's model keeps the base alone. Cells whose curved sides turn them
+/// inside out get straight ones.
+[[nodiscard]] Mesh sweep(const Prism&, std::span<const double> levels, const SweepChoice&);
+
+/// gmsh's model as a swept mesh, if it is a prism: with the sizes of `size_for` or those of a
+/// refinement, which must have levels. Foretells its size first. Refuses what has another volume.
+[[nodiscard]] std::optional<Mesh> swept_mesh(const LoadChoice&, double unit, bool quadrilaterals);
+
+} // namespace tactus::fem
