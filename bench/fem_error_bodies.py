@@ -115,7 +115,7 @@ CASES = {
     "bar, 1 mode": Case(BAR, fine(BAR, 6, 4), [(50, 1), (30, 1), (20, 1), (20, 2)], modes=1),
     "plate": Case(PLATE, fine(PLATE, 6, 2), [(20, 1), (14, 1), (14, 2), (12, 2), (10, 2), (8, 2)]),
     "thin plate": Case(THIN, fine(THIN, 2.5, 1), [(10, 1), (8, 1), (7, 1), (6, 1), (5, 1), (4, 1)]),
-    "board": Case(BOARD, fine(BOARD, 6, 1), [(30, 1), (20, 1), (15, 1), (12, 1), (10, 1), (12, 2), (10, 2), (9, 1)]),
+    "board": Case(BOARD, fine(BOARD, 5, 2), [(30, 1), (20, 1), (15, 1), (12, 1), (10, 1), (12, 2), (10, 2), (9, 1)]),
     "disk": Case(["disk", "--diameter", 100, "--thickness", 12], DISK_12, [(20, 1), (14, 2), (10, 2), (8, 2), (7, 3)]),
     "hollow disk": Case(HOLLOW, DISK_HOLLOW, [(12, 1), (10, 1), (8, 1), (6, 1), (6, 2)]),
     "washer, clamped": Case(WASHER, fine(WASHER, .8, 5), [(6, 1), (4, 1), (3, 1), (2.5, 2), (2, 2)]),
@@ -127,7 +127,7 @@ CASES = {
     "sphere, 2 modes": Case(["sphere", "--diameter", 100], free_ball(.1, 2), [(50, 0), (30, 0), (25, 0)], modes=2),
     "L block": Case(["FILE"], ["MESH", "--unit", "mm"], [20, 10, 7, 5, 4, 3], L_BODY, mesh=l_mesh()),
     "bar from STEP": Case(["FILE"], fine(BAR, 5, 4), [16, 10, 8, 6, 5], "Box(1) = {-200,-15,-5, 400,30,10};"),
-    "board from STEP": Case(["FILE", "--material", "spruce"], fine(BOARD, 6, 1), [12, 8, 6, 5, 4],
+    "board from STEP": Case(["FILE", "--material", "spruce"], fine(BOARD, 5, 2), [12, 8, 6, 5, 4],
                             "Box(1) = {-250,-100,-1.5, 500,200,3};"),
     "bowl from STEP": Case(["FILE", "--material", "brass"], fine(BOWL, 4, 2), [12, 8, 6, 5, 4],
                            "Sphere(1) = {0,0,0, 100, -Pi/2, 0}; Sphere(2) = {0,0,0, 96, -Pi/2, 0}; "
