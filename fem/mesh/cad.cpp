@@ -375,7 +375,7 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         std::vector<double> concave;
         // Refinements grade where the errors are.
         if ((choice.grade_concave && choice.h > 0) || choice.fillet > 0) {
-          gmsh::model::mesh::generate(2);
+          generate(2);
           concave = concave_curves();
           if (choice.fillet > 0)
             concave = round_off(volumes, concave, choice.fillet / unit);
@@ -389,10 +389,11 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
           gmsh::model::mesh::clear();
           set_sizes(*choice.sizes, unit, finer);
         }
-        gmsh::model::mesh::generate(2);
-        skin = skin_of_model(volumes_of_model(), unit);
+        generate(2);
+        if (Triangles made = skin_of_model(volumes_of_model(), unit); !made.triangles.empty())
+          skin = std::move(made);
         foretell(static_cast<double>(skin.triangles.size()));
-        gmsh::model::mesh::generate(3);
+        generate(3);
         Mesh mesh = make_quadratic(choice.curved, unit);
         check(mesh);
         if (choice.sizes && !choice.sizes->straight && has_straight_sides(mesh))

@@ -1,8 +1,10 @@
 #include "fem/mesh/fill.hpp"
 
 #include "fem/io/words.hpp"
+#include "fem/mesh/crossing.hpp"
 #include "fem/mesh/gmsh_model.hpp"
 #include "fem/mesh/remesh.hpp"
+#include "fem/mesh/simplify.hpp"
 
 #include <gmsh.h>
 #include <set>
@@ -56,6 +58,7 @@ void add_volume(const std::vector<std::vector<int>>& faces_of_shell) {
 namespace {
 
 constexpr std::size_t kMaxTriangles = 60000; ///< that are filled as they are: 10^6 unknowns
+constexpr std::size_t kSimplified = 20000;   ///< beyond that edges collapse in one go first
 constexpr double kMaxVolumeChange = .01;     ///< of the mesh against its surface
 
 } // namespace
@@ -99,7 +102,7 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
       else
         set_sizes(wanted, {});
       add_volume(faces_of_shell);
-      gmsh::model::mesh::generate(3);
+      generate(3);
       Mesh mesh = make_quadratic(false, 1);
       check(mesh);
       const double change = volume(mesh) / std::abs(solid) - 1;
@@ -118,9 +121,14 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
   std::string reason;
   for (const auto& [size, away] : std::initializer_list<std::pair<double, double>>{
            {1, .1}, {1, .03}, {1, .01}, {.6, .03}, {.35, .03}}) {
-    const Triangles even = remeshed(
-        surface, [&, scale = .85 * size](const Vector3& p) { return scale * size_at(p); },
-        away * size * wanted);
+    const std::function<double(const Vector3&)> edge = [&, scale = .85 * size](const Vector3& p) {
+      return scale * size_at(p);
+    };
+    const double deviation = away * size * wanted;
+    const Triangles even =
+        remeshed(surface.triangles.size() > kSimplified ? simplified(surface, edge, .5 * deviation)
+                                                        : surface,
+                 edge, deviation);
     if (even.triangles.size() > kMaxTriangles || crossing(even))
       continue;
     say(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",

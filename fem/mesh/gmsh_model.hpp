@@ -44,6 +44,10 @@ private:
   }
 };
 
+/// Meshes the model up to a dimension. Refuses with gmsh's error; another attempt may follow. (An
+/// exception out of gmsh's own generate() leaves it locked, and every later mesh is empty.)
+void generate(int dimension);
+
 /// gmsh's volume elements, nodes and names as a mesh of ours; its lengths times `unit`.
 [[nodiscard]] Mesh take_over(double unit);
 
@@ -66,8 +70,8 @@ void set_sizes(double h, const std::vector<double>& concave);
 /// The field must live until the mesh is made.
 void set_sizes(const SizeField&, double unit, double finer = 1);
 
-/// Second order, sides curved where no element turns inside out: else optimised, else those of the
-/// elements that do are straight. Elements that are inside out with straight sides stay so.
+/// Second order; sides that turn an element inside out are flattened (straighten_inverted).
+/// Elements that are inside out with straight sides stay so.
 [[nodiscard]] Mesh make_quadratic(bool curved, double unit);
 
 } // namespace tactus::fem

@@ -376,66 +376,11 @@ private:
   double away_;
 };
 
-/// Whether the segment p q cuts the triangle a b c in their insides. Triangles that lie in one
-/// plane but for rounding do not.
-bool cuts(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b,
-          const Vector3& c) {
-  const double size = std::max({length(q - p), length(b - a), length(c - a)});
-  const double nothing = 1e-9 * size * size * size;
-  const auto side = [&](const Vector3& x, const Vector3& y, const Vector3& z, const Vector3& w) {
-    const double volume = dot(cross(y - x, z - x), w - x); // six times the tetrahedron's
-    return volume > nothing ? 1 : volume < -nothing ? -1 : 0;
-  };
-  if (side(a, b, c, p) * side(a, b, c, q) >= 0)
-    return false;
-  const int turn = side(p, q, a, b);
-  return turn != 0 && turn == side(p, q, b, c) && turn == side(p, q, c, a);
-}
-
 } // namespace
 
 Triangles remeshed(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
                    double away) {
   return Remesher(surface, edge, away).run();
-}
-
-std::optional<std::array<std::size_t, 2>> crossing(const Triangles& t) {
-  struct Reach {
-    Box box;
-    std::size_t triangle;
-  };
-  std::vector<Reach> all;
-  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
-    std::vector<Vector3> corners;
-    for (const int v : t.triangles[i])
-      corners.push_back(t.points[static_cast<std::size_t>(v)]);
-    all.push_back({bounding_box(corners), i});
-  }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Reach& a, const Reach& b) { return a.box.low.x < b.box.low.x; });
-  const auto place = [&](std::size_t i, std::size_t k) -> const Vector3& {
-    return t.points[static_cast<std::size_t>(t.triangles[i][k % 3])];
-  };
-  const auto pierces = [&](std::size_t i, std::size_t j) {
-    for (std::size_t k = 0; k < 3; ++k)
-      if (cuts(place(i, k), place(i, k + 1), place(j, 0), place(j, 1), place(j, 2)))
-        return true;
-    return false;
-  };
-  for (std::size_t a = 0; a < all.size(); ++a)
-    for (std::size_t b = a + 1; b < all.size() && all[b].box.low.x <= all[a].box.high.x; ++b) {
-      const Box &p = all[a].box, &q = all[b].box;
-      if (p.low.y > q.high.y || q.low.y > p.high.y || p.low.z > q.high.z || q.low.z > p.high.z)
-        continue;
-      const std::size_t i = all[a].triangle, j = all[b].triangle;
-      const Corners &c = t.triangles[i], &d = t.triangles[j];
-      if (std::count_if(c.begin(), c.end(),
-                        [&](int v) { return std::find(d.begin(), d.end(), v) != d.end(); }) > 1)
-        continue; // neighbours
-      if (pierces(i, j) || pierces(j, i))
-        return std::array{i, j};
-    }
-  return std::nullopt;
 }
 
 } // namespace tactus::fem

@@ -2,7 +2,6 @@
 #include "fem/io/triangles.hpp"
 
 #include <functional>
-#include <optional>
 
 namespace tactus::fem {
 
@@ -16,8 +15,5 @@ namespace tactus::fem {
   return remeshed(
       surface, [edge](const Vector3&) { return edge; }, away);
 }
-
-/// Two triangles without a common edge that cut each other, or nothing.
-[[nodiscard]] std::optional<std::array<std::size_t, 2>> crossing(const Triangles&);
 
 } // namespace tactus::fem

@@ -111,6 +111,34 @@ void smooth(Triangles& t) {
   }
 }
 
+/// Where sheets touch at a point each has a copy of it, and along an edge one of them has a point
+/// of its own in the edge's middle (weld). These points move towards their neighbours, so that
+/// elements find room between the sheets.
+void part_touching(Triangles& t, double distance) {
+  std::vector<std::vector<int>> ring(t.points.size());
+  for (const auto& c : t.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      ring[static_cast<std::size_t>(c[k])].push_back(c[(k + 1) % 3]);
+  const auto at = [&](int v) -> const Vector3& { return t.points[static_cast<std::size_t>(v)]; };
+  std::vector<bool> touches(t.points.size(), false);
+  const std::vector<int> first = coincident_points(t.points, distance);
+  for (std::size_t v = 0; v < first.size(); ++v) {
+    if (first[v] != static_cast<int>(v))
+      touches[v] = touches[static_cast<std::size_t>(first[v])] = true;
+    if (ring[v].size() == 4)
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 0; b < a; ++b)
+          if (length(.5 * (at(ring[v][a]) + at(ring[v][b])) - t.points[v]) < 1e-6 * distance)
+            touches[v] = true;
+  }
+  std::vector<Vector3> moved = t.points;
+  for (std::size_t v = 0; v < touches.size(); ++v)
+    if (touches[v])
+      for (const int w : ring[v])
+        moved[v] += (.1 / static_cast<double>(ring[v].size())) * (at(w) - t.points[v]);
+  t.points = std::move(moved);
+}
+
 Resurfaced contoured(const RayGrid& grid, const std::vector<std::uint8_t>& inside, bool sharp) {
   Resurfaced out;
   out.spacing = grid.spacing();
@@ -120,6 +148,7 @@ Resurfaced contoured(const RayGrid& grid, const std::vector<std::uint8_t>& insid
   weld(out.surface);
   if (!sharp)
     smooth(out.surface);
+  part_touching(out.surface, .01 * grid.spacing());
   close(out.surface);
   return out;
 }

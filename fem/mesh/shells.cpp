@@ -1,5 +1,8 @@
 #include "fem/mesh/shells.hpp"
 
+#include "fem/mesh/box_tree.hpp"
+#include "fem/mesh/crossing.hpp"
+#include "fem/mesh/distance.hpp"
 #include "fem/mesh/edge_uses.hpp"
 
 #include <array>
@@ -30,40 +33,11 @@ double solid_angle(const Vector3& a, const Vector3& b, const Vector3& c) {
 }
 
 /// Whether a point lies inside a shell: its triangles fill the whole sphere around the point.
-bool inside(const Vector3& p, const Triangles& t, int shell) {
+bool inside(const Vector3& p, const Triangles& t, const std::vector<std::size_t>& shell) {
   double whole = 0;
-  for (std::size_t i = 0; i < t.triangles.size(); ++i)
-    if (t.shell[i] == shell)
-      whole += solid_angle(t.corner(i, 0) - p, t.corner(i, 1) - p, t.corner(i, 2) - p);
+  for (const std::size_t i : shell)
+    whole += solid_angle(t.corner(i, 0) - p, t.corner(i, 1) - p, t.corner(i, 2) - p);
   return std::abs(whole) > 6.2831853; // 4 pi inside, 0 outside
-}
-
-double distance_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b,
-                            const Vector3& c) {
-  const Vector3 n = cross(b - a, c - a);
-  const double size = length(n);
-  if (size > 0 && dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
-      dot(cross(a - c, p - c), n) >= 0)
-    return std::abs(dot(n, p - a)) / size;
-  const auto to_edge = [&](const Vector3& from, const Vector3& to) {
-    const Vector3 along = to - from;
-    const double share =
-        std::clamp(dot(p - from, along) / std::max(dot(along, along), 1e-300), 0., 1.);
-    return length(p - from - share * along);
-  };
-  return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
-}
-
-double distance_of_edges(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b) {
-  const Vector3 u = q - p, v = b - a, n = cross(u, v);
-  const double size = dot(n, n);
-  if (!(size > 1e-20 * dot(u, u) * dot(v, v)))
-    return 1e300; // parallel: their corners tell
-  const Vector3 w = a - p;
-  const double s = dot(cross(w, v), n) / size, t = dot(cross(w, u), n) / size;
-  if (s < 0 || s > 1 || t < 0 || t > 1)
-    return 1e300;
-  return std::abs(dot(w, n)) / std::sqrt(size);
 }
 
 bool near(const Triangles& t, std::size_t i, std::size_t j, double distance) {
@@ -218,10 +192,13 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
         return false;
     return true;
   };
+  std::vector<std::vector<std::size_t>> members(at(t.shells));
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    members[at(t.shell[i])].push_back(i);
   std::vector<std::vector<int>> around(at(t.shells));
   for (int s = 0; s < t.shells; ++s)
     for (int q = 0; q < t.shells; ++q)
-      if (q != s && fits(s, q) && inside(sample[at(s)], t, q))
+      if (q != s && fits(s, q) && inside(sample[at(s)], t, members[at(q)]))
         around[at(s)].push_back(q);
   // The body of a cavity is the shell around it that lies deepest.
   std::vector<int> outer(at(t.shells), -1), place(at(t.shells), 0), cavities(at(t.shells), 0);
@@ -270,36 +247,15 @@ std::vector<Triangles> separate_bodies(const Triangles& t) {
 bool shells_touch(const Triangles& t, double distance) {
   if (t.shells < 2)
     return false;
-  const auto boxes = shell_boxes(t);
-  const auto apart = [&](const Box& p, const Box& q) {
-    for (int k = 0; k < 3; ++k)
-      if (p.low[k] > q.high[k] + distance || q.low[k] > p.high[k] + distance)
-        return true;
-    return false;
-  };
-  struct Reach {
-    Box box;
-    std::size_t triangle;
-  };
-  std::vector<Reach> all;
-  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
-    const std::array corners{t.corner(i, 0), t.corner(i, 1), t.corner(i, 2)};
-    const Box box = bounding_box(corners);
-    for (int s = 0; s < t.shells; ++s) // only what reaches another shell's box
-      if (s != t.shell[i] && !apart(box, boxes[at(s)])) {
-        all.push_back({box, i});
-        break;
-      }
-  }
-  std::sort(all.begin(), all.end(),
-            [](const Reach& a, const Reach& b) { return a.box.low.x < b.box.low.x; });
-  for (std::size_t a = 0; a < all.size(); ++a)
-    for (std::size_t b = a + 1; b < all.size() && all[b].box.low.x <= all[a].box.high.x + distance;
-         ++b)
-      if (t.shell[all[a].triangle] != t.shell[all[b].triangle] && !apart(all[a].box, all[b].box) &&
-          near(t, all[a].triangle, all[b].triangle, distance))
-        return true;
-  return false;
+  const std::vector<Box> boxes = triangle_boxes(t);
+  const BoxTree tree(boxes);
+  bool touch = false;
+  for (std::size_t i = 0; i < boxes.size() && !touch; ++i)
+    tree.each_near(boxes[i], distance, [&](std::size_t j) {
+      touch = j > i && t.shell[i] != t.shell[j] && near(t, i, j, distance);
+      return !touch;
+    });
+  return touch;
 }
 
 } // namespace tactus::fem

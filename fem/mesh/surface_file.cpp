@@ -1,9 +1,9 @@
 #include "fem/mesh/surface_file.hpp"
 
 #include "fem/io/words.hpp"
+#include "fem/mesh/crossing.hpp"
 #include "fem/mesh/fill.hpp"
 #include "fem/mesh/holes.hpp"
-#include "fem/mesh/remesh.hpp"
 #include "fem/mesh/resurface.hpp"
 #include "fem/mesh/shells.hpp"
 #include "fem/mesh/weld.hpp"

@@ -228,7 +228,7 @@ TEST_CASE("low faces on a curved wall do not tilt its skin") {
   CHECK(walls > 500);
 }
 
-TEST_CASE("a side whose curve turns an element inside out becomes straight, and no other") {
+TEST_CASE("a side whose curve turns an element inside out is flattened, and no other") {
   Mesh mesh = tetrahedral_block(2, true);
   CHECK(has_straight_sides(mesh));
   const auto node_at = [&](const Vector3& p) {
@@ -249,7 +249,9 @@ TEST_CASE("a side whose curve turns an element inside out becomes straight, and 
   CHECK_THROWS_AS(check(mesh), Refusal);
   CHECK(straighten_inverted(mesh) == 1);
   CHECK_NOTHROW(check(mesh));
-  CHECK(length(mesh.nodes[wild] - Vector3{.75, 1, 1}) < 1e-12);
+  // The bend of .3 is halved until the element is sound, no further.
+  CHECK(std::abs(mesh.nodes[wild].z - 1) <= .1501);
+  CHECK(std::abs(mesh.nodes[wild].z - 1) >= .0749);
   CHECK(mesh.nodes[mild].z == 1.02);
   for (const Element& e : mesh.elements)
     CHECK(e.shape == Shape::tet10);

@@ -1,6 +1,7 @@
 // Renewed triangle surfaces: the same body, better triangles.
 #include "fem/mesh/remesh.hpp"
 
+#include "fem/mesh/crossing.hpp"
 #include "fem/mesh/shells.hpp"
 
 #include <doctest/doctest.h>

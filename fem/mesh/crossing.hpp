@@ -1,0 +1,19 @@
+#pragma once
+#include "fem/io/triangles.hpp"
+
+#include <optional>
+
+namespace tactus::fem {
+
+/// The boxes of all triangles.
+[[nodiscard]] std::vector<Box> triangle_boxes(const Triangles&);
+
+/// Pairs of triangles that cut each other in their insides, and neighbours that are folded flat
+/// onto each other; up to `limit` of them.
+[[nodiscard]] std::vector<std::array<std::size_t, 2>> crossings(const Triangles&,
+                                                                std::size_t limit);
+
+/// One such pair, or nothing.
+[[nodiscard]] std::optional<std::array<std::size_t, 2>> crossing(const Triangles&);
+
+} // namespace tactus::fem

@@ -1,0 +1,35 @@
+#include "fem/mesh/distance.hpp"
+
+#include <algorithm>
+
+namespace tactus::fem {
+
+double distance_to_triangle(const Vector3& p, const Vector3& a, const Vector3& b,
+                            const Vector3& c) {
+  const Vector3 n = cross(b - a, c - a);
+  const double size = length(n);
+  if (size > 0 && dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
+      dot(cross(a - c, p - c), n) >= 0)
+    return std::abs(dot(n, p - a)) / size;
+  const auto to_edge = [&](const Vector3& from, const Vector3& to) {
+    const Vector3 along = to - from;
+    const double share =
+        std::clamp(dot(p - from, along) / std::max(dot(along, along), 1e-300), 0., 1.);
+    return length(p - from - share * along);
+  };
+  return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+}
+
+double distance_of_edges(const Vector3& p, const Vector3& q, const Vector3& a, const Vector3& b) {
+  const Vector3 u = q - p, v = b - a, n = cross(u, v);
+  const double size = dot(n, n);
+  if (!(size > 1e-20 * dot(u, u) * dot(v, v)))
+    return 1e300; // parallel: their corners tell
+  const Vector3 w = a - p;
+  const double s = dot(cross(w, v), n) / size, t = dot(cross(w, u), n) / size;
+  if (s < 0 || s > 1 || t < 0 || t > 1)
+    return 1e300;
+  return std::abs(dot(w, n)) / std::sqrt(size);
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,259 @@
+#include "fem/mesh/simplify.hpp"
+
+#include "fem/mesh/box_tree.hpp"
+#include "fem/mesh/crossing.hpp"
+#include "fem/mesh/distance.hpp"
+
+#include <algorithm>
+#include <queue>
+
+namespace tactus::fem {
+namespace {
+
+using Corners = std::array<int, 3>;
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Area-weighted sum of squared distances to planes, as a symmetric form in a point, and the area.
+struct Quadric {
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  Vector3 linear;
+  double constant = 0, area = 0;
+
+  void add(const Vector3& n, double level, double weight) {
+    xx += weight * n.x * n.x, xy += weight * n.x * n.y, xz += weight * n.x * n.z;
+    yy += weight * n.y * n.y, yz += weight * n.y * n.z, zz += weight * n.z * n.z;
+    linear += (weight * level) * n;
+    constant += weight * level * level;
+    area += weight;
+  }
+  void add(const Quadric& q) {
+    xx += q.xx, xy += q.xy, xz += q.xz, yy += q.yy, yz += q.yz, zz += q.zz;
+    linear += q.linear;
+    constant += q.constant;
+    area += q.area;
+  }
+  [[nodiscard]] double at(const Vector3& p) const {
+    const double square = xx * p.x * p.x + yy * p.y * p.y + zz * p.z * p.z +
+                          2 * (xy * p.x * p.y + xz * p.x * p.z + yz * p.y * p.z);
+    return std::max(square - 2 * dot(linear, p) + constant, 0.);
+  }
+};
+
+class Simplifier {
+public:
+  /// Points marked in `kept` stay, with all their triangles.
+  Simplifier(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
+             double deviation, const std::vector<bool>& kept)
+      : surface_(surface), triangle_(surface.triangles), around_(surface.points.size()),
+        quadric_(surface.points.size()), version_(surface.points.size(), 0), kept_(kept),
+        edge_(edge), deviation_(deviation) {
+    for (std::size_t t = 0; t < triangle_.size(); ++t) {
+      const Vector3 n = normal(triangle_[t]);
+      const double size = length(n);
+      for (const int v : triangle_[t]) {
+        around_[at(v)].push_back(static_cast<int>(t));
+        if (size > 0) // about the point itself: large coordinates would cancel
+          quadric_[at(v)].add((1 / size) * n, dot((1 / size) * n, relative(triangle_[t][0])),
+                              size / 2);
+      }
+    }
+  }
+
+  Triangles run() {
+    for (const Corners& c : triangle_)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (c[k] < c[(k + 1) % 3])
+          offer(c[k], c[(k + 1) % 3]);
+    while (!queue_.empty()) {
+      const Candidate c = queue_.top();
+      queue_.pop();
+      if (version_[at(c.from)] != c.from_version || version_[at(c.onto)] != c.onto_version)
+        continue;
+      if (collapse(c.from, c.onto))
+        for (const int w : neighbours(c.onto))
+          offer(c.onto, w);
+    }
+    return compact();
+  }
+
+private:
+  struct Candidate {
+    double cost;
+    int from, onto, from_version, onto_version;
+    bool operator<(const Candidate& b) const { // the queue has the largest on top
+      return cost != b.cost ? cost > b.cost : from != b.from ? from > b.from : onto > b.onto;
+    }
+  };
+
+  const Vector3& point(int v) const { return surface_.points[at(v)]; }
+  Vector3 relative(int v) const { return point(v) - surface_.points[0]; }
+  Vector3 normal(const Corners& t) const {
+    return cross(point(t[1]) - point(t[0]), point(t[2]) - point(t[0]));
+  }
+  double span(int a, int b) const { return length(point(b) - point(a)); }
+  double wanted(int a, int b) const { return edge_(.5 * (point(a) + point(b))); }
+  double quality(const Corners& t) const {
+    const double a = span(t[0], t[1]), b = span(t[1], t[2]), c = span(t[2], t[0]);
+    const double sides = a * a + b * b + c * c;
+    return sides > 0 ? 2 * std::sqrt(3.) * length(normal(t)) / sides : 0;
+  }
+  std::vector<int> neighbours(int v) const {
+    std::vector<int> out;
+    out.reserve(2 * around_[at(v)].size());
+    for (const int t : around_[at(v)])
+      for (const int w : triangle_[at(t)])
+        if (w != v)
+          out.push_back(w);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+
+  /// Puts the cheaper of the two collapses of an edge into the queue, then the other.
+  void offer(int a, int b) {
+    const double size = span(a, b), aim = wanted(a, b);
+    if (size > .8 * aim)
+      return;
+    for (const auto& [from, onto] : {std::pair(a, b), std::pair(b, a)}) {
+      if (kept_[at(from)])
+        continue;
+      Quadric sum = quadric_[at(from)];
+      sum.add(quadric_[at(onto)]);
+      const double error = sum.at(relative(onto));
+      if (error > .06 * deviation_ * deviation_ * sum.area)
+        continue;
+      // Among flat parts the shortest edges go first, so that triangles stay even.
+      queue_.push({error + 1e-3 * deviation_ * deviation_ * size * size, from, onto,
+                   version_[at(from)], version_[at(onto)]});
+    }
+  }
+
+  bool collapse(int from, int onto) {
+    const auto a = neighbours(from), b = neighbours(onto);
+    if (!std::binary_search(a.begin(), a.end(), onto))
+      return false;
+    std::vector<int> common;
+    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+    if (common.size() != 2 || a.size() + b.size() > 28)
+      return false; // more would pinch the surface
+    for (const int t : around_[at(from)]) {
+      Corners corners = triangle_[at(t)];
+      if (std::find(corners.begin(), corners.end(), onto) != corners.end())
+        continue;
+      const Vector3 before = normal(corners);
+      const double shape = quality(corners);
+      std::replace(corners.begin(), corners.end(), from, onto);
+      const Vector3 after = normal(corners);
+      if (dot(before, after) <= .7 * length(before) * length(after) ||
+          quality(corners) < std::min(.2, .8 * shape))
+        return false;
+      for (const int v : corners)
+        if (v != onto && span(v, onto) > 4. / 3 * wanted(v, onto) && span(v, onto) > span(v, from))
+          return false;
+    }
+    for (const int t : around_[at(from)]) {
+      Corners& corners = triangle_[at(t)];
+      if (std::find(corners.begin(), corners.end(), onto) != corners.end()) {
+        for (const int v : corners)
+          if (v != from)
+            std::erase(around_[at(v)], t);
+        corners = {-1, -1, -1};
+      } else {
+        std::replace(corners.begin(), corners.end(), from, onto);
+        around_[at(onto)].push_back(t);
+      }
+    }
+    around_[at(from)].clear();
+    quadric_[at(onto)].add(quadric_[at(from)]);
+    ++version_[at(from)];
+    ++version_[at(onto)];
+    return true;
+  }
+
+  Triangles compact() const {
+    Triangles out;
+    out.groups = surface_.groups;
+    out.shells = surface_.shells;
+    std::vector<int> name(surface_.points.size(), -1);
+    for (std::size_t t = 0; t < triangle_.size(); ++t) {
+      Corners corners = triangle_[t];
+      if (corners[0] < 0)
+        continue;
+      for (int& v : corners) {
+        int& known = name[at(v)];
+        if (known < 0) {
+          known = static_cast<int>(out.points.size());
+          out.points.push_back(point(v));
+        }
+        v = known;
+      }
+      out.triangles.push_back(corners);
+      out.shell.push_back(surface_.shell[t]);
+      if (!surface_.group.empty())
+        out.group.push_back(surface_.group[t]);
+    }
+    return out;
+  }
+
+  const Triangles& surface_;
+  std::vector<Corners> triangle_; ///< -1: gone
+  std::vector<std::vector<int>> around_;
+  std::vector<Quadric> quadric_;
+  std::vector<int> version_;
+  const std::vector<bool>& kept_;
+  std::priority_queue<Candidate> queue_;
+  const std::function<double(const Vector3&)>& edge_;
+  double deviation_;
+};
+
+/// Marks the points within a distance of one.
+void mark_near(const BoxTree& points, const Vector3& p, double distance, std::vector<bool>& kept) {
+  points.each_near({p, p}, distance, [&](std::size_t i) {
+    kept[i] = true;
+    return true;
+  });
+}
+
+} // namespace
+
+Triangles simplified(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
+                     double deviation) {
+  std::vector<Box> boxes;
+  boxes.reserve(surface.points.size());
+  for (const Vector3& p : surface.points)
+    boxes.push_back({p, p});
+  const BoxTree points(std::move(boxes));
+  std::vector<bool> kept(surface.points.size(), false);
+  for (double reach = 1; reach < 20; reach *= 2) {
+    Triangles made = Simplifier(surface, edge, deviation, kept).run();
+    bool sound = true;
+    for (const auto& pair : crossings(made, 1000))
+      for (const std::size_t i : pair)
+        for (std::size_t k = 0; k < 3; ++k) {
+          const Vector3 p = made.corner(i, k);
+          sound = false;
+          mark_near(points, p, reach * edge(p), kept);
+        }
+    const BoxTree faces(triangle_boxes(made));
+    for (std::size_t v = 0; v < surface.points.size(); ++v) {
+      const Vector3& p = surface.points[v];
+      if (kept[v])
+        continue; // its neighbourhood is marked already
+      bool near = false;
+      faces.each_near({p, p}, deviation, [&](std::size_t i) {
+        near = distance_to_triangle(p, made.corner(i, 0), made.corner(i, 1), made.corner(i, 2)) <=
+               deviation;
+        return !near;
+      });
+      if (!near) {
+        mark_near(points, p, .5 * reach * edge(p), kept);
+        sound = false;
+      }
+    }
+    if (sound)
+      return made;
+  }
+  return surface;
+}
+
+} // namespace tactus::fem
