@@ -125,11 +125,13 @@ Mesh mesh_surface(const Triangles& surface, const LoadChoice& choice) {
       return scale * size_at(p);
     };
     const double deviation = away * size * wanted;
-    const Triangles even =
-        remeshed(surface.triangles.size() > kSimplified ? simplified(surface, edge, .5 * deviation)
-                                                        : surface,
-                 edge, deviation);
-    if (even.triangles.size() > kMaxTriangles || crossing(even))
+    const bool large = surface.triangles.size() > kSimplified;
+    Triangles thin = large ? simplified(surface, edge, .5 * deviation) : Triangles{};
+    Triangles even = remeshed(large ? thin : surface, edge, deviation);
+    const bool crossed = crossing(even).has_value();
+    if (crossed && large) // which the simplified surface does not
+      even = std::move(thin);
+    if (even.triangles.size() > kMaxTriangles || (crossed && !large))
       continue;
     say(format("%zu triangles renewed at %.3g mm: %zu (%.1f %% were slivers, %.1f %% are)",
                surface.triangles.size(), 1e3 * size * wanted, even.triangles.size(), 100 * slivers,

@@ -1,6 +1,7 @@
 #include "fem/mesh/resurface.hpp"
 
 #include "fem/io/words.hpp"
+#include "fem/mesh/crossing.hpp"
 #include "fem/mesh/dual_contour.hpp"
 #include "fem/mesh/shells.hpp"
 #include "fem/mesh/weld.hpp"
@@ -139,6 +140,32 @@ void part_touching(Triangles& t, double distance) {
   t.points = std::move(moved);
 }
 
+/// Points of triangles that cut each other, where more than one sheet passes a cell, move towards
+/// the middle of their neighbours until none do.
+void relax_crossings(Triangles& t) {
+  for (int pass = 0; pass < 10; ++pass) {
+    const auto pairs = crossings(t, 10000);
+    if (pairs.empty())
+      return;
+    std::vector<Vector3> sum(t.points.size());
+    std::vector<int> count(t.points.size(), 0);
+    std::vector<bool> moves(t.points.size(), false);
+    for (const auto& pair : pairs)
+      for (const std::size_t i : pair)
+        for (const int v : t.triangles[i])
+          moves[static_cast<std::size_t>(v)] = true;
+    for (const auto& c : t.triangles)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (const auto v = static_cast<std::size_t>(c[k]); moves[v]) {
+          sum[v] += t.points[static_cast<std::size_t>(c[(k + 1) % 3])];
+          ++count[v];
+        }
+    for (std::size_t v = 0; v < moves.size(); ++v)
+      if (count[v] > 0)
+        t.points[v] += .5 * ((1. / count[v]) * sum[v] - t.points[v]);
+  }
+}
+
 Resurfaced contoured(const RayGrid& grid, const std::vector<std::uint8_t>& inside, bool sharp) {
   Resurfaced out;
   out.spacing = grid.spacing();
@@ -149,6 +176,7 @@ Resurfaced contoured(const RayGrid& grid, const std::vector<std::uint8_t>& insid
   if (!sharp)
     smooth(out.surface);
   part_touching(out.surface, .01 * grid.spacing());
+  relax_crossings(out.surface);
   close(out.surface);
   return out;
 }

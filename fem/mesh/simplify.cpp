@@ -5,7 +5,9 @@
 #include "fem/mesh/distance.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <queue>
+#include <set>
 
 namespace tactus::fem {
 namespace {
@@ -206,38 +208,52 @@ private:
   double deviation_;
 };
 
-/// Marks the points within a distance of one.
-void mark_near(const BoxTree& points, const Vector3& p, double distance, std::vector<bool>& kept) {
-  points.each_near({p, p}, distance, [&](std::size_t i) {
-    kept[i] = true;
-    return true;
-  });
-}
+/// Marks the points of a surface around places. One of several places within a quarter of the
+/// distance stands for all.
+class Marker {
+public:
+  explicit Marker(const std::vector<Vector3>& points) : marked(points.size(), false) {
+    std::vector<Box> boxes;
+    boxes.reserve(points.size());
+    for (const Vector3& p : points)
+      boxes.push_back({p, p});
+    tree_.emplace(std::move(boxes));
+  }
+  void mark(const Vector3& p, double distance) {
+    const auto cell = [&](double x) { return std::floor(4 * x / distance); };
+    if (done_.insert({distance, cell(p.x), cell(p.y), cell(p.z)}).second)
+      tree_->each_near({p, p}, distance, [&](std::size_t i) {
+        marked[i] = true;
+        return true;
+      });
+  }
+
+  std::vector<bool> marked;
+
+private:
+  std::optional<BoxTree> tree_;
+  std::set<std::array<double, 4>> done_;
+};
 
 } // namespace
 
 Triangles simplified(const Triangles& surface, const std::function<double(const Vector3&)>& edge,
                      double deviation) {
-  std::vector<Box> boxes;
-  boxes.reserve(surface.points.size());
-  for (const Vector3& p : surface.points)
-    boxes.push_back({p, p});
-  const BoxTree points(std::move(boxes));
-  std::vector<bool> kept(surface.points.size(), false);
+  Marker kept(surface.points);
   for (double reach = 1; reach < 20; reach *= 2) {
-    Triangles made = Simplifier(surface, edge, deviation, kept).run();
+    Triangles made = Simplifier(surface, edge, deviation, kept.marked).run();
     bool sound = true;
     for (const auto& pair : crossings(made, 1000))
       for (const std::size_t i : pair)
         for (std::size_t k = 0; k < 3; ++k) {
           const Vector3 p = made.corner(i, k);
           sound = false;
-          mark_near(points, p, reach * edge(p), kept);
+          kept.mark(p, reach * edge(p));
         }
     const BoxTree faces(triangle_boxes(made));
     for (std::size_t v = 0; v < surface.points.size(); ++v) {
       const Vector3& p = surface.points[v];
-      if (kept[v])
+      if (kept.marked[v])
         continue; // its neighbourhood is marked already
       bool near = false;
       faces.each_near({p, p}, deviation, [&](std::size_t i) {
@@ -246,7 +262,7 @@ Triangles simplified(const Triangles& surface, const std::function<double(const 
         return !near;
       });
       if (!near) {
-        mark_near(points, p, .5 * reach * edge(p), kept);
+        kept.mark(p, .5 * reach * edge(p));
         sound = false;
       }
     }
