@@ -15,6 +15,7 @@ struct LoadChoice {
   double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
   bool multi = false; ///< several separate bodies may come
+  std::string part{}; ///< the one of several bodies to take, by name or number from one
   /// The size of elements (m) for a body of a volume, skin and largest extent (m^3, m^2, m), where
   /// h is 0.
   std::function<double(double volume, double skin, double largest)> size_for{};

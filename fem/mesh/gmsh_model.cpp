@@ -13,7 +13,7 @@ namespace tactus::fem {
 
 void generate(int dimension) {
   gmsh::logger::stop();
-  gmsh::logger::start(); // forgets earlier errors
+  gmsh::logger::start();                              // forgets earlier errors
   gmsh::option::setNumber("General.AbortOnError", 1); // ends the mesh, throws nothing
   gmsh::model::mesh::generate(dimension);
   gmsh::option::setNumber("General.AbortOnError", 2);

@@ -3,6 +3,7 @@
 #include "fem/io/words.hpp"
 
 #include <gmsh.h>
+#include <new>
 
 namespace tactus::fem {
 
@@ -43,6 +44,21 @@ private:
     return reason;
   }
 };
+
+/// Whether `work` went through; gmsh's last exception may be no std::exception. What is beyond
+/// memory or budget is passed on.
+template <class Work> bool tried(Work&& work) {
+  try {
+    work();
+    return true;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const TooLarge&) {
+    throw;
+  } catch (...) {
+    return false;
+  }
+}
 
 /// Meshes the model up to a dimension. Refuses with gmsh's error; another attempt may follow. (An
 /// exception out of gmsh's own generate() leaves it locked, and every later mesh is empty.)

@@ -3,9 +3,32 @@
 #include "fem/io/obj.hpp"
 #include "fem/mesh/edge_uses.hpp"
 
+#include <functional>
+#include <limits>
 #include <map>
 
 namespace tactus::fem {
+
+namespace {
+
+constexpr std::size_t kMaxRing = 4096;
+constexpr double kFlat = .02; ///< of an opening's extent
+
+/// Largest distance of a ring's corners from its mean plane (Newell's normal), m.
+double off_plane(const std::vector<Vector3>& ring, const Vector3& centre) {
+  Vector3 normal;
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    normal += cross(ring[i] - centre, ring[(i + 1) % ring.size()] - centre);
+  const double size = length(normal);
+  if (!(size > 0))
+    return std::numeric_limits<double>::infinity();
+  double off = 0;
+  for (const Vector3& p : ring)
+    off = std::max(off, std::abs(dot(normal, p - centre)) / size);
+  return off;
+}
+
+} // namespace
 
 std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_share) {
   std::map<int, std::pair<int, std::size_t>> next; // along a ring, against its triangles
@@ -20,6 +43,8 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
   });
   const double size = bounding_box(t.points).largest();
   std::vector<Hole> holes;
+  std::size_t large = 0, opening = 0;
+  std::function<void()> close_opening; // of the last large hole that is nearly plane
   while (!next.empty()) {
     const int start = next.begin()->first;
     const std::size_t beside = next.begin()->second.second;
@@ -41,13 +66,12 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
     }
     hole.edges = ring.size();
     hole.extent = bounding_box(corners).largest();
-    const bool small = hole.extent <= extent_share * size && ring.size() <= 4096;
-    const auto patch = small ? cut_ears(corners) : std::vector<std::array<int, 3>>{};
+    const auto patch =
+        ring.size() <= kMaxRing ? cut_ears(corners) : std::vector<std::array<int, 3>>{};
     const auto at = [&](int i) { return corners[static_cast<std::size_t>(i)]; };
     for (const auto& [a, b, c] : patch)
       hole.area += .5 * length(cross(at(b) - at(a), at(c) - at(a)));
-    hole.closed = small && ring.size() > 2 && hole.area <= area_share * skin;
-    if (hole.closed)
+    const auto close = [&, ring, patch, beside] {
       for (const auto& ear : patch) {
         std::array<int, 3> triangle{};
         for (std::size_t k = 0; k < 3; ++k)
@@ -56,7 +80,23 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
         if (!t.group.empty())
           t.group.push_back(t.group[beside]);
       }
+    };
+    hole.closed =
+        !patch.empty() && hole.extent <= extent_share * size && hole.area <= area_share * skin;
+    if (hole.closed) {
+      close();
+    } else {
+      ++large;
+      if (!patch.empty() && off_plane(corners, hole.centre) <= kFlat * hole.extent) {
+        opening = holes.size();
+        close_opening = close;
+      }
+    }
     holes.push_back(hole);
+  }
+  if (large == 1 && close_opening) {
+    close_opening();
+    holes[opening].closed = holes[opening].flat_opening = true;
   }
   std::stable_sort(holes.begin(), holes.end(),
                    [](const Hole& a, const Hole& b) { return a.extent > b.extent; });

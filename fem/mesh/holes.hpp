@@ -10,11 +10,13 @@ struct Hole {
   double area = 0;   ///< m^2, of the patch that closes it
   std::size_t edges = 0;
   bool closed = false;
+  bool flat_opening = false; ///< closed beyond the limits, as the only one and nearly plane
 };
 
 /// Closes holes whose patch is at most `area_share` of the surface and whose extent at most
-/// `extent_share` of the body's, with the ears of their rings. Expects find_shells() before.
-/// Returns all holes, the largest first.
+/// `extent_share` of the body's, with the ears of their rings. One larger hole is closed too
+/// if all others are small and its corners lie within 2 % of its extent from a plane: a missing
+/// bottom. Expects find_shells() before. Returns all holes, the largest first.
 std::vector<Hole> close_holes(Triangles&, double area_share, double extent_share);
 
 } // namespace tactus::fem

@@ -4,6 +4,7 @@
 #include "fem/mesh/crossing.hpp"
 #include "fem/mesh/fill.hpp"
 #include "fem/mesh/holes.hpp"
+#include "fem/mesh/parts.hpp"
 #include "fem/mesh/resurface.hpp"
 #include "fem/mesh/shells.hpp"
 #include "fem/mesh/weld.hpp"
@@ -16,7 +17,9 @@ namespace {
 
 constexpr double kHoleArea = .05, kHoleExtent = .4; ///< shares of the body that are closed
 constexpr double kAllHolesArea = .1;                ///< of the skin, together
-constexpr double kMaxVolumeChange = .01;            ///< of a surface made anew
+constexpr double kSheet = .003; ///< thickness of the body, below which a capped surface is a sheet
+constexpr double kMaxVolumeChange = .01; ///< of a surface made anew
+constexpr double kClosedGap = 2e-4;      ///< of the body, between pieces that are one
 
 using Say = std::function<void(const std::string&)>;
 
@@ -24,19 +27,21 @@ std::string percent(double share) { return format("%+.2f %%", 100 * share); }
 
 void close_small_holes(Triangles& t, const Say& say) {
   const auto holes = close_holes(t, kHoleArea, kHoleExtent);
-  std::size_t told = 0;
   for (const Hole& h : holes)
     if (!h.closed)
       throw Refusal(
           open_edge_sentence(t) +
           format("; the hole of %zu edges, %.3g mm wide,", h.edges, 1e3 * h.extent) +
           near_position(h.centre) +
-          format(" is too large to be closed (limits: %g %% of the skin, %g %% of the "
-                 "length); close it, or take --shrink-wrap SIZE with a SIZE above its width",
+          format(" is too large to be closed (limits: %g %% of the skin, %g %% of the length, or "
+                 "one flat opening); close it, give a sheet a thickness, or take --shrink-wrap "
+                 "SIZE with a SIZE above its width",
                  100 * kHoleArea, 100 * kHoleExtent));
+  if (holes.empty())
+    return;
   double patched = 0, skin = 0;
   for (const Hole& h : holes)
-    patched += h.area;
+    patched += h.flat_opening ? 0 : h.area;
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     skin += .5 * length(t.normal(i));
   if (patched > kAllHolesArea * skin)
@@ -45,16 +50,29 @@ void close_small_holes(Triangles& t, const Say& say) {
                holes.size(), 100 * patched / skin, 100 * kAllHolesArea) +
         near_position(holes[0].centre) +
         "; close them, or take --shrink-wrap SIZE with a SIZE above their width");
+  std::size_t told = 0;
   for (const Hole& h : holes)
     if (told++ < 5)
-      say(format("a hole of %zu edges, %.3g mm wide,", h.edges, 1e3 * h.extent) +
-          near_position(h.centre) + " was closed");
+      say(format(h.flat_opening ? "the open flat side of %zu edges, %.3g mm wide,"
+                                : "a hole of %zu edges, %.3g mm wide,",
+                 h.edges, 1e3 * h.extent) +
+          near_position(h.centre) +
+          (h.flat_opening ? " was closed: the surface is taken as the skin of a solid"
+                          : " was closed"));
   if (holes.size() > 5)
     say(format("%zu smaller holes were closed too", holes.size() - 5));
-  if (!holes.empty()) {
-    weld(t);
-    close(t);
-  }
+  weld(t);
+  close(t);
+  double solid = 0;
+  for (const double v : shell_volumes(t))
+    solid += std::abs(v);
+  const double wall = 2 * solid / skin;
+  if (holes[0].flat_opening && wall < kSheet * bounding_box(t.points).largest())
+    throw Refusal(
+        format("the surface is a sheet: with its open side of %zu edges closed its mean "
+               "thickness is %.2g mm, expected %.2g mm or more; the opening is",
+               holes[0].edges, 1e3 * wall, 1e3 * kSheet * bounding_box(t.points).largest()) +
+        near_position(holes[0].centre) + "; give it a thickness, or take --shrink-wrap SIZE");
 }
 
 /// A closed surface without crossings of what overlaps, touches or crosses itself.
@@ -96,7 +114,7 @@ Triangles turned_by_nesting(const Triangles& t) {
   return out;
 }
 
-Triangles repaired(Triangles t, const Say& say) {
+Triangles repaired(Triangles t, bool multi, const Say& say) {
   const Welded welded = weld(t);
   if (welded.duplicates + welded.split + welded.fins > 0)
     say(format(
@@ -117,32 +135,14 @@ Triangles repaired(Triangles t, const Say& say) {
                  "the surface crosses itself: " + place_of(t, (*pair)[0]) + " cuts " +
                      place_of(t, (*pair)[1]),
                  say);
-  if (shells_touch(t, std::max(welded.tolerance, 1e-6 * size)))
-    return unite(turned_by_nesting(t), format("the surface has %d pieces that touch", t.shells),
+  // Faces of an assembly often miss each other by rounding in the program that made them. The
+  // grid of the union is a hundred times as wide and closes such gaps.
+  const double gap = std::max(welded.tolerance, (multi ? 1e-6 : kClosedGap) * size);
+  if (shells_touch(t, gap))
+    return unite(turned_by_nesting(t),
+                 format("the surface has %d pieces with gaps below %.2g mm", t.shells, 1e3 * gap),
                  say);
   return t;
-}
-
-/// Leaves out bodies below 1e-4 of the largest one's volume: crumbs of modelling.
-void drop_specks(std::vector<Triangles>& bodies, const Say& say) {
-  std::vector<double> volumes;
-  for (const Triangles& body : bodies)
-    volumes.push_back(shell_volumes(body)[0]);
-  const double limit = 1e-4 * *std::max_element(volumes.begin(), volumes.end());
-  std::size_t kept = 0, told = 0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (volumes[b] >= limit) {
-      if (kept != b)
-        bodies[kept] = std::move(bodies[b]);
-      ++kept;
-    } else if (told++ < 3) {
-      say(format("a speck of %.2g mm^3 was left out,", 1e9 * volumes[b]) +
-          near_position(bodies[b].points[0]));
-    }
-  }
-  if (told > 3)
-    say(format("%zu more specks were left out", told - 3));
-  bodies.resize(kept);
 }
 
 std::vector<std::string> names_of(const std::vector<Triangles>& bodies) {
@@ -190,26 +190,17 @@ Mesh mesh_soup(Triangles t, const LoadChoice& choice) {
         1e3 * gap, 1e3 * made.spacing, 1e6 * made.volume));
     closed = std::move(made.surface);
   } else {
-    closed = repaired(std::move(t), say);
+    closed = repaired(std::move(t), choice.multi || !choice.part.empty(), say);
   }
   std::vector<Triangles> bodies = separate_bodies(closed);
-  drop_specks(bodies, say);
   const std::vector<std::string> names = names_of(bodies);
-  if (bodies.size() > 1 && !choice.multi) {
-    std::string list;
-    for (std::size_t b = 0; b < std::min<std::size_t>(bodies.size(), 8); ++b) {
-      const Box box = bounding_box(bodies[b].points);
-      list += (b > 0 ? ", " : "") + names[b] + format(" (%.3g mm)", 1e3 * box.largest()) +
-              near_position(.5 * (box.low + box.high));
-    }
-    throw Refusal("the surface has " + std::to_string(bodies.size()) +
-                  " separate pieces, expected one body: " + list +
-                  (bodies.size() > 8 ? ", ..." : "") +
-                  "; take all as one table with --multi, or save one alone");
-  }
+  std::vector<Part> parts;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    parts.push_back({names[b], shell_volumes(bodies[b])[0], bounding_box(bodies[b].points)});
+  const std::vector<std::size_t> chosen = chosen_parts(parts, choice);
   Mesh whole;
   whole.regions.clear();
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
+  for (const std::size_t b : chosen) {
     Mesh part;
     try {
       part = mesh_surface(bodies[b], choice);
@@ -224,7 +215,7 @@ Mesh mesh_soup(Triangles t, const LoadChoice& choice) {
       again.remesh = true;
       part = mesh_surface(pieces[0], again);
     }
-    append(whole, part, bodies.size() == 1 ? "body" : names[b]);
+    append(whole, part, chosen.size() == 1 ? "body" : names[b]);
   }
   return whole;
 }

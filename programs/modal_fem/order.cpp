@@ -184,6 +184,8 @@ Order read_order(const std::vector<std::string>& words) {
       order.residual = true;
     } else if (option == "--multi") {
       order.several_parts = true;
+    } else if (option == "--part" && order.is_file) {
+      order.part = value();
     } else if (option == "--remesh") {
       order.remesh = true;
     } else if (option == "--shrink-wrap" && order.is_file) {
@@ -207,6 +209,8 @@ Order read_order(const std::vector<std::string>& words) {
       order.dimensions[key] = (d->is_length ? order.unit : 1) * number(option, value(), 0, 1e9);
     }
   }
+  if (!order.part.empty() && order.several_parts)
+    throw Refusal("--part takes one part, --multi all: expected one of them");
   if (order.ranks > 0 && !order.slepc)
     throw Refusal("--ranks is the number of processes of --engine slepc, which is not chosen");
   return order;
@@ -236,6 +240,7 @@ Material      --material NAME, or REGION=NAME for a body of several; data/materi
 Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or x=LEVEL or set:NAME
               --spring PLACE:N_PER_M[:xyz]
 Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
+              --part NAME|NUMBER  one of a file's separate parts
               --fillet RADIUS  rounds the concave edges of a .step or .brep body
               --remesh (renew an STL's triangles)  --straight  (no curved sides)
               --shrink-wrap [SIZE]  a closed skin over a scan or broken surface; gaps

@@ -36,6 +36,7 @@ struct Order {
   double tolerance = .002; ///< largest error of a frequency; 0: the first mesh stays
   bool tolerance_given = false;
   bool several_parts = false, quiet = false, straight = false, remesh = false;
+  std::string part; ///< the one to take of a file's separate parts
   int threads = 1;
   bool slepc = false;         ///< solve with SLEPc on `ranks` processes
   int ranks = 0;              ///< 0: not given

@@ -85,7 +85,8 @@ Mesh Refinement::mesh_of_file() {
                   .grade_concave = order_.choice.grade_concave,
                   .curved = !order_.straight,
                   .remesh = order_.remesh,
-                  .multi = order_.several_parts};
+                  .multi = order_.several_parts,
+                  .part = order_.part};
   load.size_for = [this](double volume, double skin, double largest) {
     return first_size(volume, skin, largest, static_cast<double>(order_.modes));
   };
