@@ -1,6 +1,7 @@
 // Surfaces as other people's programs write them: welded, closed, united, wrapped.
 #include "fem/io/obj.hpp"
 #include "fem/io/stl.hpp"
+#include "fem/mesh/crossing.hpp"
 #include "fem/mesh/holes.hpp"
 #include "fem/mesh/remesh.hpp"
 #include "fem/mesh/resurface.hpp"

@@ -198,7 +198,7 @@ def test_an_open_surface_is_refused_with_its_triangle(tmp_path):
 
 def test_two_bodies_in_one_file_and_a_truncated_file_are_refused(tmp_path):
     write_stl(tmp_path / "two.stl", cube_triangles(10) + cube_triangles(10, (30, 0, 0)))
-    assert "separate pieces" in refusal("two.stl", folder=tmp_path)
+    assert "separate parts" in refusal("two.stl", folder=tmp_path)
     whole = (tmp_path / "two.stl").read_bytes()
     (tmp_path / "cut.stl").write_bytes(whole[:-70])
     assert "promises 24 triangles" in refusal("cut.stl", folder=tmp_path)

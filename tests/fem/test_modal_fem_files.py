@@ -94,9 +94,11 @@ def test_a_small_hole_is_closed_and_told_a_large_one_is_refused_with_the_remedy(
     assert table["mass"] == pytest.approx(mass((36, 36, 6)), rel=1e-6)
     assert "hole of 4 edges, 3 mm wide" in said and "(13.5, 22.5, 6) mm was closed" in said
     write_stl(tmp_path / "large.stl", {"lid": large})
-    words = refusal("large.stl", folder=tmp_path)
-    assert words.startswith("modal_fem: large.stl: ") and "open at triangle" in words
-    assert "24 edges" in words and "(18, 18, 6) mm" in words and "--shrink-wrap" in words
+    bent = [[p + np.array((0, 0, 3 * (p[2] == 6 and 8 < p[0] < 28 and 8 < p[1] < 10))) for p in t] for t in large]
+    write_stl(tmp_path / "bent.stl", {"lid": bent})
+    words = refusal("bent.stl", folder=tmp_path)
+    assert words.startswith("modal_fem: bent.stl: ") and "open at triangle" in words
+    assert "24 edges" in words and "mm" in words and "--shrink-wrap" in words
     table, said = modes("large.stl", "--shrink-wrap", 26, folder=tmp_path)
     assert "wrapped" in said  # the ball of 26 mm dips into the opening of 18 mm
     assert .85 * mass((36, 36, 6)) < table["mass"] < 1.02 * mass((36, 36, 6))
@@ -121,17 +123,84 @@ def test_touching_boxes_are_one_body_and_ring_as_such(tmp_path):
 def test_separate_solids_are_refused_by_name_and_taken_as_regions_by_multi(tmp_path):
     write_stl(tmp_path / "set.stl", {"gong": box(size=(30, 30, 5)), "bar": box((50, 0, 0), (60, 8, 8))})
     words = refusal("set.stl", folder=tmp_path)
-    assert "2 separate pieces" in words and "gong" in words and "bar" in words and "--multi" in words
+    assert "2 separate parts" in words and "gong" in words and "bar" in words and "--multi" in words
     assert "(80, 4, 4) mm" in words
     table, _ = modes("set.stl", "--multi", "--material", "bar=steel", folder=tmp_path)
     steel = 7850 / 2700
     assert table["mass"] == pytest.approx(mass((30, 30, 5)) + steel * mass((60, 8, 8)), rel=1e-6)
 
 
+def test_one_of_several_solids_is_taken_by_name_or_number(tmp_path):
+    write_stl(tmp_path / "set.stl", {"gong": box(size=(30, 30, 5)), "bar": box((50, 0, 0), (60, 8, 8))})
+    for part in ("bar", 2):
+        table, _ = modes("set.stl", "--part", part, folder=tmp_path)
+        assert table["mass"] == pytest.approx(mass((60, 8, 8)), rel=1e-6)
+    words = refusal("set.stl", "--part", "horn", folder=tmp_path)
+    assert words.startswith("modal_fem: set.stl: --part horn") and "1 gong" in words and "2 bar" in words
+    assert "--multi" in refusal("set.stl", "--part", "bar", "--multi", folder=tmp_path)
+
+
+def test_debris_is_left_out_and_told(tmp_path):
+    scan = {"bell": box(size=(30, 30, 10)), "crumb": box((40, 0, 0), (3, 3, 3)), "chip": box((0, 50, 0), (2, 2, 2))}
+    write_stl(tmp_path / "scan.stl", scan)
+    table, said = modes("scan.stl", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((30, 30, 10)), rel=1e-6)
+    assert "2 small pieces" in said and "crumb (3 mm) near (41.5, 1.5, 1.5) mm" in said
+    assert "0.39 %" in said
+
+
+def test_parts_that_miss_each_other_by_rounding_are_one_body(tmp_path):
+    """A gap of 5 micrometres, as programs write that compute each part for itself."""
+    write_stl(tmp_path / "pair.stl", {"a": box(size=(30, 10, 10)), "b": box((30.005, 0, 0), (30, 10, 10))})
+    write_stl(tmp_path / "whole.stl", {"a": box(size=(60.005, 10, 10))})
+    pair, said = modes("pair.stl", folder=tmp_path)
+    whole, _ = modes("whole.stl", folder=tmp_path)
+    assert "gaps below 0.012 mm" in said
+    assert np.allclose(pair["freq"], whole["freq"], rtol=.01)
+    assert pair["mass"] == pytest.approx(whole["mass"], rel=.01)
+    write_stl(tmp_path / "apart.stl", {"a": box(size=(30, 10, 10)), "b": box((30.5, 0, 0), (30, 10, 10))})
+    assert "2 separate parts" in refusal("apart.stl", folder=tmp_path)
+
+
+def test_a_missing_bottom_is_closed_and_a_sheet_is_refused(tmp_path):
+    bottomless = [t for t in box(size=(40, 40, 12)) if not all(p[2] == 0 for p in t)]
+    write_stl(tmp_path / "open.stl", {"block": bottomless})
+    table, said = modes("open.stl", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((40, 40, 12)), rel=1e-6)
+    assert "open flat side of 4 edges" in said and "(20, 20, 0) mm" in said
+    lid = [t for t in box(size=(400, 400, .5)) if not all(p[2] == 0 for p in t)]
+    write_stl(tmp_path / "sheet.stl", {"lid": lid})
+    words = refusal("sheet.stl", folder=tmp_path)
+    assert "sheet" in words and "(200, 200, 0) mm" in words and "--shrink-wrap" in words
+
+
+def test_a_surface_of_300_000_triangles_is_meshed_in_few(tmp_path):
+    """As a scanner writes a block: 160 x 160 squares on each face, binary."""
+    n, faces = 160, []
+    for axis in range(3):
+        for level in (0, 1):
+            u, v = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+            def at(du, dv):
+                p = np.zeros((n * n, 3))
+                p[:, axis], p[:, (axis + 1) % 3], p[:, (axis + 2) % 3] = level, (u + du).ravel() / n, (v + dv).ravel() / n
+                return p * (60, 40, 20)
+            a, b, c, d = at(0, 0), at(1, 0), at(1, 1), at(0, 1)
+            for t in ((a, b, c), (a, c, d)):
+                faces.append(np.stack(t if level else t[::-1], axis=1))
+    corners = np.concatenate(faces)
+    record = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("rest", "<u2")])
+    record["corner"] = corners
+    (tmp_path / "fine.stl").write_bytes(b"scan".ljust(80) + struct.pack("<I", len(record)) + record.tobytes())
+    assert len(record) == 307200
+    done = run("fine.stl", "--modes", 3, "--export-inp", "fine.inp", folder=tmp_path)
+    elements = int(re.search(r"([0-9]+) elements", done.stdout + done.stderr)[1])
+    assert 100 < elements < 20000
+
+
 def test_a_body_in_the_cavity_of_another_is_a_body(tmp_path):
     rattle = box((-20, -20, -20), (40, 40, 40)) + box((-15, -15, -15), (30, 30, 30)) + box((-5, -5, -5))
     write_stl(tmp_path / "rattle.stl", {"rattle": rattle})
-    assert "2 separate pieces" in refusal("rattle.stl", folder=tmp_path)
+    assert "2 separate parts" in refusal("rattle.stl", folder=tmp_path)
     table, _ = modes("rattle.stl", "--multi", folder=tmp_path)
     assert table["mass"] == pytest.approx(mass((40, 40, 40), (10, 10, 10)) - mass((30, 30, 30)), rel=1e-6)
 
@@ -231,3 +300,20 @@ def test_a_file_the_cad_kernel_cannot_read_is_said_to_be_that(tmp_path):
     (tmp_path / "no.brep").write_text("DBRep_DrawableShape\n\nCASCADE Topology V1, (c) Matra-Datavision\nLocations 5\n")
     words = refusal("no.brep", folder=tmp_path)
     assert "no.brep" in words and ("cannot be read" in words or "no solid" in words)
+
+
+def test_debris_of_a_step_file_is_left_out_and_one_part_can_be_taken(tmp_path):
+    write_step(tmp_path, "Box(1) = {0,0,0, 30,10,10}; Box(2) = {60,0,0, 2,2,2};", ("gong", "screw"))
+    table, said = modes("body.step", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((30, 10, 10)), rel=1e-6)
+    assert "1 small pieces" in said and "screw (2 mm) near (61, 1, 1) mm" in said
+    table, _ = modes("body.step", "--part", "screw", "--h", 2, folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((2, 2, 2)), rel=1e-6)
+
+
+def test_small_fillets_do_not_take_minutes(tmp_path):
+    """Fillets a fifth of an element turn curved sides inside out, which gmsh's own repair takes minutes for."""
+    write_step(tmp_path, "Box(1) = {0,0,0, 60,40,8}; f[] = Fillet{1}{1:12}{0.4};")
+    done = run("body.step", "--modes", 5, "--export-inp", "out.inp", folder=tmp_path)
+    elements = int(re.search(r"([0-9]+) elements", done.stdout + done.stderr)[1])
+    assert elements < 30000

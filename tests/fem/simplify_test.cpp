@@ -1,0 +1,224 @@
+// Fine surfaces in fewer triangles, the search tree behind it, and which parts become the body.
+#include "fem/mesh/simplify.hpp"
+
+#include "fem/mesh/box_tree.hpp"
+#include "fem/mesh/crossing.hpp"
+#include "fem/mesh/holes.hpp"
+#include "fem/mesh/parts.hpp"
+#include "fem/mesh/shells.hpp"
+
+#include <doctest/doctest.h>
+#include <map>
+#include <numbers>
+#include <random>
+#include <set>
+
+using namespace tactus::fem;
+
+namespace {
+
+/// A box whose faces have n by n squares of two triangles, bent by `bend`.
+template <class Bend> Triangles box_of_squares(const Vector3& size, int n, Bend&& bend) {
+  Triangles t;
+  std::map<std::array<int, 3>, int> known;
+  const auto corner = [&](const std::array<int, 3>& c) {
+    const auto [at, added] = known.try_emplace(c, static_cast<int>(t.points.size()));
+    if (added)
+      t.points.push_back(bend({size.x * c[0] / n, size.y * c[1] / n, size.z * c[2] / n}));
+    return at->second;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int level : {0, n})
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const auto at = [&](int u, int v) {
+            std::array<int, 3> c{};
+            c[static_cast<std::size_t>(axis)] = level;
+            c[static_cast<std::size_t>((axis + 1) % 3)] = u;
+            c[static_cast<std::size_t>((axis + 2) % 3)] = v;
+            return corner(c);
+          };
+          const int a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+          if (level == n)
+            t.triangles.insert(t.triangles.end(), {{a, b, c}, {a, c, d}});
+          else
+            t.triangles.insert(t.triangles.end(), {{a, c, b}, {a, d, c}});
+        }
+  t.shell.assign(t.triangles.size(), 0);
+  t.shells = 1;
+  return t;
+}
+
+Triangles box_of_squares(const Vector3& size, int n) {
+  return box_of_squares(size, n, [](const Vector3& p) { return p; });
+}
+
+double enclosed(const Triangles& t) {
+  double sum = 0;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    sum += dot(t.corner(i, 0), cross(t.corner(i, 1), t.corner(i, 2))) / 6;
+  return sum;
+}
+
+Triangles with_edges(const Triangles& t, double edge, double deviation) {
+  return simplified(
+      t, [edge](const Vector3&) { return edge; }, deviation);
+}
+
+Part part(const std::string& name, double volume, double at) {
+  return {name, volume, {{at, 0, 0}, {at + .01, .01, .01}}};
+}
+
+std::string refusal_of(const std::vector<Part>& parts, const LoadChoice& choice) {
+  try {
+    (void)chosen_parts(parts, choice);
+  } catch (const Refusal& refusal) {
+    return refusal.what();
+  }
+  return {};
+}
+
+} // namespace
+
+TEST_CASE("boxes near a box are found as by looking at each") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> in(0, 1);
+  std::vector<Box> boxes;
+  for (int i = 0; i < 500; ++i) {
+    const Vector3 low{in(random), in(random), .1 * in(random)};
+    boxes.push_back({low, low + Vector3{.1 * in(random), .02, .05 * in(random)}});
+  }
+  const BoxTree tree(boxes);
+  for (int n = 0; n < 50; ++n) {
+    const Box wanted = boxes[static_cast<std::size_t>(n)];
+    const double distance = .01 * (n % 5);
+    std::set<std::size_t> expected, found;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      bool near = true;
+      for (int k = 0; k < 3; ++k)
+        near = near && boxes[i].low[k] <= wanted.high[k] + distance &&
+               boxes[i].high[k] >= wanted.low[k] - distance;
+      if (near)
+        expected.insert(i);
+    }
+    tree.each_near(wanted, distance, [&](std::size_t i) { return found.insert(i).second; });
+    CHECK(found == expected);
+  }
+  BoxTree({}).each_near(boxes[0], 1, [](std::size_t) {
+    FAIL("nothing is in an empty tree");
+    return true;
+  });
+}
+
+TEST_CASE("a flat box of 43 200 triangles keeps its shape to the last digits in few") {
+  const Vector3 size{.1, .06, .002};
+  const Triangles fine = box_of_squares(size, 60), coarse = with_edges(fine, .01, .0005);
+  CHECK(fine.triangles.size() == 43200);
+  CHECK(coarse.triangles.size() < 2000);
+  CHECK(enclosed(coarse) == doctest::Approx(size.x * size.y * size.z).epsilon(1e-12));
+  CHECK(!crossing(coarse));
+  Triangles again = coarse;
+  CHECK_NOTHROW(close(again));
+}
+
+TEST_CASE("a fine ball stays within the deviation") {
+  const double radius = .05, deviation = .0003;
+  const Triangles fine = box_of_squares({2, 2, 2}, 60, [&](const Vector3& p) {
+    const Vector3 q = p - Vector3{1, 1, 1};
+    return (radius / length(q)) * q;
+  });
+  const Triangles coarse = with_edges(fine, .006, deviation);
+  CHECK(coarse.triangles.size() < 6000);
+  for (std::size_t i = 0; i < coarse.triangles.size(); ++i) { // the farthest inside
+    const Vector3 middle =
+        (1. / 3) * (coarse.corner(i, 0) + coarse.corner(i, 1) + coarse.corner(i, 2));
+    CHECK(radius - length(middle) < 1.1 * deviation);
+  }
+  CHECK(enclosed(coarse) / enclosed(fine) == doctest::Approx(1).epsilon(.01));
+  CHECK(!crossing(coarse));
+}
+
+TEST_CASE("two walls a tenth of an edge apart do not meet") {
+  const double wall = .0006;
+  const Triangles fine = box_of_squares({.1, .1, wall}, 60, [&](const Vector3& p) {
+    return p + Vector3{0, 0, .004 * std::sin(60 * p.x) * std::cos(60 * p.y)}; // a wavy sheet
+  });
+  const Triangles coarse = with_edges(fine, .006, .5 * wall);
+  CHECK(!crossing(coarse));
+  CHECK(coarse.triangles.size() < fine.triangles.size() / 4);
+  CHECK(enclosed(coarse) / enclosed(fine) == doctest::Approx(1).epsilon(.05));
+}
+
+TEST_CASE("neighbours folded onto each other are a crossing") {
+  Triangles t;
+  t.points = {{0, 0, 0}, {1, 0, 0}, {.4, 1, 0}, {.6, .8, 0}};
+  t.triangles = {{0, 1, 2}, {1, 0, 3}};
+  CHECK(crossings(t, 10).size() == 1);
+  t.points[3].z = .01; // half a degree open
+  CHECK(crossings(t, 10).empty());
+}
+
+TEST_CASE("debris below one per cent of the body is left out and said, more is several parts") {
+  std::string said;
+  LoadChoice choice;
+  choice.say = [&](const std::string& sentence) { said += sentence; };
+  const std::vector<Part> crumbs{part("chip", 4e-9, .5), part("bell", 1e-6, 0),
+                                 part("dust", 5e-9, .7)};
+  CHECK(chosen_parts(crumbs, choice) == std::vector<std::size_t>{1});
+  CHECK(said.find("2 small pieces") != std::string::npos);
+  CHECK(said.find("chip (10 mm) near (505, 5, 5) mm") != std::string::npos);
+  const std::vector<Part> pair{part("chip", 4e-9, .5), part("bell", 1e-6, 0),
+                               part("foot", 7e-9, .7)};
+  const std::string words = refusal_of(pair, choice);
+  CHECK(words.find("3 separate parts") != std::string::npos);
+  CHECK(words.find("1 chip") < words.find("2 bell"));
+  CHECK(words.find("--part") != std::string::npos);
+  CHECK(words.find("--multi") != std::string::npos);
+  choice.multi = true;
+  CHECK(chosen_parts(pair, choice).size() == 3);
+  const std::vector<Part> speck{part("bell", 1e-6, 0), part("speck", 9e-11, .5)};
+  CHECK(chosen_parts(speck, choice).size() == 1);
+}
+
+TEST_CASE("one part is taken by its name or its number") {
+  const std::vector<Part> parts{part("bell", 1e-6, 0), part("2", 1e-6, .5), part("foot", 1e-6, .7)};
+  LoadChoice choice;
+  choice.part = "foot";
+  CHECK(chosen_parts(parts, choice) == std::vector<std::size_t>{2});
+  choice.part = "3";
+  CHECK(chosen_parts(parts, choice) == std::vector<std::size_t>{2});
+  choice.part = "2"; // a name goes before a number
+  CHECK(chosen_parts(parts, choice) == std::vector<std::size_t>{1});
+  for (const char* const wrong : {"0", "4", "1.5", "horn", "-1"}) {
+    choice.part = wrong;
+    CHECK(refusal_of(parts, choice).find("1 bell") != std::string::npos);
+  }
+}
+
+TEST_CASE("one flat opening is closed, two are not, a bent one is not") {
+  const auto without = [](std::set<int> faces, double bend) {
+    Triangles t = box_of_squares({1, 1, 1}, 4, [&](const Vector3& p) {
+      return p + Vector3{0, 0, p.z > .99 ? bend * p.x * (1 - p.x) : 0};
+    });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < t.triangles.size(); ++i)
+      if (!faces.contains(static_cast<int>(i / 32))) // two faces an axis, 32 triangles each
+        t.triangles[kept++] = t.triangles[i];
+    t.triangles.resize(kept);
+    find_shells(t);
+    return t;
+  };
+  Triangles open = without({5}, 0);
+  const auto holes = close_holes(open, .05, .4);
+  REQUIRE(holes.size() == 1);
+  CHECK(holes[0].closed);
+  CHECK(holes[0].flat_opening);
+  CHECK_NOTHROW(close(open));
+  CHECK(enclosed(open) == doctest::Approx(1).epsilon(1e-12));
+  Triangles tube = without({0, 1}, 0);
+  for (const Hole& h : close_holes(tube, .05, .4))
+    CHECK(!h.closed);
+  Triangles bent = without({5}, .5); // the rim rises by an eighth
+  for (const Hole& h : close_holes(bent, .05, .4))
+    CHECK(!h.closed);
+}
