@@ -84,7 +84,8 @@ private:
 
   /// The triangle that runs along a to b, or -1.
   int beside(int a, int b) const {
-    for (const int t : around_[at(a)])
+    // The corner with fewer triangles: a fan's centre may have thousands.
+    for (const int t : around_[at(around_[at(a)].size() < around_[at(b)].size() ? a : b)])
       for (std::size_t k = 0; k < 3; ++k)
         if (triangle_[at(t)][k] == a && triangle_[at(t)][(k + 1) % 3] == b)
           return t;

@@ -81,7 +81,7 @@ Triangles unite(const Triangles& t, const std::string& reason, const Say& say) {
     Resurfaced made = united(t, finer);
     if (made.inverted > .02 * made.volume)
       throw Refusal(reason + format(": %.3g %% of its volume is inside out; repair the surface, or "
-                                    "take --shrink-wrap",
+                                    "take --shrink-wrap SIZE",
                                     100 * made.inverted / made.volume));
     if (std::abs(made.volume_change) > kMaxVolumeChange)
       continue;
@@ -90,7 +90,7 @@ Triangles unite(const Triangles& t, const std::string& reason, const Say& say) {
     return std::move(made.surface);
   }
   throw Refusal(reason + ", and its walls are too thin to take its outer skin anew: expected "
-                         "one closed surface, or take --shrink-wrap");
+                         "one closed surface; repair it there, or take --shrink-wrap SIZE");
 }
 
 /// Shells that cross nothing, cavities inward, for winding numbers.
@@ -128,7 +128,8 @@ Triangles repaired(Triangles t, bool multi, const Say& say) {
     say(format("%zu flat pieces without volume left out", flat));
   if (std::all_of(t.shell.begin(), t.shell.end(), [](int s) { return s == 0; }) &&
       !(shell_volumes(t)[0] > 1e-9 * size * size * size))
-    throw Refusal("the surface encloses no volume");
+    throw Refusal("the surface encloses no volume: it is flat" + near_position(t.points[0]) +
+                  "; give a sheet a thickness, or take --shrink-wrap SIZE");
   const auto pair = crossing(t);
   if (pair)
     return unite(turned_by_nesting(t),

@@ -1,5 +1,6 @@
 #include "fem/mesh/weld.hpp"
 
+#include "fem/io/words.hpp"
 #include "fem/mesh/edge_uses.hpp"
 
 #include <limits>
@@ -332,6 +333,8 @@ Welded weld(Triangles& t) {
   const double size = bounding_box(t.points).largest();
   if (!(size > 0))
     throw Refusal("the surface has no extent");
+  const std::size_t count = t.triangles.size();
+  const Vector3 first = t.points[0];
   done.tolerance = std::min(4 * far * double{std::numeric_limits<float>::epsilon()}, 1e-3 * size);
   const std::vector<int> to = coincident_points(t.points, done.tolerance);
   for (auto& c : t.triangles)
@@ -354,7 +357,10 @@ Welded weld(Triangles& t) {
   done.duplicates = drop_duplicates(t);
   done.fins = drop_fins(t);
   if (t.triangles.empty())
-    throw Refusal("the surface encloses no volume: every triangle has a partner or a free edge");
+    throw Refusal(format("the surface encloses no volume: each of its %zu triangles has a partner "
+                         "or a free edge, the first",
+                         count) +
+                  near_position(first) + "; give a sheet a thickness, or take --shrink-wrap SIZE");
   split_fans(t, neighbours(t));
   for (int pass = 0; pass < 10; ++pass)
     if (split_shared_edges(t, neighbours(t)) == 0)
