@@ -3,6 +3,7 @@
 
 #include "fem/mesh/box_tree.hpp"
 #include "fem/mesh/crossing.hpp"
+#include "fem/mesh/distance.hpp"
 #include "fem/mesh/holes.hpp"
 #include "fem/mesh/parts.hpp"
 #include "fem/mesh/shells.hpp"
@@ -147,6 +148,33 @@ TEST_CASE("two walls a tenth of an edge apart do not meet") {
   CHECK(!crossing(coarse));
   CHECK(coarse.triangles.size() < fine.triangles.size() / 4);
   CHECK(enclosed(coarse) / enclosed(fine) == doctest::Approx(1).epsilon(.05));
+}
+
+TEST_CASE("walls closer than the deviation do not meet either") {
+  for (const double wall : {.0002, .0004, .0008}) {
+    const Triangles fine = box_of_squares({.1, .1, wall}, 60, [&](const Vector3& p) {
+      return p + Vector3{0, 0, .006 * std::sin(90 * p.x) * std::cos(90 * p.y)};
+    });
+    REQUIRE(!crossing(fine));
+    CHECK(!crossing(with_edges(fine, .008, .003)));
+  }
+}
+
+TEST_CASE("a spike that hardly has area stays within the deviation too") {
+  const double deviation = .0004;
+  for (const double height : {.0005, .0007, .001}) {
+    const Triangles fine = box_of_squares({.03, .03, .03}, 60, [&](const Vector3& p) {
+      const bool spike = p.z > .0299 && length(p - Vector3{.015, .015, .03}) < 1e-6;
+      return p + Vector3{0, 0, spike ? height : 0};
+    });
+    const Triangles coarse = with_edges(fine, .008, deviation);
+    double nearest = 1;
+    for (std::size_t i = 0; i < coarse.triangles.size(); ++i)
+      nearest =
+          std::min(nearest, distance_to_triangle({.015, .015, .03 + height}, coarse.corner(i, 0),
+                                                 coarse.corner(i, 1), coarse.corner(i, 2)));
+    CHECK(nearest <= deviation);
+  }
 }
 
 TEST_CASE("neighbours folded onto each other are a crossing") {
