@@ -1,0 +1,135 @@
+#include "fem/mesh/manifold.hpp"
+
+#include "fem/mesh/edge_uses.hpp"
+
+#include <numbers>
+#include <numeric>
+
+namespace tactus::fem {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// For each side of each triangle the neighbour across it, or -1 where the surface is open.
+std::vector<std::array<int, 3>> neighbours(const Triangles& t) {
+  std::vector<std::array<int, 3>> across(t.triangles.size(), {-1, -1, -1});
+  const auto uses = edge_uses(t);
+  each_edge(uses, [&](auto first, auto last) {
+    const auto join = [&](const EdgeUse& u, const EdgeUse& v) {
+      across[u.triangle][u.side] = static_cast<int>(v.triangle);
+      across[v.triangle][v.side] = static_cast<int>(u.triangle);
+    };
+    const auto count = last - first;
+    if (count == 2)
+      join(first[0], first[1]);
+    if (count <= 2)
+      return;
+    if (count % 2 == 1)
+      throw Refusal("the surface cannot be told from a wall inside at " +
+                    place_of(t, first->triangle) + ": an edge has " + std::to_string(count) +
+                    " triangles, expected two; --shrink-wrap takes the outer skin");
+    // Turning about the edge, the body lies between a triangle and the next, or not.
+    const Vector3 a = t.points[at(first->a)], along = t.points[at(first->b)] - a;
+    const Vector3 axis = (1 / length(along)) * along;
+    Vector3 x, y;
+    std::vector<std::pair<double, EdgeUse>> order;
+    for (auto u = first; u != last; ++u) {
+      const Vector3 tip = t.corner(u->triangle, u->side + 2) - a;
+      const Vector3 out = tip - dot(tip, axis) * axis;
+      if (u == first) {
+        x = (1 / std::max(length(out), 1e-300)) * out;
+        y = cross(axis, x);
+      }
+      order.emplace_back(u == first ? 0 : std::atan2(dot(out, y), dot(out, x)), *u);
+      if (order.back().first < 0)
+        order.back().first += 2 * std::numbers::pi;
+    }
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto& u, const auto& v) { return u.first < v.first; });
+    // A triangle that runs from a to b has its outside ahead in the sense of turning.
+    const std::size_t shift = order[0].second.forward ? 1 : 0;
+    for (std::size_t i = 0; i < order.size(); i += 2)
+      join(order[(i + shift) % order.size()].second, order[(i + shift + 1) % order.size()].second);
+  });
+  return across;
+}
+
+/// Gives each fan of triangles around a point a point of its own.
+void split_fans(Triangles& t, const std::vector<std::array<int, 3>>& across) {
+  std::vector<std::size_t> fan(3 * t.triangles.size());
+  std::iota(fan.begin(), fan.end(), std::size_t{0});
+  const auto root = [&](std::size_t i) {
+    while (fan[i] != i)
+      i = fan[i] = fan[fan[i]];
+    return i;
+  };
+  const auto corner_of = [&](std::size_t triangle, int point) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (t.triangles[triangle][k] == point)
+        return 3 * triangle + k;
+    return 3 * triangle;
+  };
+  for (std::size_t i = 0; i < across.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (across[i][k] >= 0)
+        for (const int point : {t.triangles[i][k], t.triangles[i][(k + 1) % 3]})
+          fan[root(corner_of(i, point))] = root(corner_of(at(across[i][k]), point));
+  std::vector<int> name(fan.size(), -1);
+  std::vector<Vector3> points;
+  auto triangles = t.triangles;
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      int& known = name[root(3 * i + k)];
+      if (known < 0) {
+        known = static_cast<int>(points.size());
+        points.push_back(t.corner(i, k));
+      }
+      triangles[i][k] = known;
+    }
+  t.points = std::move(points);
+  t.triangles = std::move(triangles);
+}
+
+/// Where two pairs of neighbours still share both points of an edge, all pairs but the first get a
+/// point of their own in its middle. Returns how many did.
+std::size_t split_shared_edges(Triangles& t, const std::vector<std::array<int, 3>>& across) {
+  std::size_t done = 0;
+  std::vector<bool> touched(t.triangles.size(), false);
+  const auto uses = edge_uses(t);
+  each_edge(uses, [&](auto first, auto last) {
+    if (last - first <= 2)
+      return;
+    const std::size_t kept = at(across[first->triangle][first->side]);
+    for (auto u = first + 1; u != last; ++u) {
+      const std::size_t i = u->triangle, j = at(across[i][u->side]);
+      if (i == kept || i > j || touched[i] || touched[j])
+        continue;
+      const int middle = static_cast<int>(t.points.size());
+      t.points.push_back(.5 * (t.points[at(u->a)] + t.points[at(u->b)]));
+      for (const std::size_t half : {i, j}) {
+        touched[half] = true;
+        auto& c = t.triangles[half];
+        const auto tip =
+            std::find_if(c.begin(), c.end(), [&](int v) { return v != u->a && v != u->b; });
+        std::rotate(c.begin(), tip, c.end());
+        t.triangles.push_back({c[0], middle, c[2]});
+        t.triangles[half][2] = middle;
+        if (!t.group.empty())
+          t.group.push_back(t.group[half]);
+      }
+      ++done;
+    }
+  });
+  return done;
+}
+
+} // namespace
+
+void make_manifold(Triangles& t) {
+  split_fans(t, neighbours(t));
+  for (int pass = 0; pass < 10; ++pass)
+    if (split_shared_edges(t, neighbours(t)) == 0)
+      break;
+}
+
+} // namespace tactus::fem
