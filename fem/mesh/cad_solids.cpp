@@ -13,6 +13,10 @@ namespace tactus::fem {
 
 using gmsh::vectorpair;
 
+namespace {
+constexpr double kMaxGapVolume = .005; ///< change of the solids' volume where gaps are closed
+} // namespace
+
 vectorpair volumes_of_model() {
   vectorpair volumes;
   gmsh::model::getEntities(volumes, 3);
@@ -217,43 +221,60 @@ void import_solids(const std::string& path, const LoadChoice& choice, double uni
                     "program, or export it as STL for --shrink-wrap");
     say("faces were sewn into " + std::to_string(volumes_of_model().size()) + " solid");
   }
-  vectorpair sheets;
-  for (int dimension = 1; dimension < 3; ++dimension) {
-    vectorpair all;
-    gmsh::model::getEntities(all, dimension);
-    for (const auto& entity : all) {
-      std::vector<int> above, below;
-      gmsh::model::getAdjacencies(dimension, entity.second, above, below);
-      if (above.empty())
-        sheets.push_back(entity);
+  // Faces are sewn where there is no solid; what belongs to no solid goes.
+  const auto tidy = [&](bool tell) {
+    if (volumes_of_model().empty())
+      sew(largest);
+    vectorpair sheets;
+    for (int dimension = 1; dimension < 3; ++dimension) {
+      vectorpair all;
+      gmsh::model::getEntities(all, dimension);
+      for (const auto& entity : all) {
+        std::vector<int> above, below;
+        gmsh::model::getAdjacencies(dimension, entity.second, above, below);
+        if (above.empty())
+          sheets.push_back(entity);
+      }
     }
-  }
-  if (!sheets.empty() && tried([&] {
-        gmsh::model::occ::remove(sheets, true);
-        gmsh::model::occ::synchronize();
-      }))
-    say(format("%zu faces and curves that belong to no solid were left out", sheets.size()));
+    const bool gone = !sheets.empty() && tried([&] {
+      gmsh::model::occ::remove(sheets, true);
+      gmsh::model::occ::synchronize();
+    });
+    if (gone && tell)
+      say(format("%zu faces and curves that belong to no solid were left out", sheets.size()));
+  };
+  tidy(true);
   const auto pieces = [&] {
     const auto group = connected_groups(volumes_of_model());
     return std::set<int>(group.begin(), group.end()).size();
   };
   if (volumes_of_model().size() > 1) {
     bool shared = fragment_solids(0);
-    if (!shared ||
-        (pieces() > 1 && !choice.multi && choice.part.empty())) { // small gaps of the CAD system
-      read();
-      if (volumes_of_model().empty())
-        sew(largest);
-      const double fuzzy = 1e-4 * largest;
-      const std::size_t separate = pieces();
-      if (fragment_solids(fuzzy)) {
-        if (pieces() < separate)
-          say(format("gaps below %.2g mm between the parts were closed", 1e3 * unit * fuzzy));
-        shared = true;
-      } else {
+    const std::size_t separate = shared ? pieces() : volumes_of_model().size();
+    const double whole = shared ? volume_of(volumes_of_model()) : 0;
+    if (!shared || (separate > 1 && !choice.multi && choice.part.empty())) {
+      bool closed = false;
+      for (const double share : {1e-4, 1e-3}) { // small gaps of the CAD system
         read();
-        shared = fragment_solids(0);
+        tidy(false);
+        const double change = [&] {
+          const bool done = fragment_solids(share * largest);
+          return !done ? 1. : whole > 0 ? std::abs(volume_of(volumes_of_model()) / whole - 1) : 0;
+        }();
+        closed = change < kMaxGapVolume && (!shared || pieces() < separate);
+        if (closed) {
+          say(format("gaps below %.2g mm between the parts were closed",
+                     1e3 * unit * share * largest));
+          if (pieces() == 1 || share > 5e-4)
+            break;
+        }
       }
+      if (!closed) {
+        read();
+        tidy(false);
+        closed = fragment_solids(0);
+      }
+      shared = closed;
     }
     if (!shared)
       throw Refusal(path + ": its " + std::to_string(volumes_of_model().size()) +

@@ -311,6 +311,17 @@ def test_debris_of_a_step_file_is_left_out_and_one_part_can_be_taken(tmp_path):
     assert table["mass"] == pytest.approx(mass((2, 2, 2)), rel=1e-6)
 
 
+def test_parts_of_a_step_file_with_a_small_gap_are_one_body(tmp_path):
+    """0.03 mm on 50 mm; a tenth of a millimetre and more is a gap that was meant."""
+    geometry = "Box(1) = {{0,0,0, 30,10,10}}; Box(2) = {{{x},0,0, 20,10,10}}; Line(99) = {{1, 7}};"
+    write_step(tmp_path, geometry.format(x=30.03), ("handle", "blade"))
+    table, said = modes("body.step", "--material", "blade=steel", folder=tmp_path)
+    assert table["mass"] == pytest.approx(mass((30, 10, 10)) + 7850 / 2700 * mass((20, 10, 10)), rel=2e-3)
+    assert "gaps below 0.05 mm" in said
+    write_step(tmp_path, geometry.format(x=30.3), ("handle", "blade"))
+    assert "2 separate parts" in refusal("body.step", folder=tmp_path)
+
+
 def test_small_fillets_do_not_take_minutes(tmp_path):
     """Fillets a fifth of an element turn curved sides inside out, which gmsh's own repair takes minutes for."""
     write_step(tmp_path, "Box(1) = {0,0,0, 60,40,8}; f[] = Fillet{1}{1:12}{0.4};")
