@@ -3,6 +3,7 @@
 #include "fem/io/cad_format.hpp"
 #include "fem/io/triangles.hpp"
 #include "fem/io/words.hpp"
+#include "fem/mesh/gmsh_model.hpp"
 #include "fem/mesh/parts.hpp"
 
 #include <algorithm>
