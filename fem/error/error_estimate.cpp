@@ -10,9 +10,9 @@ namespace tactus::fem {
 namespace {
 
 constexpr std::size_t kMaxSteps = 20;
-/// What V + W holds of an element's error: nearly all where modes are smooth, half next to a
+/// What V + W holds of an element's error: .8 to 1 where modes are smooth, half next to a
 /// singular line.
-constexpr double kHeldSmooth = .85, kHeldSingular = .5;
+constexpr double kHeldSmooth = .78, kHeldSingular = .5;
 /// Steps of conjugate gradients add ever less; what the steps not done would have added is taken
 /// to go on geometrically, by this ratio at most.
 constexpr double kMaxRatio = .75;

@@ -27,7 +27,7 @@ struct ErrorEstimate {
 /// The error of f is half that of lambda. V + W leaves a share of the error of V: little where
 /// modes are smooth; where the stress grows as r^(a-1) about (2/3)^(4a), 0.41 at an edge of 270
 /// degrees (a = 0.544). So what elements at a singular line add is divided by 0.5, what others add
-/// by 0.85.
+/// by 0.78.
 [[nodiscard]] ErrorEstimate estimate_errors(const Mesh&, std::span<const Material>, const Matrices&,
                                             ShiftedFactor&, const Modes&, double settle = .05,
                                             const Progress& = {});
