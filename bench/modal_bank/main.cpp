@@ -1,14 +1,15 @@
 // How many modes does a core ring? The bare mode bank and the whole [modal_impact~] core, each made
 // for every instruction set of this processor, over bank size, beside Faust, STK, Csound, a plain
 // loop and the recursion with nothing around it, all driven every sample at 48 kHz in blocks of 64;
-// then bodies that are struck, a hand that stays, and blows on bodies of thousands of modes.
+// then bodies that are struck, a hand that stays, and strikes on plates of thousands of modes.
 //
-//   bench_modal_bank [banks|bodies|hand|large]
+//   bench_modal_bank [banks|bodies|hand|large [modes]]
 //
 // Everything is run in turn, round by round, and the least of all rounds is printed: on a shared
 // machine trust the ratios. Bodies and blows are timed by the processor time of their thread.
 #include "bench/modal_bank/bare.hpp"
 #include "bench/modal_bank/faust_peers.hpp"
+#include "bench/modal_bank/large_bodies.hpp"
 #include "bench/modal_bank/peers.hpp"
 #include "core/modal/struck_body.hpp"
 
@@ -17,7 +18,6 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -45,13 +45,6 @@ double seconds(const std::function<void()>& work, std::size_t times) {
   for (std::size_t i = 0; i < times; ++i)
     work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-/// Time that this thread has had the processor for: what others take of it does not count.
-double own_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 std::shared_ptr<const LoadedTable> made_up_body(std::size_t modes) {
@@ -226,34 +219,6 @@ void hand_that_stays(const char* what, const Striker& striker, double depth, dou
               hand.body.contacts());
 }
 
-/// The dearest block of a body with thousands of modes: the one in which contacts begin, the blows
-/// themselves included, or end; against a block in which the body only rings.
-void large_bodies() {
-  for (const std::size_t modes : {1024UL, 4096UL, 20000UL})
-    for (const int blows : {1, 8}) {
-      Body large(modes);
-      double dearest = 0, typical = 1e30, rings = 1e30;
-      for (int round = 0; round < 20; ++round) {
-        double longest = 0;
-        for (int n = 0; n < 40; ++n) {
-          const double begin = own_seconds();
-          for (int i = 0; i < blows && n == 0; ++i)
-            large.body.hit({{}, {0, 0, 1}, 1});
-          large.block(false);
-          const double time = own_seconds() - begin;
-          longest = std::max(longest, time);
-          if (large.body.contacts() == 0)
-            rings = std::min(rings, time);
-        }
-        typical = std::min(typical, longest);
-        dearest = std::max(dearest, longest);
-      }
-      std::printf("%zu modes, %d blows at once: the dearest block of 64 takes %.2f ms (worst of 20 "
-                  "rounds %.2f), %.1f times one that rings\n",
-                  modes, blows, typical * 1e3, dearest * 1e3, typical / rings);
-    }
-}
-
 } // namespace
 
 int main(int count, char** words) {
@@ -271,5 +236,5 @@ int main(int count, char** words) {
     hand_that_stays("ball", ball, 1e-4, 1e-6);
   }
   if (part.empty() || part == "large")
-    large_bodies();
+    large_bodies(count > 2 ? std::stoul(words[2]) : 0);
 }

@@ -82,6 +82,14 @@ public:
   /// below kLeap.
   virtual void echo(const float* force, const float* response, std::size_t leaps,
                     float* out) const noexcept = 0;
+  /// What is heard within a leap of a unit force at its beginning: out[m] = sum over the modes of
+  /// all `blocks` of Im(w b T p^m), m = 0 ... kLeap - 1.
+  virtual void respond(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
+                       std::size_t blocks, float* out) const noexcept = 0;
+  /// c += a b, matrices row by row: a [rows][inner], b [inner][columns], c [rows][columns];
+  /// `columns` a multiple of kLeap.
+  virtual void accumulate(const float* a, const float* b, float* c, std::size_t rows,
+                          std::size_t inner, std::size_t columns) const noexcept = 0;
 };
 
 enum class VectorSet { kBaseline, kAvx2, kAvx512 };

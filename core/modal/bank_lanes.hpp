@@ -341,6 +341,33 @@ public:
       echo_of<1>(force + l * kLeap, response, out + l * kLeap);
   }
 
+  void respond(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
+               std::size_t blocks, float* out) const noexcept override {
+    V sum[kLeap] = {};
+    for (std::size_t b = 0; b < blocks; ++b)
+      for (std::size_t at = 0; at < kLanes; at += kWidth) {
+        const Complex p = load(poles[b].one_sample(), at), w = load(weight[b], at);
+        const V size = Tiles::load(gain[b], at);
+        Complex z{w.real * size, w.imaginary * size};
+#pragma GCC unroll 1
+        for (std::size_t m = 0; m < kLeap; ++m) {
+          sum[m] += z.imaginary;
+          z = product(p, z);
+        }
+      }
+    for (std::size_t m = 0; m < kLeap; ++m)
+      out[m] = Tiles::across(sum[m]);
+  }
+
+  void accumulate(const float* a, const float* b, float* c, std::size_t rows, std::size_t inner,
+                  std::size_t columns) const noexcept override {
+    std::size_t r = 0;
+    for (; r + kTileRows <= rows; r += kTileRows)
+      accumulate_rows<kTileRows>(a + r * inner, b, c + r * columns, inner, columns);
+    for (; r < rows; ++r)
+      accumulate_rows<1>(a + r * inner, b, c + r * columns, inner, columns);
+  }
+
   void advance(const BankView& bank, std::size_t samples,
                std::span<const BankDrive> drives) const noexcept override {
     Folded folded;
@@ -373,10 +400,36 @@ public:
   }
 
 private:
+  using Unaligned [[gnu::vector_size(sizeof(V)), gnu::aligned(4), gnu::may_alias]] = float;
+  static constexpr std::size_t kTileRows = 4;
+  template <std::size_t Rows>
+  static void accumulate_rows(const float* a, const float* b, float* c, std::size_t inner,
+                              std::size_t columns) noexcept {
+    constexpr std::size_t kVectors = kLeap / kWidth < 2 ? 1 : 2;
+    for (std::size_t n = 0; n < columns; n += kVectors * kWidth) {
+      V sum[Rows][kVectors];
+      for (std::size_t r = 0; r < Rows; ++r)
+        for (std::size_t i = 0; i < kVectors; ++i)
+          sum[r][i] = *reinterpret_cast<const Unaligned*>(c + r * columns + n + i * kWidth);
+#pragma GCC unroll 1
+      for (std::size_t k = 0; k < inner; ++k) {
+        V right[kVectors];
+        for (std::size_t i = 0; i < kVectors; ++i)
+          right[i] = *reinterpret_cast<const Unaligned*>(b + k * columns + n + i * kWidth);
+#pragma GCC unroll 4
+        for (std::size_t r = 0; r < Rows; ++r)
+          for (std::size_t i = 0; i < kVectors; ++i)
+            sum[r][i] = Tiles::fma(Tiles::all(a[r * inner + k]), right[i], sum[r][i]);
+      }
+      for (std::size_t r = 0; r < Rows; ++r)
+        for (std::size_t i = 0; i < kVectors; ++i)
+          *reinterpret_cast<Unaligned*>(c + r * columns + n + i * kWidth) = sum[r][i];
+    }
+  }
+
   template <std::size_t Leaps>
   static void echo_of(const float* force, const float* response, float* out) noexcept {
     constexpr std::size_t kParts = kLeap / kWidth;
-    using Unaligned [[gnu::vector_size(sizeof(V)), gnu::aligned(4), gnu::may_alias]] = float;
 #pragma GCC unroll 1
     for (std::size_t part = 0; part < kParts; ++part) {
       const float* const from = response + kLeap + part * kWidth;

@@ -191,8 +191,15 @@ void BodyModel::find_rates() {
   }
   scratch.assign(mode.size(), 0);
   scratch_state.assign(mode.size(), 0);
+  scratch_level.assign(heard, 0);
+  for (const std::complex<double>& s : rate) {
+    const double x = std::min(0.5 * s.imag() / settings.sample_rate, 0.5 * std::numbers::pi);
+    const double square = x * x;
+    pulse_gain.push_back(1 + square * (1.0 / 6 + square * (7.0 / 360 + square * (31.0 / 15120))));
+    band.push_back(pulse_band(s.imag()));
+  }
   bank_state.assign(heard, 0);
-  push_gain.assign(1 + settings.voices, std::vector<float>(mode.size(), 0.0F));
+  push_gain.assign(mode.size(), 0.0F);
   for (std::size_t i = 0; i < heard; ++i)
     ear.push_back(a_weighting(rate[i].imag() / (2 * std::numbers::pi)));
 }
@@ -205,7 +212,8 @@ std::vector<DirectKernels::Mode> BodyModel::direct_modes() const {
     modes.push_back({rate[i], mode[i],
                      i < heard                      ? Part::kRings
                      : std::abs(rate[i]) >= highest ? Part::kTooHigh
-                                                    : Part::kMute});
+                                                    : Part::kMute,
+                     pulse_gain[i]});
   return modes;
 }
 
@@ -253,8 +261,15 @@ void BodyModel::find_weights() {
   const std::vector<DirectKernels::Mode> modes = direct_modes();
   const bool has_surface = !loaded->surface.empty();
   plays_raw = settings.radiation == Radiation::kRaw && !table.raw.empty();
-  const RadiatingSurface::Scene scene{settings.size, shape_scale, table.air_density_kg_per_m3,
-                                      table.sound_speed_m_per_s, settings.sample_rate};
+  const BankKernel* const kernel = bank_kernel(settings.vector_set);
+  const DirectKernels::SurfaceShapes shapes{loaded->shape, table.modes(),
+                                            kernel ? kernel : bank_kernel(VectorSet::kBaseline)};
+  const RadiatingSurface::Scene scene{settings.size,
+                                      shape_scale,
+                                      table.air_density_kg_per_m3,
+                                      table.sound_speed_m_per_s,
+                                      settings.sample_rate,
+                                      DirectKernels::max_spread(mode.size(), shapes.vertices())};
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     weight[l].assign(heard, 0);
     if (plays_raw) {
@@ -272,7 +287,7 @@ void BodyModel::find_weights() {
                                     free_dipoles(), mass_kg);
     if (arrivals) {
       delay_s[l] = arrivals->delay_s;
-      direct[l].build(*arrivals, modes, table.free && mass_kg > 0, settings.sample_rate);
+      direct[l].build(*arrivals, modes, table.free && mass_kg > 0, settings.sample_rate, shapes);
     } else {
       // What a vibrometer sees at the nearest place: the velocity along the normal, outwards.
       std::vector<double> gain(heard, -1);
@@ -307,20 +322,68 @@ void BodyModel::make_kernels() {
   }
 }
 
-void BodyModel::aim_samples(std::size_t drive, std::span<const double> gain,
-                            const RigidGain& rigid) noexcept {
+/// Some listener's kernels are summed over the modes.
+bool BodyModel::needs_gains() const noexcept {
+  return std::any_of(direct.begin(),
+                     direct.begin() + static_cast<std::ptrdiff_t>(settings.listeners),
+                     [](const DirectKernels& kernels) { return !kernels.on_surface(); });
+}
+
+DirectKernels::SurfaceGain BodyModel::surface_gain(const SurfacePoint& place,
+                                                   const Vec3& direction) const noexcept {
+  DirectKernels::SurfaceGain gain{};
+  for (std::size_t i = 0; i < 3; ++i)
+    gain[i] = {static_cast<std::size_t>(loaded->table.triangle[place.triangle][i]),
+               -shape_scale * place.weight[i] * direction};
+  return gain;
+}
+
+void BodyModel::aim_point(const SurfacePoint& place, const Vec3& direction) noexcept {
+  if (needs_gains())
+    gains(place, direction, scratch);
+  const RigidGain rigid = rigid_gains(place, direction);
   for (std::size_t l = 0; l < settings.listeners; ++l) {
-    ForceKernel& kernel = sample_kernel[drive][l];
-    direct[l].assemble_samples(gain, kernel.elastic);
+    ForceKernel& kernel = sample_kernel[0][l];
+    if (direct[l].on_surface())
+      direct[l].assemble_samples(surface_gain(place, direction), kernel.elastic);
+    else
+      direct[l].assemble_samples(scratch, kernel.elastic);
     direct[l].assemble_rigid_samples(rigid, kernel.rigid);
   }
 }
 
-void BodyModel::aim_contact(std::size_t slot, std::span<const double> gain,
-                            const RigidGain& rigid) noexcept {
+void BodyModel::aim_pulse(std::size_t slot, const SurfacePoint& place, const Vec3& direction,
+                          std::span<const double> gain) noexcept {
+  if (gain.empty() && needs_gains()) {
+    gains(place, direction, scratch);
+    for (std::size_t k = 0; k < scratch.size(); ++k)
+      scratch[k] *= pulse_gain[k];
+    gain = scratch;
+  }
+  const RigidGain rigid = rigid_gains(place, direction);
+  for (std::size_t l = 0; l < settings.listeners; ++l) {
+    ForceKernel& kernel = sample_kernel[1 + slot][l];
+    if (direct[l].on_surface())
+      direct[l].assemble_pulse(surface_gain(place, direction), kernel.elastic);
+    else
+      direct[l].assemble_samples(gain, kernel.elastic);
+    direct[l].assemble_rigid_samples(rigid, kernel.rigid);
+  }
+}
+
+void BodyModel::aim_contact(std::size_t slot, const SurfacePoint& place, const Vec3& direction,
+                            std::span<const double> gain) noexcept {
+  if (gain.empty() && needs_gains()) {
+    gains(place, direction, scratch);
+    gain = scratch;
+  }
+  const RigidGain rigid = rigid_gains(place, direction);
   for (std::size_t l = 0; l < settings.listeners; ++l) {
     ForceKernel& kernel = contact_kernel[slot][l];
-    direct[l].assemble_moments(gain, kernel.elastic);
+    if (direct[l].on_surface())
+      direct[l].assemble_moments(surface_gain(place, direction), kernel.elastic);
+    else
+      direct[l].assemble_moments(gain, kernel.elastic);
     direct[l].assemble_rigid_moments(rigid, kernel.rigid);
   }
 }
@@ -334,21 +397,22 @@ void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
     return;
   }
   std::array<const float*, 3> at;
-  std::array<Vec3, 3> push;
+  std::array<std::array<float, 3>, 3> push;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto vertex = static_cast<std::size_t>(table.triangle[place.triangle][i]);
     at[i] = loaded->shape.data() + vertex * table.modes() * 3;
-    push[i] = -shape_scale * place.weight[i] * direction;
+    const Vec3 share = -shape_scale * place.weight[i] * direction;
+    push[i] = {static_cast<float>(share.x), static_cast<float>(share.y),
+               static_cast<float>(share.z)};
   }
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t first = 3 * mode[k];
-    double sum = 0;
+    float sum = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const float* const shape = at[i] + first;
-      sum += push[i].x * static_cast<double>(shape[0]) + push[i].y * static_cast<double>(shape[1]) +
-             push[i].z * static_cast<double>(shape[2]);
+      sum += push[i][0] * shape[0] + push[i][1] * shape[1] + push[i][2] * shape[2];
     }
-    gain[k] = sum;
+    gain[k] = static_cast<double>(sum);
   }
 }
 

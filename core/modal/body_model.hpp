@@ -5,6 +5,7 @@
 #include "core/modal/modal_table.hpp"
 #include "core/modal/mode_bank.hpp"
 #include "core/modal/multipole.hpp"
+#include "core/modal/pulse.hpp"
 #include "core/modal/radiation.hpp"
 #include "core/modal/raw_radiation.hpp"
 #include "core/modal/surface.hpp"
@@ -93,14 +94,22 @@ struct BodyModel {
   std::array<DirectKernels, kMostListeners> direct;
   std::vector<std::array<ForceKernel, kMostListeners>> sample_kernel, contact_kernel;
   using RigidGain = std::array<double, ContactSolver::kRigid>;
-  /// Allocates nothing.
-  void aim_samples(std::size_t drive, std::span<const double> gain,
-                   const RigidGain& rigid) noexcept;
-  void aim_contact(std::size_t slot, std::span<const double> gain, const RigidGain& rigid) noexcept;
+  /// The kernels of a force at a point of the surface against `direction`, gains of the modes as
+  /// gains() has them or none. Allocates nothing; may use `scratch`.
+  void aim_point(const SurfacePoint& place, const Vec3& direction) noexcept;
+  /// `gain`: times `pulse_gain`.
+  void aim_pulse(std::size_t slot, const SurfacePoint& place, const Vec3& direction,
+                 std::span<const double> gain = {}) noexcept;
+  void aim_contact(std::size_t slot, const SurfacePoint& place, const Vec3& direction,
+                   std::span<const double> gain = {}) noexcept;
 
-  /// Gains b of the modes at the force inlet's point (first) and where pulses strike.
-  std::vector<std::vector<float>> push_gain;
+  std::vector<float> push_gain; ///< gains b of the modes at the force inlet's point
+  /// A pulse's samples are means of the force over their time, which takes sin(x)/x from a tone,
+  /// x = omega/(2 fs); these factors of the gains give it back.
+  std::vector<double> pulse_gain;
+  std::vector<std::uint8_t> band;                  ///< pulse_band() of `mode`
   std::vector<double> scratch;                     ///< as long as `mode`
+  std::vector<double> scratch_level;               ///< as long as `heard`
   std::vector<std::complex<double>> scratch_state; ///< as long as `mode`
   std::vector<std::complex<double>> bank_state;    ///< as long as `heard`
   std::vector<double> ear;                         ///< A-weighting of the heard modes
@@ -152,6 +161,9 @@ private:
   [[nodiscard]] std::vector<double> omega_by_mode() const;
   [[nodiscard]] std::array<RigidDipole, 3> free_dipoles() const;
   void make_kernels();
+  [[nodiscard]] bool needs_gains() const noexcept;
+  [[nodiscard]] DirectKernels::SurfaceGain surface_gain(const SurfacePoint& place,
+                                                        const Vec3& direction) const noexcept;
 };
 
 } // namespace tactus::modal

@@ -51,8 +51,21 @@ struct Motion {
 
 } // namespace
 
+namespace {
+
+constexpr std::size_t kBandLimit = BandLimit::kLength + 2; // samples beside the arrivals' spread
+
+} // namespace
+
+std::size_t DirectKernels::max_spread(std::size_t modes, std::size_t vertices) noexcept {
+  const std::size_t rows =
+      std::max<std::size_t>(vertices > 0 ? std::min(modes, 3 * vertices) : modes, 1);
+  const std::size_t taps = std::clamp<std::size_t>(kMaxNumbers / (2 * rows), 256, kMaxTaps);
+  return std::min(Arrivals::kMaxSpread, taps / 2 - kBandLimit);
+}
+
 void DirectKernels::build(const Arrivals& arrivals, std::span<const Mode> modes, bool rigid,
-                          double sample_rate) {
+                          double sample_rate, const SurfaceShapes& shapes) {
   const std::size_t arrived = arrivals.samples();
   const double spread = static_cast<double>(arrived);
   double tail = 0;
@@ -63,27 +76,81 @@ void DirectKernels::build(const Arrivals& arrivals, std::span<const Mode> modes,
     else if (mode.part == Mode::Part::kRings && decay * spread > kMaxDecay)
       tail = std::max(tail, kSilentDecay / decay);
   }
-  taps_ = std::min(arrived + static_cast<std::size_t>(tail) + 1, kMaxTaps);
+  const std::size_t vertices = shapes.vertices(), surface_rows = 3 * vertices;
+  const std::size_t rows = vertices > 0 ? std::min(modes.size(), surface_rows) : modes.size();
+  const std::size_t room = kMaxNumbers / (2 * std::max<std::size_t>(rows, 1));
+  taps_ = std::min(arrived + static_cast<std::size_t>(tail) + 1,
+                   std::max(std::min(kMaxTaps, room), arrived + 1));
+  on_surface_ = vertices > 0 && modes.size() * taps_ > kMaxSummed &&
+                3 * surface_rows * (taps_ + kLeap) <= kMaxNumbers;
+  if (on_surface_)
+    taps_ = (taps_ + kLeap - 1) / kLeap * kLeap;
+  const std::size_t numbers = (on_surface_ ? surface_rows : modes.size()) * taps_;
+  const std::size_t products = modes.size() * numbers * (2 + kMaxMoments);
+  const bool shaped = on_surface_
+                          ? products <= kMaxProducts && (2 + kMaxMoments) * numbers <= kMaxNumbers
+                          : numbers <= 8 * kMaxSummed;
+  moment_count_ = shaped ? kMaxMoments : 1;
   weight_.clear();
-  samples_.assign(modes.size() * taps_, 0);
-  moment_count_ = modes.size() * taps_ > kMaxShaped ? 1 : kMaxMoments;
-  moments_.assign(modes.size() * moment_count_ * taps_, 0);
-  std::vector<double> pressure(taps_ * kNodes);
-  std::vector<Complex> motion(taps_ + 1);
-  for (std::size_t k = 0; k < modes.size(); ++k)
-    if (modes[k].part != Mode::Part::kMute)
-      add_mode(arrivals, modes[k], k, sample_rate, pressure, motion);
-  if (!rigid)
-    return;
-  rigid_samples_.clear();
-  rigid_moments_.clear();
-  for (std::size_t r = 0; r < Arrivals::kRigid; ++r)
-    add_rigid(arrivals, r, pressure);
+  samples_.assign(numbers, 0);
+  moments_.assign(moment_count_ * numbers, 0);
+  pressure_.assign(taps_ * kNodes, 0);
+  motion_.assign(taps_ + 1, 0);
+  pulses_.assign(on_surface_ ? numbers : 0, 0);
+  if (on_surface_) {
+    sum_over_modes(arrivals, modes, sample_rate, shapes);
+  } else {
+    for (std::size_t k = 0; k < modes.size(); ++k)
+      if (modes[k].part != Mode::Part::kMute)
+        find_mode(arrivals, modes[k], sample_rate, samples_.data() + k * taps_,
+                  moments_.data() + k * moment_count_ * taps_);
+  }
+  if (rigid) {
+    rigid_samples_.clear();
+    rigid_moments_.clear();
+    for (std::size_t r = 0; r < Arrivals::kRigid; ++r)
+      add_rigid(arrivals, r, pressure_);
+  }
+  pressure_ = {};
+  motion_ = {};
 }
 
-void DirectKernels::add_mode(const Arrivals& arrivals, const Mode& mode, std::size_t index,
-                             double sample_rate, std::vector<double>& pressure,
-                             std::vector<Complex>& motion) {
+void DirectKernels::sum_over_modes(const Arrivals& arrivals, std::span<const Mode> modes,
+                                   double sample_rate, const SurfaceShapes& shapes) {
+  constexpr std::size_t kTogether = 128;
+  const std::size_t vertices = shapes.vertices(), row = moment_count_ * taps_;
+  std::vector<float> samples(kTogether * taps_), moments(kTogether * row);
+  std::vector<float> shape(3 * vertices * kTogether);
+  for (std::size_t first = 0; first < modes.size(); first += kTogether) {
+    const std::size_t count = std::min(kTogether, modes.size() - first);
+    std::fill(samples.begin(), samples.end(), 0.0F);
+    std::fill(moments.begin(), moments.end(), 0.0F);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Mode& mode = modes[first + i];
+      if (mode.part != Mode::Part::kMute)
+        find_mode(arrivals, mode, sample_rate, samples.data() + i * taps_,
+                  moments.data() + i * row);
+      for (std::size_t v = 0; v < vertices; ++v)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          shape[(3 * v + axis) * count + i] =
+              shapes.shape[(v * shapes.modes + mode.motion) * 3 + axis];
+    }
+    shapes.kernel->accumulate(shape.data(), samples.data(), samples_.data(), 3 * vertices, count,
+                              taps_);
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t n = 0; n < taps_; ++n)
+        samples[i * taps_ + n] *= static_cast<float>(modes[first + i].pulse_gain);
+    shapes.kernel->accumulate(shape.data(), samples.data(), pulses_.data(), 3 * vertices, count,
+                              taps_);
+    shapes.kernel->accumulate(shape.data(), moments.data(), moments_.data(), 3 * vertices, count,
+                              row);
+  }
+}
+
+void DirectKernels::find_mode(const Arrivals& arrivals, const Mode& mode, double sample_rate,
+                              float* samples, float* moments) {
+  std::vector<double>& pressure = pressure_;
+  std::vector<Complex>& motion = motion_;
   const std::size_t arrived = arrivals.samples();
   std::fill(pressure.begin(), pressure.end(), 0);
   arrivals.find(mode.motion, std::span(pressure).first(arrived * kNodes));
@@ -114,8 +181,6 @@ void DirectKernels::add_mode(const Arrivals& arrivals, const Mode& mode, std::si
     weight = s * s / omega * motion[arrived] * std::exp(-s * static_cast<double>(arrived));
   if (rings)
     weight_.push_back(weight * sample_rate);
-  float* const samples = samples_.data() + index * taps_;
-  float* const moments = moments_.data() + index * moment_count_ * taps_;
   Complex ring = weight;
   double rest = 0; // of the answer to a constant sampled force
   std::size_t loudest = 0;
@@ -166,6 +231,7 @@ void DirectKernels::add_rigid(const Arrivals& arrivals, std::size_t motion,
 void DirectKernels::build_velocity(std::span<const Mode> modes, std::span<const Complex> weight,
                                    double sample_rate) {
   taps_ = 1;
+  on_surface_ = false;
   weight_.assign(weight.begin(), weight.end());
   samples_.assign(modes.size(), 0);
   moment_count_ = 1;
@@ -190,7 +256,35 @@ void combine(std::span<const double> gain, const std::vector<float>& rows,
   }
 }
 
+void combine(const DirectKernels::SurfaceGain& gain, const std::vector<float>& rows,
+             std::span<float> out) noexcept {
+  const std::size_t length = out.size();
+  std::fill(out.begin(), out.end(), 0.0F);
+  for (const auto& [vertex, share] : gain)
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto b = static_cast<float>(share[axis]);
+      const std::size_t begin = (3 * vertex + static_cast<std::size_t>(axis)) * length;
+      if (b == 0 || begin + length > rows.size())
+        continue;
+      const float* const row = rows.data() + begin;
+      for (std::size_t i = 0; i < length; ++i)
+        out[i] += b * row[i];
+    }
+}
+
 } // namespace
+
+void DirectKernels::assemble_samples(const SurfaceGain& gain, std::span<float> out) const noexcept {
+  combine(gain, samples_, out);
+}
+
+void DirectKernels::assemble_pulse(const SurfaceGain& gain, std::span<float> out) const noexcept {
+  combine(gain, pulses_, out);
+}
+
+void DirectKernels::assemble_moments(const SurfaceGain& gain, std::span<float> out) const noexcept {
+  combine(gain, moments_, out);
+}
 
 void DirectKernels::assemble_samples(std::span<const double> gain,
                                      std::span<float> out) const noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/modal/arrivals.hpp"
+#include "core/modal/modal_table.hpp"
 #include "core/modal/mode_bank.hpp"
 
 #include <array>
@@ -30,12 +31,22 @@ using ForceMoments = std::array<double, 3>;
 ///
 /// Two forms: for forces that are impulses at the samples (as ModeBank takes them), and for forces
 /// that act all through a sample, given by their moments (as ContactSolver finds them).
+///
+/// The sum over the modes is taken where a force begins to act. Of a body of many modes it is taken
+/// beforehand instead, for a unit force at every vertex of the surface along each axis: between
+/// vertices modal gains are linear, and so a force anywhere takes the sum of nine rows, however
+/// many modes there are.
 class DirectKernels {
 public:
   static constexpr std::size_t kMaxMoments = std::tuple_size_v<ForceMoments>;
-  /// Modes times taps above which a force's shape within a sample is left out, so that a strike on
-  /// a large body stays in time: -2.6 dB of the direct part at 20 kHz and 48 kHz.
-  static constexpr std::size_t kMaxShaped = std::size_t{1} << 18;
+  /// Modes times taps above which the sums over the modes are taken beforehand: below, a force
+  /// that begins to act costs less than 20 us a listener.
+  static constexpr std::size_t kMaxSummed = std::size_t{1} << 15;
+  /// Products of those sums above which a force's shape within a sample is left out, so that a
+  /// model is made within some seconds: -2.6 dB of the direct part at 20 kHz and 48 kHz.
+  static constexpr std::size_t kMaxProducts = std::size_t{1} << 33;
+  /// Numbers that the rows of one listener take at most, 256 MB: kernels are cut to fit.
+  static constexpr std::size_t kMaxNumbers = std::size_t{1} << 26;
   static constexpr std::size_t kMaxTaps = 4096;
   /// A mode whose amplitude falls by more than this (Np) within the arrivals is not left to the
   /// bank, which would have to play it so much too loud and have it cancelled.
@@ -49,9 +60,33 @@ public:
       kTooHigh, ///< for the bank: it only follows the force
       kMute     ///< not to be heard
     } part;
+    double pulse_gain = 1; ///< factor of the gain when pulses strike (BodyModel)
   };
+  /// Shapes [V][K][3] of a table, and the kernels that add up matrices.
+  struct SurfaceShapes {
+    std::span<const float> shape; ///< empty: there are none
+    std::size_t modes = 0;        ///< K
+    const BankKernel* kernel = nullptr;
+    [[nodiscard]] std::size_t vertices() const noexcept {
+      return modes > 0 ? shape.size() / (3 * modes) : 0;
+    }
+  };
+  /// A row of a vertex's x, and how much of it a force has; y and z follow.
+  struct VertexGain {
+    std::size_t vertex;
+    Vec3 gain; ///< b = gain . shape
+  };
+  using SurfaceGain = std::array<VertexGain, 3>;
+  /// Samples of arrivals that rows for so many modes, or vertices where these give the shorter
+  /// list, have room for.
+  [[nodiscard]] static std::size_t max_spread(std::size_t modes, std::size_t vertices) noexcept;
   /// Allocates. Not for the audio path.
-  void build(const Arrivals& arrivals, std::span<const Mode> modes, bool rigid, double sample_rate);
+  void build(const Arrivals& arrivals, std::span<const Mode> modes, bool rigid, double sample_rate,
+             const SurfaceShapes& shapes);
+  void build(const Arrivals& arrivals, std::span<const Mode> modes, bool rigid,
+             double sample_rate) {
+    build(arrivals, modes, rigid, sample_rate, {});
+  }
   /// Nothing but what makes a constant force silent: velocities, for a listener that hears
   /// Im(w z) at once.
   void build_velocity(std::span<const Mode> modes, std::span<const std::complex<double>> weight,
@@ -64,24 +99,37 @@ public:
   [[nodiscard]] std::size_t moments() const noexcept { return moment_count_; }
   [[nodiscard]] bool has_rigid() const noexcept { return !rigid_moments_.empty(); }
 
+  /// Whether rows belong to the surface's vertices; else they belong to modes.
+  [[nodiscard]] bool on_surface() const noexcept { return on_surface_; }
   /// sum of b D over the modes, for impulses: [taps()] Pa/N. Allocates nothing.
   void assemble_samples(std::span<const double> gain, std::span<float> out) const noexcept;
+  void assemble_samples(const SurfaceGain& gain, std::span<float> out) const noexcept;
+  void assemble_pulse(const SurfaceGain& gain, std::span<float> out) const noexcept;
   /// The same for moments: [moments()][taps()].
   void assemble_moments(std::span<const double> gain, std::span<float> out) const noexcept;
+  void assemble_moments(const SurfaceGain& gain, std::span<float> out) const noexcept;
   void assemble_rigid_samples(const std::array<double, Arrivals::kRigid>& gain,
                               std::span<float> out) const noexcept;
   void assemble_rigid_moments(const std::array<double, Arrivals::kRigid>& gain,
                               std::span<float> out) const noexcept;
 
 private:
-  void add_mode(const Arrivals& arrivals, const Mode& mode, std::size_t index, double sample_rate,
-                std::vector<double>& pressure, std::vector<std::complex<double>>& motion);
+  /// Of one mode, [taps()] and [moments()][taps()].
+  void find_mode(const Arrivals& arrivals, const Mode& mode, double sample_rate, float* samples,
+                 float* moments);
+  void sum_over_modes(const Arrivals& arrivals, std::span<const Mode> modes, double sample_rate,
+                      const SurfaceShapes& shapes);
   void add_rigid(const Arrivals& arrivals, std::size_t motion, std::vector<double>& pressure);
 
   std::size_t taps_ = 0, moment_count_ = 1;
+  bool on_surface_ = false;
   std::vector<std::complex<double>> weight_;
-  std::vector<float> samples_, moments_;             ///< [mode][taps], [mode][moments][taps]
+  /// [row][taps], [row][moments][taps]; rows are modes, or x, y and z of vertices.
+  std::vector<float> samples_, moments_;
+  std::vector<float> pulses_; ///< as samples_, of vertices, every mode times its pulse_gain
   std::vector<float> rigid_samples_, rigid_moments_; ///< the same of the rigid motions
+  std::vector<double> pressure_;                     ///< of a mode, while they are built
+  std::vector<std::complex<double>> motion_;
 };
 
 /// Kernels of one source of force to one listener, with room for the largest.

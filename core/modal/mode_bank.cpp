@@ -116,30 +116,8 @@ void ModeBank::work_out_echo(std::size_t drive, std::size_t pickup, std::size_t 
     return;
   found.known = true;
   found.echo.fill(0);
-  const auto& weight = pickups_[pickup].weight[part];
-  std::array<double, kLeap> sum{};
-  for (std::size_t b = 0; b < blocks_; ++b) {
-    const ComplexLane& pole = poles_[b].one_sample();
-    ComplexLane heard;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      heard.real.v[i] = gain_[drive][b].v[i] * weight[b].real.v[i];
-      heard.imaginary.v[i] = gain_[drive][b].v[i] * weight[b].imaginary.v[i];
-    }
-    for (std::size_t m = 0; m < kLeap; ++m) {
-      float part_sum = 0;
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        float& real = heard.real.v[i];
-        float& imaginary = heard.imaginary.v[i];
-        part_sum += imaginary;
-        const float turned = pole.real.v[i] * real - pole.imaginary.v[i] * imaginary;
-        imaginary = pole.real.v[i] * imaginary + pole.imaginary.v[i] * real;
-        real = turned;
-      }
-      sum[m] += static_cast<double>(part_sum);
-    }
-  }
-  for (std::size_t m = 0; m < kLeap; ++m)
-    found.echo[kLeap + m] = static_cast<float>(sum[m]);
+  kernel_->respond(poles_.data(), gain_[drive].data(), pickups_[pickup].weight[part].data(),
+                   blocks_, found.echo.data() + kLeap);
 }
 
 BankView ModeBank::view() noexcept {

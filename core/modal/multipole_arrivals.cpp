@@ -47,7 +47,7 @@ public:
     travel_ = TravelTime((distance_ - radius_) / c, scene.sample_rate);
     delay_s = travel_.delay_s;
     const double spread =
-        std::min(kDecay * radius_ / c * scene.sample_rate, static_cast<double>(kMaxSpread));
+        std::min(kDecay * radius_ / c * scene.sample_rate, static_cast<double>(scene.max_spread));
     samples_ = static_cast<std::size_t>(spread) + BandLimit::kLength + 2;
     while (period_ < samples_ + samples_ / 2)
       period_ *= 2;

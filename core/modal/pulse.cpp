@@ -13,44 +13,59 @@
 namespace tactus::modal {
 namespace {
 
-constexpr int kRounds = 12;
+constexpr int kRounds = 12, kNewtonRounds = 40;
 
-/// Modes of neighbouring frequencies together, four groups an octave: a blow cannot tell them
-/// apart, and the search for its duration does not grow with the body.
-class Groups {
+constexpr std::size_t kPerOctave = 4, kBands = kPulseBands;
+
+/// Mobility of the modes of each band and their mean frequency.
+class Bands {
 public:
-  explicit Groups(const StruckPlace& place) noexcept {
+  explicit Bands(const StruckPlace& place) noexcept {
     const std::size_t count = std::min(place.gain.size(), place.rate.size());
+    const bool known = place.band.size() >= count;
+    // Several sums side by side: neighbouring modes mostly share a band.
+    std::array<std::array<Band, kApart>, kBands> part{};
     for (std::size_t k = 0; k < count; ++k) {
-      const double omega = std::abs(place.rate[k].imag());
-      Group& group = group_[index(omega)];
+      const std::size_t index = known ? place.band[k] % kBands : pulse_band(place.rate[k].imag());
+      Band& band = part[index][k % kApart];
       const double mobility = place.gain[k] * place.gain[k];
-      group.mobility += mobility;
-      group.sum += mobility * omega;
+      band.mobility += mobility;
+      band.sum += mobility * place.rate[k].imag();
     }
+    for (std::size_t i = 0; i < kBands; ++i)
+      for (const Band& band : part[i]) {
+        band_[i].mobility += band.mobility;
+        band_[i].sum += band.sum;
+      }
   }
   template <class Take> void each(const Take& take) const noexcept {
-    for (const Group& group : group_)
-      if (group.mobility > 0 && group.sum > 0)
-        take(group.mobility, group.sum / group.mobility);
+    for (const Band& band : band_)
+      if (band.mobility > 0 && band.sum > 0)
+        take(band.mobility, band.sum / band.mobility);
   }
 
 private:
-  static constexpr std::size_t kOctaves = 32, kPerOctave = 4;
-  struct Group {
+  static constexpr std::size_t kApart = 4;
+  struct Band {
     double mobility = 0, sum = 0; ///< of b^2 and of b^2 omega
   };
-  /// By the exponent and the first two bits of the mantissa.
-  static std::size_t index(double omega) noexcept {
-    constexpr std::uint64_t kOfOne = std::uint64_t{1023} << 2;
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(std::max(omega, 1.0)) >> 50;
-    return std::min<std::size_t>(static_cast<std::size_t>(bits - kOfOne),
-                                 kOctaves * kPerOctave - 1);
-  }
-  std::array<Group, kOctaves * kPerOctave> group_{};
+  std::array<Band, kBands> band_{};
 };
 
 } // namespace
+
+/// By the exponent and the first two bits of the mantissa.
+std::uint8_t pulse_band(double omega_per_s) noexcept {
+  constexpr std::uint64_t kOfOne = std::uint64_t{1023} << 2;
+  const double omega = omega_per_s > 1 ? omega_per_s : 1;
+  const std::uint64_t bits = std::bit_cast<std::uint64_t>(omega) >> 50;
+  return static_cast<std::uint8_t>(std::min<std::uint64_t>(bits - kOfOne, kBands - 1));
+}
+
+double pulse_band_begin(std::size_t band) noexcept {
+  const auto part = static_cast<double>(band % kPerOctave) / kPerOctave;
+  return std::ldexp(1 + part, static_cast<int>(band / kPerOctave));
+}
 
 double Pulse::spectrum(double radians) noexcept {
   const double x = radians / std::numbers::pi, denominator = 1 - x * x;
@@ -60,14 +75,14 @@ double Pulse::spectrum(double radians) noexcept {
 
 Pulse find_pulse(const ContactLaw& law, double striker_mass_kg, double speed_m_per_s,
                  double restitution, const StruckPlace& place) noexcept {
-  const Groups groups(place);
+  const Bands bands(place);
   const double own = 1 / striker_mass_kg + place.rigid_mobility_per_kg;
   double mobility = own;
   double duration = law.duration(1 / mobility, speed_m_per_s);
   for (int round = 0; round < kRounds; ++round) {
     mobility = own;
     double compliance = place.compliance_m_per_n;
-    groups.each([&](double b_squared, double omega) {
+    bands.each([&](double b_squared, double omega) {
       const double spectrum = Pulse::spectrum(omega * duration);
       const double turns = omega * duration / std::numbers::pi;
       mobility += b_squared * spectrum * spectrum;
@@ -77,17 +92,22 @@ Pulse find_pulse(const ContactLaw& law, double striker_mass_kg, double speed_m_p
     // a period of a spring for the compliance's.
     const SeriesContact contact{law, compliance};
     const double energy = 0.5 * speed_m_per_s * speed_m_per_s / mobility;
-    double low = 0, high = law.deepest(1 / mobility, speed_m_per_s) +
-                           std::sqrt(2 * energy * std::max(compliance, 0.0));
-    for (int i = 0; i < 40; ++i) {
-      const double middle = 0.5 * (low + high);
-      (contact.stored(middle) < energy ? low : high) = middle;
+    double deepest = law.deepest(1 / mobility, speed_m_per_s) +
+                     std::sqrt(2 * energy * std::max(compliance, 0.0));
+    double force = contact.elastic(deepest);
+    // By Newton's method from above: what is stored is convex, its slope the force.
+    for (int i = 0; i < kNewtonRounds && force > 0; ++i) {
+      const double step = (contact.stored(deepest) - energy) / force;
+      deepest -= std::max(step, 0.0);
+      force = contact.elastic(deepest);
+      if (!(step > 1e-9 * deepest))
+        break;
     }
-    const double force = contact.elastic(high), give = compliance * force;
+    const double give = compliance * force;
     const double of_law =
         law.duration(1 / mobility, speed_m_per_s) / law.deepest(1 / mobility, speed_m_per_s);
     const double next =
-        of_law * std::max(high - give, 0.0) + std::numbers::pi * give / speed_m_per_s;
+        of_law * std::max(deepest - give, 0.0) + std::numbers::pi * give / speed_m_per_s;
     if (!(std::isfinite(next) && next > 0))
       break;
     const bool found = std::abs(next - duration) < 1e-3 * duration;

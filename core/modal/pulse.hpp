@@ -3,6 +3,8 @@
 #include "core/modal/striker.hpp"
 
 #include <complex>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace tactus::modal {
@@ -33,7 +35,15 @@ struct StruckPlace {
   std::span<const std::complex<double>> rate; ///< s of all modes, 1/s
   double rigid_mobility_per_kg = 0;           ///< sum of b^2 of a free body's rigid motions
   double compliance_m_per_n = 0;              ///< of the modes that the table leaves out
+  std::span<const std::uint8_t> band{};       ///< pulse_band() of each; empty: not worked out yet
 };
+
+/// Which of 128 bands, four an octave, a mode is in: a strike cannot tell neighbours apart, and the
+/// search for its duration does not grow with the body.
+[[nodiscard]] std::uint8_t pulse_band(double omega_per_s) noexcept;
+inline constexpr std::size_t kPulseBands = 128;
+/// The band's lowest frequency, 1/s.
+[[nodiscard]] double pulse_band_begin(std::size_t band) noexcept;
 
 /// The half sine nearest to the coupled blow of a striker on a body at rest.
 ///

@@ -107,43 +107,51 @@ ListenerTransfer RadiatingSurface::modal(std::span<const std::complex<double>> r
   return out;
 }
 
-/// Sources in bins by their delays.
+/// What each node of the surface gives to bins of delay, and each source for the rigid motions.
 class RadiatingSurface::Retarded final : public Arrivals {
 public:
   Retarded(const RadiatingSurface& surface, const Vec3& listener, const Scene& scene,
-           RigidShapes rigid)
-      : surface_(surface), rigid_(std::move(rigid)), band_(&BandLimit::at_rate(scene.sample_rate)) {
+           const RigidShapes& rigid)
+      : surface_(surface), band_(&BandLimit::at_rate(scene.sample_rate)) {
     if (!surface.surface_)
       return;
     const double wavenumber =
         2 * std::numbers::pi * kHighestTone * scene.sample_rate / scene.sound_speed_m_per_s;
-    source_ = surface_sources(*surface.surface_, surface.facing(listener * (1 / scene.size)),
-                              listener, scene.size, wavenumber, kNearest);
+    const std::vector<SurfaceSource> sources =
+        surface_sources(*surface.surface_, surface.facing(listener * (1 / scene.size)), listener,
+                        scene.size, wavenumber, kNearest);
     double shortest = std::numeric_limits<double>::infinity();
-    for (const SurfaceSource& source : source_)
+    for (const SurfaceSource& source : sources)
       shortest = std::min(shortest, source.distance_m);
     TravelTime travel;
-    if (!source_.empty())
+    if (!sources.empty())
       travel = TravelTime(shortest / scene.sound_speed_m_per_s, scene.sample_rate);
     delay_s = travel.delay_s;
-    shape_scale_ = scene.shape_scale;
-    bin_.reserve(source_.size());
-    share_.reserve(source_.size());
-    for (const SurfaceSource& source : source_) {
-      const double share = source.area_m2 / (2 * std::numbers::pi * source.distance_m) *
-                           scene.air_density_kg_per_m3 * scene.shape_scale;
+    std::vector<Arrival> arrival;
+    arrival.reserve(sources.size());
+    for (const SurfaceSource& source : sources) {
+      const double share =
+          source.area_m2 / (2 * std::numbers::pi * source.distance_m) * scene.air_density_kg_per_m3;
       const double late =
           std::min((source.distance_m - shortest) / scene.sound_speed_m_per_s * scene.sample_rate +
                        travel.late_samples,
-                   static_cast<double>(kMaxSpread));
+                   static_cast<double>(scene.max_spread));
       const double position = late * static_cast<double>(BandLimit::kBins);
       const auto bin = static_cast<std::uint32_t>(position);
       // Lagrange's cubic through four bins, the first of them one earlier.
       const double x = position - static_cast<double>(bin);
-      bin_.push_back(bin);
-      share_.push_back({-share * x * (x - 1) * (x - 2) / 6, share * (x + 1) * (x - 1) * (x - 2) / 2,
-                        -share * (x + 1) * x * (x - 2) / 2, share * (x + 1) * x * (x - 1) / 6});
+      arrival.push_back(
+          {bin,
+           {-share * x * (x - 1) * (x - 2) / 6, share * (x + 1) * (x - 1) * (x - 2) / 2,
+            -share * (x + 1) * x * (x - 2) / 2, share * (x + 1) * x * (x - 1) / 6}});
       bins_ = std::max<std::size_t>(bins_, bin + BandLimit::kSpan);
+    }
+    collect_nodes(sources, arrival, scene.shape_scale);
+    for (std::size_t r = 0; r < kRigid && !rigid.empty(); ++r) { // in kg, m and radians already
+      rigid_[r].assign(bins_, 0);
+      for (std::size_t i = 0; i < sources.size(); ++i)
+        for (std::size_t j = 0; j < BandLimit::kSpan; ++j)
+          rigid_[r][arrival[i].bin + j] += rigid[sources[i].triangle][r] * arrival[i].share[j];
     }
   }
   [[nodiscard]] std::size_t modes() const noexcept override {
@@ -155,16 +163,16 @@ public:
   }
   void find(std::size_t motion, std::span<double> pressure) const override {
     std::vector<double> binned(bins_, 0);
-    const auto put = [&](std::size_t i, double displacement) {
-      for (std::size_t j = 0; j < BandLimit::kSpan; ++j)
-        binned[bin_[i] + j] += displacement * share_[i][j];
-    };
     if (motion < modes()) {
-      for (std::size_t i = 0; i < source_.size(); ++i)
-        put(i, surface_.displacement(motion, source_[i]));
-    } else if (!rigid_.empty()) { // in kilograms, metres and radians already
-      for (std::size_t i = 0; i < source_.size(); ++i)
-        put(i, rigid_[source_[i].triangle][motion - modes()] / shape_scale_);
+      const std::size_t nodes = surface_.nodes_.vertex.size();
+      const float* const displacement = surface_.displacement_.data() + motion * nodes;
+      for (const NodeArrivals& node : node_) {
+        const auto x = static_cast<double>(displacement[node.node]);
+        for (std::size_t i = 0; i < node.count; ++i)
+          binned[node.first_bin + i] += x * share_[node.begin + i];
+      }
+    } else if (const auto& rigid = rigid_[motion - modes()]; !rigid.empty()) {
+      binned = rigid;
     }
     const BandLimit& band = *band_;
     std::fill(pressure.begin(), pressure.end(), 0);
@@ -177,19 +185,59 @@ public:
   }
 
 private:
+  struct Arrival { ///< of a source
+    std::uint32_t bin;
+    std::array<double, BandLimit::kSpan> share;
+  };
+  struct NodeArrivals { ///< shares of the bins from the first on that a node reaches
+    std::uint32_t node = 0, first_bin = 0;
+    std::size_t begin = 0, count = 0; ///< in `share_`
+  };
+
+  /// The sources lie between nodes, whose displacements they follow: a mode is summed over nodes,
+  /// of which there are far fewer.
+  void collect_nodes(std::span<const SurfaceSource> sources, std::span<const Arrival> arrival,
+                     double shape_scale) {
+    const std::size_t nodes = surface_.nodes_.vertex.size();
+    constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> low(nodes, kNone), high(nodes, 0);
+    for (std::size_t i = 0; i < sources.size(); ++i)
+      for (const std::uint32_t node : surface_.nodes_.of_triangle[sources[i].triangle]) {
+        low[node] = std::min(low[node], arrival[i].bin);
+        high[node] = std::max(high[node], arrival[i].bin);
+      }
+    std::vector<std::size_t> row(nodes, 0);
+    std::size_t total = 0;
+    for (std::size_t n = 0; n < nodes; ++n) {
+      if (low[n] == kNone)
+        continue;
+      row[n] = total;
+      node_.push_back(
+          {static_cast<std::uint32_t>(n), low[n], total, high[n] - low[n] + BandLimit::kSpan});
+      total += node_.back().count;
+    }
+    share_.assign(total, 0);
+    for (std::size_t i = 0; i < sources.size(); ++i)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t node = surface_.nodes_.of_triangle[sources[i].triangle][c];
+        const double weight = shape_scale * static_cast<double>(sources[i].weight[c]);
+        double* const to = share_.data() + row[node] + (arrival[i].bin - low[node]);
+        for (std::size_t j = 0; j < BandLimit::kSpan; ++j)
+          to[j] += weight * arrival[i].share[j];
+      }
+  }
+
   const RadiatingSurface& surface_;
-  std::vector<SurfaceSource> source_;
-  RigidShapes rigid_;
   const BandLimit* band_;
-  std::vector<std::uint32_t> bin_;
-  std::vector<std::array<double, BandLimit::kSpan>> share_;
+  std::vector<NodeArrivals> node_;
+  std::vector<double> share_;
+  std::array<std::vector<double>, kRigid> rigid_;
   std::size_t bins_ = 1;
-  double shape_scale_ = 1;
 };
 
 std::unique_ptr<Arrivals> RadiatingSurface::arrivals(const Vec3& listener, const Scene& scene,
-                                                     RigidShapes rigid) const {
-  return std::make_unique<Retarded>(*this, listener, scene, std::move(rigid));
+                                                     const RigidShapes& rigid) const {
+  return std::make_unique<Retarded>(*this, listener, scene, rigid);
 }
 
 } // namespace tactus::modal

@@ -30,6 +30,7 @@ public:
   struct Scene {
     double size = 1, shape_scale = 1, air_density_kg_per_m3 = 1.184, sound_speed_m_per_s = 346.1;
     double sample_rate = 48000;
+    std::size_t max_spread = Arrivals::kMaxSpread; ///< samples
   };
   /// Outward displacement of each triangle for a unit of the rigid motions' coordinates.
   using RigidShapes = std::vector<std::array<double, Arrivals::kRigid>>;
@@ -42,7 +43,7 @@ public:
   /// shortest path, is what is left for a delay line, the latency of the band limit taken out
   /// (never below 0). The surface must outlive the result.
   [[nodiscard]] std::unique_ptr<Arrivals> arrivals(const Vec3& listener, const Scene& scene,
-                                                   RigidShapes rigid) const;
+                                                   const RigidShapes& rigid) const;
   /// The same in free vibration, for a mode's velocity, with complex rates s = -alpha + j omega_d:
   ///   T_k = rho s_k  int phi_k,n exp(-s_k (d - d0)/c) / (2 pi d) dS,   d0 the shortest distance,
   /// without a band limit. `size` scales the body, `shape_scale` its mode shapes.

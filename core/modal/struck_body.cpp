@@ -164,7 +164,7 @@ void StruckBody::renew_point() noexcept {
   model_->gains(point_, point_direction_, model_->scratch);
   model_->bank.set_gain(0, std::span<const double>(model_->scratch).first(model_->heard));
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
-    model_->push_gain[0][k] = static_cast<float>(model_->scratch[k]);
+    model_->push_gain[k] = static_cast<float>(model_->scratch[k]);
   point_aimed_ = false;
 }
 
@@ -186,15 +186,13 @@ void StruckBody::take_over_contacts(BodyModel& before) noexcept {
     const Hit& hit = blows_[i].hit;
     m.gains(hit.place, hit.direction, m.scratch);
     m.solver.take_over(i, before.solver, i, m.scratch, m.rigid_gains(hit.place, hit.direction));
-    m.gains(hit.place, hit.direction, m.scratch);
-    m.aim_contact(i, m.scratch, m.rigid_gains(hit.place, hit.direction));
+    m.aim_contact(i, hit.place, hit.direction);
   }
   if (before.solver.contact(old_led).active) {
     m.gains(point_, point_direction_, m.scratch);
     m.solver.take_over(led, before.solver, old_led, m.scratch,
                        m.rigid_gains(point_, point_direction_));
-    m.gains(point_, point_direction_, m.scratch);
-    m.aim_contact(led, m.scratch, m.rigid_gains(point_, point_direction_));
+    m.aim_contact(led, point_, point_direction_);
   }
 }
 
@@ -292,7 +290,7 @@ void StruckBody::begin_led() noexcept {
   contact.place_m = -last_height_;
   contact.compliance_m_per_n = model_->left_out(point_);
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
-    model_->scratch[k] = static_cast<double>(model_->push_gain[0][k]);
+    model_->scratch[k] = static_cast<double>(model_->push_gain[k]);
   model_->solver.begin(model_->settings.voices, contact, model_->scratch,
                        model_->rigid_gains(point_, point_direction_));
   aim_contact(model_->settings.voices, point_, point_direction_);
@@ -355,7 +353,7 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
       m.solver.end(led_slot);
     chunk_.contact[n] += static_cast<float>(force);
     if (chunk_.force[n] != 0)
-      m.solver.kick(m.push_gain[0], static_cast<double>(chunk_.force[n]) / sample_rate_);
+      m.solver.kick(m.push_gain, static_cast<double>(chunk_.force[n]) / sample_rate_);
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
       chunk_.heard[l][n] = 0;
     for (std::size_t e = 0; e < m.ear_count; ++e) {
@@ -476,8 +474,7 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
   adopt();
   const std::size_t frames = force_out.size();
   for (std::size_t begin = 0, count = 0; begin < frames; begin += count) {
-    while (events_.next() <= clock_)
-      carry_out(events_.pop());
+    carry_out_due();
     count = std::min(kChunk, frames - begin);
     const std::int64_t next = events_.next();
     if (next < clock_ + static_cast<std::int64_t>(count))

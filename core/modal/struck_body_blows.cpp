@@ -62,6 +62,42 @@ void StruckBody::schedule(const Event& event, std::int64_t sample) noexcept {
   events_.push(sample, event);
 }
 
+/// What is due, within what a large body has time for; the rest stays due for later.
+void StruckBody::carry_out_due() noexcept {
+  if (clock_ - budget_begin_ >= kBudgetSamples || clock_ < budget_begin_) {
+    budget_begin_ = clock_;
+    starting_work_ = 0;
+  }
+  const std::size_t modes = model_ ? model_->mode.size() : 0;
+  const std::size_t work = modes + (model_ ? modes * model_->settings.listeners / 4 : 0);
+  while (events_.next() <= clock_) {
+    const Event event = events_.pop();
+    if (event.kind == Event::Kind::kHit) {
+      if (starting_work_ > 0 && starting_work_ + work > kMaxStartingWork) {
+        events_.push(budget_begin_ + kBudgetSamples, event);
+        continue;
+      }
+      starting_work_ += work;
+    } else if (event.kind == Event::Kind::kPoint && modes > kMaxFreelyMoved) {
+      const std::int64_t free_at = point_moved_ + kBudgetSamples;
+      if (clock_ < free_at && clock_ >= point_moved_) {
+        if (!has_point_within(free_at)) // else a newer one comes
+          events_.push(free_at, event);
+        continue;
+      }
+      point_moved_ = clock_;
+    }
+    carry_out(event);
+  }
+}
+
+bool StruckBody::has_point_within(std::int64_t sample) noexcept {
+  for (std::size_t i = 0; i < events_.size() && events_.time(i) <= sample; ++i)
+    if (events_[i].kind == Event::Kind::kPoint)
+      return true;
+  return false;
+}
+
 void StruckBody::carry_out(const Event& event) noexcept {
   switch (event.kind) {
   case Event::Kind::kHit:
@@ -165,24 +201,26 @@ bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& s
   double rigid = 0;
   for (const double b : model_->rigid_gains(hit.place, hit.direction))
     rigid += b * b;
-  const Pulse pulse =
-      find_pulse(law(striker, hit.speed_m_per_s), striker.mass_kg, hit.speed_m_per_s,
-                 striker.restitution, {gain, model_->rate, rigid, model_->left_out(hit.place)});
+  const Pulse pulse = find_pulse(
+      law(striker, hit.speed_m_per_s), striker.mass_kg, hit.speed_m_per_s, striker.restitution,
+      {gain, model_->rate, rigid, model_->left_out(hit.place), model_->band});
   if (pulse.mass_ratio > max_mass_ratio)
     return false;
   pulses_[slot] = {hit, pulse, 0, true};
   // A mode that the ear would not find beside the loudest one is left out.
   double loudest = 0;
-  const auto level = [&](std::size_t k) {
-    const double part = Pulse::envelope(model_->rate[k].imag() * pulse.duration_s);
-    return std::abs(gain[k] * part) * model_->loudness[k];
-  };
-  for (std::size_t k = 0; k < model_->heard; ++k)
-    loudest = std::max(loudest, level(k));
+  std::array<double, kPulseBands> envelope{}; // at each band's lowest frequency
+  for (std::size_t i = 0; i < kPulseBands; ++i)
+    envelope[i] = Pulse::envelope(pulse_band_begin(i) * pulse.duration_s);
+  std::vector<double>& level = model_->scratch_level;
+  for (std::size_t k = 0; k < model_->heard; ++k) {
+    level[k] = std::abs(gain[k]) * envelope[model_->band[k]] * model_->loudness[k];
+    loudest = std::max(loudest, level[k]);
+  }
   const double least = loudest * std::pow(10, -options_.cull_db / 20);
   culled_ = 0;
   for (std::size_t k = 0; k < model_->heard; ++k)
-    if (level(k) < least) {
+    if (level[k] < least) {
       gain[k] = 0;
       ++culled_;
     }
@@ -191,16 +229,10 @@ bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& s
   return true;
 }
 
-/// The drive's samples are means of the force over their time, which takes sin(x)/x from a tone,
-/// x = omega/(2 fs); the gains give it back.
 void StruckBody::push_with_pulse(std::size_t slot, std::span<double> gain) noexcept {
   BodyModel& m = *model_;
-  for (std::size_t k = 0; k < gain.size(); ++k) {
-    const double x = std::min(0.5 * m.rate[k].imag() / sample_rate_, 0.5 * std::numbers::pi);
-    const double square = x * x;
-    gain[k] *= 1 + square * (1.0 / 6 + square * (7.0 / 360 + square * (31.0 / 15120)));
-    m.push_gain[1 + slot][k] = static_cast<float>(gain[k]);
-  }
+  for (std::size_t k = 0; k < gain.size(); ++k)
+    gain[k] *= m.pulse_gain[k];
   m.bank.set_gain(1 + slot, std::span<const double>(gain).first(m.heard));
 }
 
@@ -214,7 +246,7 @@ void StruckBody::continue_pulses() noexcept {
       continue;
     m.gains(pulse.hit.place, pulse.hit.direction, m.scratch);
     push_with_pulse(i, m.scratch);
-    m.aim_samples(1 + i, m.scratch, m.rigid_gains(pulse.hit.place, pulse.hit.direction));
+    m.aim_pulse(i, pulse.hit.place, pulse.hit.direction, m.scratch);
   }
 }
 

@@ -18,28 +18,22 @@ template <class Work> void StruckBody::for_each_model(Work&& work) noexcept {
 
 void StruckBody::aim_contact(std::size_t slot, const SurfacePoint& point,
                              const Vec3& direction) noexcept {
-  for_each_model([&](BodyModel& m) {
-    m.gains(point, direction, m.scratch);
-    m.aim_contact(slot, m.scratch, m.rigid_gains(point, direction));
-  });
+  for_each_model([&](BodyModel& m) { m.aim_contact(slot, point, direction); });
 }
 
 /// The gains that are left of the modes are in the present model's `scratch`.
 void StruckBody::aim_pulse(std::size_t slot, const SurfacePoint& point,
                            const Vec3& direction) noexcept {
   for_each_model([&](BodyModel& m) {
-    if (&m != model_.get())
-      m.gains(point, direction, m.scratch);
-    m.aim_samples(1 + slot, m.scratch, m.rigid_gains(point, direction));
+    m.aim_pulse(slot, point, direction,
+                &m == model_.get() ? std::span<const double>(m.scratch)
+                                   : std::span<const double>());
   });
 }
 
 void StruckBody::aim_point() noexcept {
   point_aimed_ = true;
-  for_each_model([&](BodyModel& m) {
-    m.gains(point_, point_direction_, m.scratch);
-    m.aim_samples(0, m.scratch, m.rigid_gains(point_, point_direction_));
-  });
+  for_each_model([&](BodyModel& m) { m.aim_point(point_, point_direction_); });
 }
 
 /// A model of the same body has come, the one before given; `moving`: its weights were gliding. The
