@@ -195,6 +195,46 @@ void read_multipoles(TableArrays& arrays, ModalTable& table) {
     arrays.refuse("mp_rref must be above 0 m");
 }
 
+/// The waves at the frequencies that all modes share; before `table.multipoles` has anything else.
+void read_band(TableArrays& arrays, ModalTable& table) {
+  if (!arrays.has("mp_band_coef"))
+    return;
+  const std::size_t modes = table.modes();
+  MultipoleTable::Band out;
+  out.frequency_hz = arrays.reals("mp_band_freq", {TableArrays::kAny}, true);
+  for (const double degree : arrays.reals("mp_band_lmax", {modes}, true))
+    out.highest_degree.push_back(static_cast<std::int32_t>(std::clamp(degree, -1.0, 1000.0)));
+  for (const double offset : arrays.reals("mp_band_off", {modes + 1}, true))
+    out.offset.push_back(static_cast<std::int64_t>(std::clamp(offset, -1.0, 1e15)));
+  const NpzArray* coefficients =
+      arrays.good() ? arrays.take("mp_band_coef", "c", {TableArrays::kAny}) : nullptr;
+  if (!coefficients)
+    return;
+  for (std::size_t k = 0; k < modes; ++k) {
+    const std::int64_t degree = out.highest_degree[k];
+    if (degree < 0 || degree > 200 || out.offset[0] != 0 ||
+        out.offset[k + 1] - out.offset[k] != (degree + 1) * (degree + 1))
+      return arrays.refuse("the multipoles of mode " + std::to_string(k) +
+                           " do not fit mp_band_lmax and mp_band_off");
+  }
+  for (std::size_t f = 0; f < out.frequency_hz.size(); ++f)
+    if (!(out.frequency_hz[f] > 0) || (f > 0 && out.frequency_hz[f] <= out.frequency_hz[f - 1]))
+      return arrays.refuse("array 'mp_band_freq' must ascend above 0");
+  const std::size_t expected =
+      static_cast<std::size_t>(out.offset[modes]) * out.frequency_hz.size();
+  if (out.frequency_hz.size() < 4 || coefficients->count() != expected)
+    return arrays.refuse("array 'mp_band_coef' has " + std::to_string(coefficients->count()) +
+                         " numbers: expected " + std::to_string(expected) +
+                         " at 4 frequencies or more");
+  const std::vector<float> parts = coefficients->single_values();
+  if (!std::all_of(parts.begin(), parts.end(), [](float x) { return std::isfinite(x); }))
+    return arrays.refuse("array 'mp_band_coef' holds numbers that are not finite");
+  out.coefficients.resize(parts.size() / 2);
+  for (std::size_t i = 0; i < out.coefficients.size(); ++i)
+    out.coefficients[i] = {parts[2 * i], parts[2 * i + 1]};
+  table.multipoles.band = std::move(out);
+}
+
 void read_raw(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
   const NpzArray* array = file.find("raw_v");
   if (!array || !arrays.good())
@@ -238,6 +278,8 @@ std::string read_modal_table(std::span<const std::byte> file, ModalTable& table)
     read_inertia(arrays, read);
   if (arrays.good())
     read_multipoles(arrays, read);
+  if (arrays.good() && !read.multipoles.empty())
+    read_band(arrays, read);
   read_raw(arrays, archive, read);
   if (!arrays.good())
     return arrays.refusal();

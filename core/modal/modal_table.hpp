@@ -31,6 +31,14 @@ struct MultipoleTable {
   std::vector<std::complex<float>> coefficients;     ///< mp_coef [S x total]
   Vec3 centre{};                                     ///< m
   double reference_radius_m = 0;                     ///< mp_rref
+  /// The same at frequencies common to all modes, which a force drives them at; may be empty.
+  struct Band {
+    std::vector<double> frequency_hz;              ///< mp_band_freq [F], ascending
+    std::vector<std::int32_t> highest_degree;      ///< mp_band_lmax [K]
+    std::vector<std::int64_t> offset;              ///< mp_band_off [K+1]
+    std::vector<std::complex<float>> coefficients; ///< mp_band_coef [F x total]
+    [[nodiscard]] bool empty() const noexcept { return coefficients.empty(); }
+  } band;
   [[nodiscard]] bool empty() const noexcept { return coefficients.empty(); }
 };
 

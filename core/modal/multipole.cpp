@@ -49,9 +49,11 @@ MultipoleDirection::MultipoleDirection(const ModalTable& table, const Vec3& dire
   const double length = norm(direction);
   const double cosine = length > 0 ? std::clamp(direction.z / length, -1.0, 1.0) : 1;
   azimuth_ = std::atan2(direction.y, direction.x);
-  const auto max_degree = static_cast<std::size_t>(
-      *std::max_element(poles_->highest_degree.begin(), poles_->highest_degree.end()));
-  legendre_ = legendre(max_degree, cosine);
+  std::int32_t max_degree = 0;
+  for (const auto* const degrees : {&poles_->highest_degree, &poles_->band.highest_degree})
+    for (const std::int32_t degree : *degrees)
+      max_degree = std::max(max_degree, degree);
+  legendre_ = legendre(static_cast<std::size_t>(max_degree), cosine);
 }
 
 std::vector<Complex> MultipoleDirection::sums(std::size_t mode, double ratio) const {
@@ -68,17 +70,34 @@ std::vector<Complex> MultipoleDirection::sums(std::size_t mode, double ratio) co
   std::vector<Complex> sums(degree + 1);
   for (std::size_t l = 0; l <= degree; ++l)
     for (std::size_t j = 0; j <= 2 * l; ++j) {
-      const auto m = static_cast<std::ptrdiff_t>(j) - static_cast<std::ptrdiff_t>(l);
-      const auto size_m = static_cast<std::size_t>(m < 0 ? -m : m);
-      const double sign = m < 0 && size_m % 2 == 1 ? -1 : 1;
-      const Complex harmonic =
-          std::polar(sign * legendre_[l * (l + 1) / 2 + size_m], static_cast<double>(m) * azimuth_);
       const std::size_t at = static_cast<std::size_t>(poles_->offset[mode]) + l * l + j;
       const Complex a(poles_->coefficients[left * total + at]);
       const Complex b(poles_->coefficients[right * total + at]);
-      sums[l] += (a + part * (b - a)) * harmonic;
+      sums[l] += (a + part * (b - a)) * harmonic(l, j);
     }
   return sums;
+}
+
+std::vector<Complex> MultipoleDirection::band_sums(std::size_t mode, std::size_t frequency) const {
+  const MultipoleTable::Band& band = poles_->band;
+  const auto degree = static_cast<std::size_t>(band.highest_degree[mode]);
+  const std::complex<float>* const c = band.coefficients.data() +
+                                       frequency * static_cast<std::size_t>(band.offset.back()) +
+                                       static_cast<std::size_t>(band.offset[mode]);
+  std::vector<Complex> sums(degree + 1);
+  for (std::size_t l = 0; l <= degree; ++l)
+    for (std::size_t j = 0; j <= 2 * l; ++j)
+      sums[l] += Complex(c[l * l + j]) * harmonic(l, j);
+  return sums;
+}
+
+/// Y_lm, m = j - l.
+Complex MultipoleDirection::harmonic(std::size_t l, std::size_t j) const noexcept {
+  const auto m = static_cast<std::ptrdiff_t>(j) - static_cast<std::ptrdiff_t>(l);
+  const auto size_m = static_cast<std::size_t>(m < 0 ? -m : m);
+  const double sign = m < 0 && size_m % 2 == 1 ? -1 : 1;
+  return std::polar(1.0, static_cast<double>(m) * azimuth_) *
+         (sign * legendre_[l * (l + 1) / 2 + size_m]);
 }
 
 ListenerTransfer multipole_transfer(const ModalTable& table, std::span<const Complex> rate,

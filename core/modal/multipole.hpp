@@ -21,8 +21,13 @@ public:
   /// sum over m of c_lm Y_lm(direction) for each degree l of a mode, at a ratio of frequency,
   /// interpolated between the table's ratios.
   [[nodiscard]] std::vector<std::complex<double>> sums(std::size_t mode, double ratio) const;
+  /// The same at one of the band's frequencies.
+  [[nodiscard]] std::vector<std::complex<double>> band_sums(std::size_t mode,
+                                                            std::size_t frequency) const;
 
 private:
+  [[nodiscard]] std::complex<double> harmonic(std::size_t l, std::size_t j) const noexcept;
+
   const MultipoleTable* poles_;
   std::vector<double> legendre_;
   double azimuth_ = 0;
@@ -41,10 +46,14 @@ struct RigidDipole {
 [[nodiscard]] std::array<RigidDipole, 3>
 rigid_dipoles(double mass_kg, const std::array<Vec3, 3>& inertia_kg_m2, double volume_m3);
 
-/// What a listener receives of a body in free air, at all frequencies, from multipoles that are
-/// known near each mode's own frequency alone. Each degree radiates as from the sphere of the
-/// table's reference radius a that moves with the normal velocity which gives the table's pressure
-/// at the mode's frequency,
+/// What a listener receives of a body in free air, at all frequencies. From a table with a band
+/// (MultipoleTable::Band) the velocities v_l below are interpolated between its frequencies by
+/// cubics, their travel time from half the reference radius taken out; constant in their real and
+/// proportional to the frequency in their imaginary part below its lowest, constant above.
+///
+/// From multipoles that are known near each mode's own frequency alone, each degree radiates as
+/// from the sphere of the table's reference radius a that moves with the normal velocity which
+/// gives the table's pressure at the mode's frequency,
 ///   p_l = v_l rho j omega E_l,   E_l = -c h_l(k r) / (omega h_l'(k a)),
 /// which is causal, falls as a compact source of degree l does towards low frequencies
 /// (E_l -> a (a/r)^(l+1)/(l+1)), and is exact at the mode's frequency. The imaginary part of v_l,

@@ -13,7 +13,8 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDecay = 9; // a sphere's transients have died away after so many times a/c
+constexpr double kDecay = 9;      // a sphere's transients have died away after so many times a/c
+constexpr double kBandDecay = 20; // those of a body with edges and hollows
 constexpr double kMaxTurn = 2 * kPi * 0.6; // a sample, what BandLimit lets through
 
 /// h_l' by the recursion h_l' = h_(l-1) - (l + 1)/x h_l.
@@ -46,8 +47,9 @@ public:
     const double c = scene.sound_speed_m_per_s;
     travel_ = TravelTime((distance_ - radius_) / c, scene.sample_rate);
     delay_s = travel_.delay_s;
-    const double spread =
-        std::min(kDecay * radius_ / c * scene.sample_rate, static_cast<double>(scene.max_spread));
+    const double spread = std::min((table.multipoles.band.empty() ? kDecay : kBandDecay) * radius_ /
+                                       c * scene.sample_rate,
+                                   static_cast<double>(scene.max_spread));
     samples_ = static_cast<std::size_t>(spread) + BandLimit::kLength + 2;
     while (period_ < samples_ + samples_ / 2)
       period_ *= 2;
@@ -67,6 +69,10 @@ public:
     const double omega = omega_[motion];
     if (!(omega > 0))
       return;
+    if (!table_.multipoles.band.empty()) {
+      find_from_band(motion, pressure);
+      return;
+    }
     const double c = scene_.sound_speed_m_per_s;
     const double ratio = omega * scene_.size / (2 * kPi * table_.frequency_hz[motion]);
     const std::vector<Complex> sums = direction_.sums(motion, ratio);
@@ -92,6 +98,7 @@ public:
 
 private:
   static constexpr int kPlain = -1000;
+  static constexpr double kLead = 0.5; ///< radii whose travel time is taken out between samples
   [[nodiscard]] double turn() const noexcept { return 2 * kPi / static_cast<double>(period_); }
 
   static void add(double amount, const std::vector<double>& kernel, std::span<double> to) {
@@ -109,34 +116,163 @@ private:
             kernel(1, kPlain, std::min(dipole.radius_m, radius_)), pressure);
   }
 
-  /// Band-limited pressure for an acceleration impulse of degree l, by Fourier's integral.
-  [[nodiscard]] const std::vector<double>& kernel(std::size_t l, int octave, double radius) const {
-    const auto [place, is_new] = kernels_.try_emplace(Key{l, octave, radius});
-    std::vector<double>& out = place->second;
-    if (!is_new)
-      return out;
+  void find_from_band(std::size_t motion, std::span<double> pressure) const {
+    const MultipoleTable::Band& band = table_.multipoles.band;
+    const double c = scene_.sound_speed_m_per_s;
+    const std::size_t count = band.frequency_hz.size();
+    const auto degrees = static_cast<std::size_t>(band.highest_degree[motion]) + 1;
+    // v_l exp(j k a/2) at the band's frequencies, over x = k a, which a change of size leaves.
+    std::vector<double> x(count);
+    std::vector<std::vector<Complex>> velocity(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = 2 * kPi * band.frequency_hz[i] / c * table_.multipoles.reference_radius_m;
+      velocity[i] = direction_.band_sums(motion, i);
+      const auto h = spherical_hankel(degrees, x[i]);
+      for (std::size_t l = 0; l < degrees; ++l) {
+        const Complex v =
+            velocity[i][l] * Complex(0, 1) * slope(h, l, x[i]) / h[l] *
+            std::polar(scene_.shape_scale / (table_.air_density_kg_per_m3 * c), kLead * x[i]);
+        velocity[i][l] = std::isfinite(v.real()) && std::isfinite(v.imag()) ? v : 0.0;
+      }
+    }
+    std::vector<Complex> transfer(1 + band_.size());
+    for (std::size_t i = 0; i < transfer.size(); ++i) {
+      const double at = static_cast<double>(i) * turn() * scene_.sample_rate / c * radius_;
+      const Interpolation between(x, at);
+      for (std::size_t l = 0; l < degrees; ++l)
+        transfer[i] += between.value(velocity, l) * waves(l)[i];
+      transfer[i] *= std::polar(1.0, -kLead * at);
+    }
+    transform(transfer, pressure);
+    mend_low_frequencies(transfer, pressure);
+  }
+
+  /// The level of a mode of high degree rises a thousandfold from 0 Hz to 20 kHz, and what its
+  /// kernel's two ends cut off of the highs is then more than all of the lows. A smooth pulse over
+  /// the kernel's length, a sum of kSmooth shapes under a Hann window, puts these right, by least
+  /// squares over the transfer's lowest frequencies.
+  void mend_low_frequencies(const std::vector<Complex>& transfer, std::span<double> out) const {
+    constexpr std::size_t kSmooth = 10;
+    const std::size_t count = std::min(period_ / 28, transfer.size());
+    const auto shape = [&](std::size_t q, double t) { // t in samples from the kernel's beginning
+      const double u = t / static_cast<double>(samples_);
+      return 0.5 * (1 - std::cos(2 * kPi * u)) * std::cos(kPi * static_cast<double>(q) * u);
+    };
+    std::array<std::array<double, kSmooth + 1>, kSmooth> equation{};
+    for (std::size_t i = 0; i < count; ++i) {
+      std::array<Complex, kSmooth> own{};
+      Complex rest = i == 0 ? 2.0 * transfer[0] : transfer[i];
+      for (std::size_t n = 0; n < samples_; ++n)
+        for (std::size_t m = 1; m < BandLimit::kNodes; ++m) {
+          const double t = static_cast<double>(n) + BandLimit::kNode[m];
+          const Complex wave = BandLimit::kGaussWeight[m - 1] *
+                               std::polar(1.0, -static_cast<double>(i) * turn() *
+                                                   (t - static_cast<double>(BandLimit::kLatency) -
+                                                    travel_.late_samples));
+          rest -= out[n * BandLimit::kNodes + m] * wave;
+          for (std::size_t q = 0; q < kSmooth; ++q)
+            own[q] += shape(q, t) * wave;
+        }
+      for (std::size_t p = 0; p < kSmooth; ++p) {
+        for (std::size_t q = 0; q < kSmooth; ++q)
+          equation[p][q] += (std::conj(own[p]) * own[q]).real();
+        equation[p][kSmooth] += (std::conj(own[p]) * rest).real();
+      }
+    }
+    for (std::size_t p = 0; p < kSmooth; ++p) // shapes that these frequencies hardly tell apart
+      equation[p][p] *= 1 + 1e-5;
+    const std::array<double, kSmooth> amount = solve(equation);
+    for (std::size_t n = 0; n < samples_; ++n)
+      for (std::size_t m = 0; m < BandLimit::kNodes; ++m)
+        for (std::size_t q = 0; q < kSmooth; ++q)
+          out[n * BandLimit::kNodes + m] +=
+              amount[q] * shape(q, static_cast<double>(n) + BandLimit::kNode[m]);
+  }
+
+  /// Gauss' elimination with pivots; the right side is the last column.
+  template <std::size_t Count>
+  static std::array<double, Count> solve(std::array<std::array<double, Count + 1>, Count>& a) {
+    for (std::size_t p = 0; p < Count; ++p) {
+      std::size_t best = p;
+      for (std::size_t r = p + 1; r < Count; ++r)
+        if (std::abs(a[r][p]) > std::abs(a[best][p]))
+          best = r;
+      std::swap(a[p], a[best]);
+      if (a[p][p] == 0)
+        return {};
+      for (std::size_t r = 0; r < Count; ++r) {
+        const double ratio = r == p ? 0 : a[r][p] / a[p][p];
+        for (std::size_t q = p; q <= Count; ++q)
+          a[r][q] -= ratio * a[p][q];
+      }
+    }
+    std::array<double, Count> x{};
+    for (std::size_t p = 0; p < Count; ++p)
+      x[p] = a[p][Count] / a[p][p];
+    return x;
+  }
+
+  /// Weights of the samples of a smooth function of k a at one value of it.
+  struct Interpolation {
+    std::size_t first = 0;
+    std::array<double, 4> weight{};
+    double below = 1; ///< the share of the imaginary part below the lowest sample
+    Interpolation(const std::vector<double>& x, double at) {
+      if (at <= x.front()) {
+        weight[0] = 1;
+        below = at / x.front();
+        return;
+      }
+      const double t = std::min(at, x.back());
+      const auto next = static_cast<std::size_t>(std::lower_bound(x.begin(), x.end(), t) -
+                                                 x.begin()); // x[next - 1] < t <= x[next]
+      first = std::min(next > 2 ? next - 2 : 0, x.size() - 4);
+      for (std::size_t i = 0; i < 4; ++i) { // Lagrange
+        weight[i] = 1;
+        for (std::size_t j = 0; j < 4; ++j)
+          if (j != i)
+            weight[i] *= (t - x[first + j]) / (x[first + i] - x[first + j]);
+      }
+    }
+    [[nodiscard]] Complex value(const std::vector<std::vector<Complex>>& of, std::size_t l) const {
+      Complex sum = 0;
+      for (std::size_t i = 0; i < 4; ++i)
+        sum += weight[i] * of[first + i][l];
+      return {sum.real(), below * sum.imag()};
+    }
+  };
+
+  /// Degree l's transfer from velocity on the sphere to the listener, per acceleration, the common
+  /// delay taken out and band-limited; half of it at 0 Hz.
+  [[nodiscard]] const std::vector<Complex>& waves(std::size_t l) const {
+    const auto [place, is_new] = waves_.try_emplace(l);
+    if (is_new)
+      place->second = find_waves(l, radius_);
+    return place->second;
+  }
+
+  [[nodiscard]] std::vector<Complex> find_waves(std::size_t l, double radius) const {
     const double c = scene_.sound_speed_m_per_s, density = scene_.air_density_kg_per_m3;
     const auto degree = static_cast<double>(l);
+    const double still = density * radius * std::pow(radius / distance_, degree + 1) / (degree + 1);
     std::vector<Complex> transfer(1 + band_.size());
-    if (octave == kPlain)
-      transfer[0] =
-          0.5 * density * radius * std::pow(radius / distance_, degree + 1) / (degree + 1);
+    transfer[0] = 0.5 * still;
     for (std::size_t i = 1; i < transfer.size(); ++i) {
       const double omega = static_cast<double>(i) * turn() * scene_.sample_rate;
       const double wavenumber = omega / c;
       const auto near = spherical_hankel(l + 1, wavenumber * radius);
       const auto far = spherical_hankel(l + 1, wavenumber * distance_);
       Complex value = -density * c / omega * far[l] / slope(near, l, wavenumber * radius) *
-                      std::polar(1.0, wavenumber * (distance_ - radius_)); // of the common delay
+                      std::polar(1.0, wavenumber * (distance_ - radius)); // of the common delay
       if (!std::isfinite(value.real()) || !std::isfinite(value.imag()))
-        value = density * radius * std::pow(radius / distance_, degree + 1) / (degree + 1);
-      if (octave != kPlain) {
-        const double x = omega * std::exp2(-octave);
-        value *= Complex(0, x) / Complex(1, x);
-      }
+        value = still;
       transfer[i] = band_[i - 1] * value;
     }
-    out.resize(samples_ * BandLimit::kNodes);
+    return transfer;
+  }
+
+  /// Fourier's integral, at the nodes of every sample.
+  void transform(const std::vector<Complex>& transfer, std::span<double> out) const {
     for (std::size_t n = 0; n < samples_; ++n)
       for (std::size_t m = 0; m < BandLimit::kNodes; ++m) {
         const double t = static_cast<double>(n) + BandLimit::kNode[m] -
@@ -145,11 +281,28 @@ private:
         Complex wave = 1;
         double sum = transfer[0].real();
         for (std::size_t i = 1; i < transfer.size(); ++i) {
-          wave *= step;
+          wave = {wave.real() * step.real() - wave.imag() * step.imag(),
+                  wave.real() * step.imag() + wave.imag() * step.real()};
           sum += transfer[i].real() * wave.real() - transfer[i].imag() * wave.imag();
         }
         out[n * BandLimit::kNodes + m] = 2 * sum / static_cast<double>(period_);
       }
+  }
+
+  /// Band-limited pressure for an acceleration impulse of degree l, by Fourier's integral.
+  [[nodiscard]] const std::vector<double>& kernel(std::size_t l, int octave, double radius) const {
+    const auto [place, is_new] = kernels_.try_emplace(Key{l, octave, radius});
+    std::vector<double>& out = place->second;
+    if (!is_new)
+      return out;
+    std::vector<Complex> transfer = find_waves(l, radius);
+    if (octave != kPlain)
+      for (std::size_t i = 0; i < transfer.size(); ++i) {
+        const double x = static_cast<double>(i) * turn() * scene_.sample_rate * std::exp2(-octave);
+        transfer[i] *= Complex(0, x) / Complex(1, x);
+      }
+    out.resize(samples_ * BandLimit::kNodes);
+    transform(transfer, out);
     return out;
   }
 
@@ -171,6 +324,7 @@ private:
   std::size_t samples_ = 0, period_ = 64;
   std::vector<double> band_;
   mutable std::map<Key, std::vector<double>> kernels_;
+  mutable std::map<std::size_t, std::vector<Complex>> waves_; ///< by degree
 };
 
 /// Jacobi's rotations: eigenvalues of a symmetric matrix, which becomes diagonal, and eigenvectors.

@@ -133,6 +133,12 @@ void write_table(const std::string& path, const ModalTable& t) {
     npz.add("mp_coef", r.coefficients, {r.coefficients.size()});
     npz.add("mp_center", middle, {3});
     npz.add("mp_rref", std::span(&r.reference_radius, 1), {});
+    if (const ModeRadiation::Band& band = r.band; !band.frequency_hz.empty()) {
+      npz.add("mp_band_freq", band.frequency_hz, {band.frequency_hz.size()});
+      npz.add("mp_band_lmax", band.highest_degree, {modes});
+      npz.add("mp_band_off", band.offset, {modes + 1});
+      npz.add("mp_band_coef", band.coefficients, {band.coefficients.size()});
+    }
   }
   npz.write(path);
 }

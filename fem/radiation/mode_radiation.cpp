@@ -59,7 +59,69 @@ std::size_t useful_degree(std::span<const Complex> c, std::size_t highest) {
   return 0;
 }
 
+/// All modes at once at each frequency: they share its matrix.
+ModeRadiation::Band radiate_band(const Mesh& mesh, const Modes& modes, std::span<const int> node,
+                                 const FlowTransfer& transfer, const ExteriorField& field,
+                                 const ModeRadiation& body, const RadiationSettings& settings) {
+  ModeRadiation::Band band;
+  band.frequency_hz =
+      band_frequencies(body.reference_radius, settings.band_limit_hz, settings.sound_speed);
+  const std::size_t count = modes.frequency_hz.size(), n = field.unknowns();
+  std::vector<double> flow(n * count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto one = transfer(motion(modes, k, mesh, node));
+    std::copy(one.begin(), one.end(), flow.begin() + static_cast<std::ptrdiff_t>(k * n));
+  }
+  std::vector<std::vector<std::vector<Complex>>> found(count); // [mode][frequency]
+  std::vector<std::size_t> degree(count, 0);
+  for (std::size_t f = 0; f < band.frequency_hz.size(); ++f) {
+    const double k = 2 * std::numbers::pi * band.frequency_hz[f] / settings.sound_speed;
+    const auto highest =
+        static_cast<std::size_t>(std::min(std::ceil(k * body.reference_radius) + 14, 120.0));
+    const std::size_t terms = (highest + 1) * (highest + 1);
+    const auto mu = field.solve(k, flow, count, settings.air_density, settings.sound_speed);
+    const auto c = multipoles(field, k, mu, count, highest, body.centre, body.reference_radius);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::span<const Complex> own(&c[i * terms], terms);
+      degree[i] = std::max(degree[i], useful_degree(own, highest));
+      found[i].emplace_back(own.begin(), own.end());
+    }
+    if (settings.report)
+      settings.report("radiation below and between the modes",
+                      static_cast<double>(f + 1) / static_cast<double>(band.frequency_hz.size()));
+  }
+  band.offset.push_back(0);
+  for (std::size_t k = 0; k < count; ++k) {
+    band.highest_degree.push_back(static_cast<std::int32_t>(degree[k]));
+    band.offset.push_back(band.offset.back() +
+                          static_cast<std::int64_t>((degree[k] + 1) * (degree[k] + 1)));
+  }
+  const auto total = static_cast<std::size_t>(band.offset.back());
+  band.coefficients.assign(total * band.frequency_hz.size(), 0);
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t f = 0; f < band.frequency_hz.size(); ++f)
+      for (std::size_t q = 0; q < std::min((degree[k] + 1) * (degree[k] + 1), found[k][f].size());
+           ++q)
+        band.coefficients[f * total + static_cast<std::size_t>(band.offset[k]) + q] =
+            std::complex<float>(found[k][f][q]);
+  return band;
+}
+
 } // namespace
+
+std::vector<double> band_frequencies(double radius, double limit_hz, double sound_speed) {
+  const double hz = sound_speed / (2 * std::numbers::pi * radius); // of k a = 1
+  const double last = limit_hz / hz;
+  const double step = std::max(.5, last / 60);
+  std::vector<double> frequencies;
+  for (const double x : {.2, .5, 1.0, 1.5})
+    if (x * step < last)
+      frequencies.push_back(x * step * hz);
+  for (double x = 2 * step; x < last; x += step)
+    frequencies.push_back(x * hz);
+  frequencies.push_back(limit_hz);
+  return frequencies;
+}
 
 ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSettings& settings) {
   const std::size_t count = modes.frequency_hz.size();
@@ -178,6 +240,8 @@ ModeRadiation radiate(const Mesh& mesh, const Modes& modes, const RadiationSetti
     out.decay_rate.push_back(power);
     out.efficiency.push_back(flat > 0 ? power / flat : 0);
   }
+  if (settings.band_limit_hz > 0)
+    out.band = radiate_band(mesh, modes, node, transfer, field, out, settings);
   return out;
 }
 

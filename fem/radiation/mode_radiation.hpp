@@ -17,6 +17,14 @@ struct ModeRadiation {
   std::vector<double> efficiency;     ///< [K] power over rho c ∫ v_n^2/2 dS
   std::size_t triangles = 0;
   double resolved_hz = 0;             ///< up to here a wave has four edges of the acoustic mesh
+  /// The same waves of every mode's motion at frequencies common to all modes, which a force drives
+  /// them at; arrays mp_band_*. Empty: not asked for.
+  struct Band {
+    std::vector<double> frequency_hz;              ///< [F], ascending
+    std::vector<std::int32_t> highest_degree;      ///< [K]
+    std::vector<std::int64_t> offset;              ///< [K+1], into one frequency's coefficients
+    std::vector<std::complex<float>> coefficients; ///< [F][offset[K]], Pa s/(m sqrt(kg))
+  } band;
   [[nodiscard]] bool empty() const noexcept { return coefficients.empty(); }
 };
 
@@ -25,10 +33,18 @@ struct RadiationSettings {
   std::vector<double> ratios{1};
   double air_density = 1.184, sound_speed = 346.1;
   double memory_limit_bytes = 0; ///< 0: none
+  double band_limit_hz = 0;      ///< above 0: the band up to there as well
   Report report{};
   /// One sentence: mesh, memory and time ahead, after the first solution was timed.
   std::function<void(const std::string&)> say{};
 };
+
+/// Frequencies at which the waves of a body of radius `a` are taken, so that between them they can
+/// be interpolated once the travel time from half the radius is taken out: from k a = 0.2 on in
+/// steps of about 0.5, wider where there would be more than 60. Resonances of cavities that are
+/// narrower are missed.
+[[nodiscard]] std::vector<double> band_frequencies(double radius, double limit_hz,
+                                                   double sound_speed);
 
 /// Solves the air around the free body for each mode, all modes of nearly equal frequency (0.1 %)
 /// at once at their mean. Refuses when the matrix would not fit into memory.

@@ -71,7 +71,8 @@ Workload Forecast::workload(const MeshSize& mesh) const {
                 .flops_per_second = flops_};
   if (order_.radiation) {
     work.acoustic_triangles = static_cast<double>(order_.acoustic_triangles);
-    work.solutions = work.modes * static_cast<double>(order_.ratios.size());
+    constexpr double kBandSolutions = 42; // of a body of 10 cm; some 65 at most
+    work.solutions = work.modes * static_cast<double>(order_.ratios.size()) + kBandSolutions;
   }
   return work;
 }

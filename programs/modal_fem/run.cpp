@@ -183,13 +183,16 @@ void say_inaudible(const Solved& body, ProgressLine& progress) {
     progress.say("warning: " + odd);
 }
 
+constexpr double kBandLimit = 21000; // Hz: what a listener hears of forces between the modes
+
 void radiate_into(Solved& body, const Order& order, ProgressLine& progress,
                   const Forecast& forecast) {
   RadiationSettings sound{.triangles = order.acoustic_triangles,
                           .ratios = order.ratios,
                           .air_density = order.air_density,
                           .sound_speed = order.sound_speed,
-                          .memory_limit_bytes = forecast.budget().bytes()};
+                          .memory_limit_bytes = forecast.budget().bytes(),
+                          .band_limit_hz = kBandLimit};
   sound.report = [&](const std::string& stage, double share) { progress.stage(stage, share); };
   sound.say = [&](const std::string& sentence) { progress.say(sentence); };
   body.radiation = radiate(body.mesh, body.modes, sound);

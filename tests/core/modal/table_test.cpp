@@ -207,6 +207,30 @@ TEST_CASE("multipoles and raw velocities must fit their own tables") {
          named(m, "mp_coef").data.resize(32);
        }),
        "mp_coef");
+  const auto with_band = [&](auto& m) {
+    with_multipoles(m);
+    m.push_back({"mp_band_freq", "<f8", {4}, raw(std::vector<double>{100, 200, 400, 800})});
+    m.push_back({"mp_band_lmax", "<i4", {2}, raw(std::vector<std::int32_t>{0, 1})});
+    m.push_back({"mp_band_off", "<i8", {3}, raw(std::vector<std::int64_t>{0, 1, 5})});
+    m.push_back({"mp_band_coef", "<c8", {20}, raw(std::vector<float>(40, 1))});
+  };
+  CHECK(refusal_with(with_band) == "");
+  says(refusal_with([&](auto& m) {
+         with_band(m);
+         named(m, "mp_band_off").data[8] = 4;
+       }),
+       "mp_band_off");
+  says(refusal_with([&](auto& m) {
+         with_band(m);
+         named(m, "mp_band_freq").data = raw(std::vector<double>{100, 400, 200, 800});
+       }),
+       "mp_band_freq");
+  says(refusal_with([&](auto& m) {
+         with_band(m);
+         named(m, "mp_band_coef").shape = {19};
+         named(m, "mp_band_coef").data.resize(152);
+       }),
+       "mp_band_coef");
   says(refusal_with([&](auto& m) {
          m.push_back({"raw_v", "<f4", {1, 2, 3}, raw(std::vector<float>(6, 1))});
        }),
