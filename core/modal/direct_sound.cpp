@@ -328,6 +328,14 @@ void DirectSound::clear() noexcept {
   suspended_ = {};
 }
 
+void DirectSound::clear_from(std::size_t listener) noexcept {
+  for (std::size_t l = listener; l < lines_.size(); ++l) {
+    for (Line& line : lines_[l])
+      clear(line);
+    suspended_[l] = {};
+  }
+}
+
 void DirectSound::clear(Line& line) noexcept {
   const auto end = static_cast<std::ptrdiff_t>(line.end);
   std::fill(line.elastic.begin(), line.elastic.begin() + end, 0.0F);

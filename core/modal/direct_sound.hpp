@@ -151,6 +151,8 @@ public:
   /// Allocates.
   void prepare(double sample_rate);
   void clear() noexcept;
+  /// Of this listener and those after it.
+  void clear_from(std::size_t listener) noexcept;
   /// A force at a sample of the segment at hand, N, by the kernels of one of the glide's parts.
   void add_sample(std::size_t listener, ModeBank::Part part, std::size_t at,
                   const ForceKernel& kernel, std::size_t taps, double force) noexcept;

@@ -144,10 +144,12 @@ void StruckBody::adopt() noexcept {
     if (!in_silence && have_like_kernels(*model_, *next->model)) {
       take_over_direct(next, glides);
     } else {
-      if (!in_silence && next->model->settings.listeners == model_->settings.listeners)
-        direct_.settle(next->model->bank.glide(0)); // what has been given goes on
-      else
+      if (in_silence) {
         direct_.clear();
+      } else { // what has been given goes on, to the listeners that stay
+        direct_.settle(next->model->bank.glide(0));
+        direct_.clear_from(model_->settings.listeners);
+      }
       settle_direct();
       retire(next);
     }

@@ -356,3 +356,38 @@ TEST_CASE("a force that no body stands does not silence the blows that come afte
     CHECK(loudest(rig) == doctest::Approx(before).epsilon(0.1));
   }
 }
+
+TEST_CASE("a listener that is added or taken away leaves the direct sound of the others alone") {
+  // The first listener hears the same strike to -60 dB of its peak whatever becomes of the rest.
+  const auto play = [](std::size_t before, std::size_t after) {
+    ModalTable free = plate(0.2, 0.15, 0.005, 30000);
+    free.free = true;
+    free.inertia_kg_m2 = {Vec3{1e-3, 0, 0}, Vec3{0, 1e-3, 0}, Vec3{0, 0, 2e-3}};
+    Rig rig(48000, std::move(free));
+    rig.settings.radiation = Radiation::kModal;
+    rig.settings.listeners = before;
+    rig.renew(false);
+    static_cast<void>(rig.run(64));
+    rig.hit({0.03, 0.02, 0}, 1);
+    auto heard = rig.run(64).left;
+    rig.settings.listeners = after;
+    rig.renew();
+    const auto rest = rig.run(2048).left;
+    heard.insert(heard.end(), rest.begin(), rest.end());
+    return heard;
+  };
+  const auto alone = play(2, 2);
+  float loudest = 0;
+  for (const float x : alone)
+    loudest = std::max(loudest, std::abs(x));
+  CHECK(loudest > 0);
+  for (const auto& [before, after] : {std::pair<std::size_t, std::size_t>{2, 1}, {1, 2}, {2, 4}}) {
+    CAPTURE(before);
+    CAPTURE(after);
+    const auto changed = play(before, after);
+    float difference = 0;
+    for (std::size_t n = 0; n < alone.size(); ++n)
+      difference = std::max(difference, std::abs(changed[n] - alone[n]));
+    CHECK(difference < 1e-3F * loudest);
+  }
+}
