@@ -168,6 +168,7 @@ TEST_CASE(
       before = std::max(before, now);
     }
     CHECK(before == 8);
+    CHECK(last >= when + 6 * apart);
     CHECK(last <= when + 7 * apart);
   }
 }
