@@ -1,6 +1,7 @@
 #include "core/modal/contact_solver.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -15,6 +16,8 @@ constexpr double kLongestFlight = 0.05; // s that a striker is followed after it
 constexpr std::size_t kMostWork =
     16384; // modes times steps in a sample, so that blows stay in time
 constexpr unsigned kLeastSteps = 2;
+constexpr std::size_t kMostContactSteps = 1024; // contacts times steps in a sample, of several
+constexpr int kTrialRounds = 8;      // after which rounds must come nearer by half each time
 constexpr double kUnheardOf = 8;     // of the root mean square of many modes' sum
 constexpr unsigned kReachHolds = 64; // samples
 constexpr double kLongestRest = 8;   // contact times after which one that has not left lies still
@@ -40,8 +43,10 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
 }
 
 bool ContactSolver::choose_steps(double wanted) noexcept {
-  // Coarser only when much coarser will do: a change costs as much as some steps.
-  if (wanted <= steps_ && 4 * wanted > steps_)
+  // Coarser only when much coarser will do, or must do: a change costs as much as some steps.
+  const bool too_many =
+      active_count_ > 1 && steps_ * active_count_ > kMostContactSteps && steps_ > kLeastSteps;
+  if (wanted <= steps_ && 4 * wanted > steps_ && !too_many)
     return false;
   unsigned steps = 1;
   while (steps < most_steps_ && steps < wanted)
@@ -211,6 +216,7 @@ void ContactSolver::find_forces(double h) noexcept {
   const std::size_t count = contacts_.size();
   for (std::size_t a = 0; a < active_count_; ++a)
     force_[touching_[a]] = 0;
+  double change_before = 0;
   for (int round = 0; round < kMostRounds; ++round) {
     double change = 0, largest = 0;
     for (std::size_t a = 0; a < active_count_; ++a) {
@@ -227,8 +233,10 @@ void ContactSolver::find_forces(double h) noexcept {
       const std::size_t i = touching_[a];
       force_[i] = slots_[i].last_force = slots_[i].force_before = next_force_[i];
     }
-    if (change <= 1e-12 * largest)
+    // Contacts far stiffer than their steps go round without coming nearer.
+    if (change <= 1e-12 * largest || (round > kTrialRounds && change > .5 * change_before))
       break;
+    change_before = change;
   }
 }
 
@@ -325,7 +333,10 @@ double ContactSolver::wanted_steps() const noexcept {
   const double rate_of_steps = wanted * sample_rate_;
   if (square > rate_of_steps * rate_of_steps)
     wanted = std::sqrt(square) / sample_rate_;
-  return std::min(wanted, static_cast<double>(most_steps_));
+  double most = most_steps_;
+  if (active_count_ > 1)
+    most = std::min(most, static_cast<double>(std::bit_floor(kMostContactSteps / active_count_)));
+  return std::min(wanted, std::max(most, static_cast<double>(kLeastSteps)));
 }
 
 double ContactSolver::step() noexcept {

@@ -78,6 +78,8 @@ public:
   /// Modes times contacts that are followed coupled at once; a blow beyond it is a pulse, unless
   /// it is the only one, so that any number of blows on a large body stays in time.
   static constexpr std::size_t kMaxCoupledWork = 8192;
+  /// Contacts that are followed coupled at once; a strike beyond them is a pulse.
+  static constexpr std::size_t kMaxCoupled = 16;
   /// Modes, and a quarter of them for each listener, of scheduled strikes that begin within
   /// kBudgetSamples; what comes beyond it begins so much later, in order. On 20 000 modes one
   /// strike, on 10 000 modes three.

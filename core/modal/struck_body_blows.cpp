@@ -124,7 +124,8 @@ bool StruckBody::strike(const Hit& hit, const Striker& striker) noexcept {
     strike_raw(slot, hit);
   else {
     const std::size_t active = model_->solver.active();
-    const bool crowded = active > 0 && (active + 1) * model_->mode.size() > kMaxCoupledWork;
+    const bool crowded = active >= kMaxCoupled ||
+                         (active > 0 && (active + 1) * model_->mode.size() > kMaxCoupledWork);
     const bool pulse = crowded || !options_.coupled;
     const double limit = crowded ? std::numeric_limits<double>::infinity() : Pulse::kMaxMassRatio;
     if (hit.falls || !pulse || !strike_pulse(slot, hit, striker, limit))

@@ -124,3 +124,29 @@ TEST_CASE("what is culled of a pulse is not missed") {
   }
   CHECK(10 * std::log10(difference / whole + 1e-30) < -70);
 }
+
+TEST_CASE("a crowd of strikers that never leave is worked in bounded time, and the body goes on "
+          "after it") {
+  // A thousand tonnes each: all press at once and for ever. More than the solver follows are
+  // pulses.
+  Rig rig;
+  rig.settings.voices = 64;
+  rig.renew(false);
+  rig.body.set_striker({1e6, 10, 1e15, .3, 0, 1.5, 0, 1});
+  for (int i = 0; i < 66; ++i)
+    rig.hit({.001 * i, .0007 * i, 0}, 50);
+  CHECK(rig.body.model()->solver.active() <= StruckBody::kMaxCoupled);
+  const Heard heard = rig.run(64);
+  CHECK(rig.body.model()->solver.steps() * rig.body.model()->solver.active() <= 1024);
+  for (const auto* sound : {&heard.left, &heard.right, &heard.contact})
+    CHECK(std::all_of(sound->begin(), sound->end(), [](float y) { return std::isfinite(y); }));
+  rig.body.reset();
+  static_cast<void>(rig.run(4096));
+  rig.body.set_striker({});
+  rig.hit({}, 1);
+  const Heard after = rig.run(2000);
+  float peak = 0;
+  for (const float y : after.left)
+    peak = std::max(peak, std::abs(y));
+  CHECK(peak > 1e-3F);
+}
