@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::size_t kMaxRing = 4096;
 constexpr double kFlat = .02; ///< of an opening's extent
+/// Triangles of a surface whose open side is closed: of a scan or a terrain. What is drawn with
+/// fewer may be a box or a cup on purpose.
+constexpr std::size_t kFewest = 100;
 
 /// Largest distance of a ring's corners from its mean plane (Newell's normal), m.
 double off_plane(const std::vector<Vector3>& ring, const Vector3& centre) {
@@ -87,7 +90,8 @@ std::vector<Hole> close_holes(Triangles& t, double area_share, double extent_sha
       close();
     } else {
       ++large;
-      if (!patch.empty() && off_plane(corners, hole.centre) <= kFlat * hole.extent) {
+      if (!patch.empty() && t.triangles.size() >= kFewest &&
+          off_plane(corners, hole.centre) <= kFlat * hole.extent) {
         opening = holes.size();
         close_opening = close;
       }

@@ -15,8 +15,9 @@ struct Hole {
 
 /// Closes holes whose patch is at most `area_share` of the surface and whose extent at most
 /// `extent_share` of the body's, with the ears of their rings. One larger hole is closed too
-/// if all others are small and its corners lie within 2 % of its extent from a plane: a missing
-/// bottom. Expects find_shells() before. Returns all holes, the largest first.
+/// if all others are small, its corners lie within 2 % of its extent from a plane and the surface
+/// has 100 triangles or more: a scan's missing bottom. Expects find_shells() before. Returns all
+/// holes, the largest first.
 std::vector<Hole> close_holes(Triangles&, double area_share, double extent_share);
 
 } // namespace tactus::fem

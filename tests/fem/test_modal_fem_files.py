@@ -162,14 +162,22 @@ def test_parts_that_miss_each_other_by_rounding_are_one_body(tmp_path):
     assert "2 separate parts" in refusal("apart.stl", folder=tmp_path)
 
 
+def in_four(triangles):
+    return [[s[i], (s[i] + s[(i + 1) % 3]) / 2, (s[i] + s[(i + 2) % 3]) / 2] for s in triangles for i in range(3)] + \
+           [[(s[0] + s[1]) / 2, (s[1] + s[2]) / 2, (s[2] + s[0]) / 2] for s in triangles]
+
+
 def test_a_missing_bottom_is_closed_and_a_sheet_is_refused(tmp_path):
-    bottomless = [t for t in box(size=(40, 40, 12)) if not all(p[2] == 0 for p in t)]
+    coarse = [t for t in box(size=(40, 40, 12)) if not all(p[2] == 0 for p in t)]
+    write_stl(tmp_path / "box.stl", {"block": coarse})  # drawn by hand: it may be a box
+    assert "open at triangle" in refusal("box.stl", folder=tmp_path)
+    bottomless = in_four(in_four(coarse))
     write_stl(tmp_path / "open.stl", {"block": bottomless})
     table, said = modes("open.stl", folder=tmp_path)
     assert table["mass"] == pytest.approx(mass((40, 40, 12)), rel=1e-6)
-    assert "open flat side of 4 edges" in said and "(20, 20, 0) mm" in said
+    assert "open flat side of 16 edges" in said and "(20, 20, 0) mm" in said
     lid = [t for t in box(size=(400, 400, .5)) if not all(p[2] == 0 for p in t)]
-    write_stl(tmp_path / "sheet.stl", {"lid": lid})
+    write_stl(tmp_path / "sheet.stl", {"lid": in_four(in_four(lid))})
     words = refusal("sheet.stl", folder=tmp_path)
     assert "sheet" in words and "(200, 200, 0) mm" in words and "--shrink-wrap" in words
 
