@@ -34,7 +34,7 @@ std::size_t part_called(const std::vector<Part>& parts, const std::string& wante
     return static_cast<std::size_t>(*number) - 1;
   std::vector<std::size_t> all(parts.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  throw Refusal("--part " + wanted + ": expected a name or number out of " +
+  throw Refusal("--only " + wanted + ": expected a name or number out of " +
                 std::to_string(parts.size()) + " separate parts: " + list_of(parts, all));
 }
 
@@ -71,7 +71,7 @@ std::vector<std::size_t> chosen_parts(const std::vector<Part>& parts, const Load
   if (kept.size() > 1 && !choice.multi)
     throw Refusal("it holds " + std::to_string(kept.size()) +
                   " separate parts, expected one body: " + list_of(parts, kept) +
-                  "; take one with --part NUMBER or NAME, or all as one table with --multi");
+                  "; take one with --only NUMBER or NAME, or all as one table with --multi");
   return kept;
 }
 

@@ -184,7 +184,7 @@ Order read_order(const std::vector<std::string>& words) {
       order.residual = true;
     } else if (option == "--multi") {
       order.several_parts = true;
-    } else if (option == "--part" && order.is_file) {
+    } else if (option == "--only" && order.is_file) {
       order.part = value();
     } else if (option == "--remesh") {
       order.remesh = true;
@@ -210,7 +210,7 @@ Order read_order(const std::vector<std::string>& words) {
     }
   }
   if (!order.part.empty() && order.several_parts)
-    throw Refusal("--part takes one part, --multi all: expected one of them");
+    throw Refusal("--only takes one part, --multi all: expected one of them");
   if (order.ranks > 0 && !order.slepc)
     throw Refusal("--ranks is the number of processes of --engine slepc, which is not chosen");
   return order;
@@ -240,7 +240,7 @@ Material      --material NAME, or REGION=NAME for a body of several; data/materi
 Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or x=LEVEL or set:NAME
               --spring PLACE:N_PER_M[:xyz]
 Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
-              --part NAME|NUMBER  one of a file's separate parts
+              --only NAME|NUMBER  one of a file's separate parts
               --fillet RADIUS  rounds the concave edges of a .step or .brep body
               --remesh (renew an STL's triangles)  --straight  (no curved sides)
               --shrink-wrap [SIZE]  a closed skin over a scan or broken surface; gaps

@@ -200,7 +200,7 @@ TEST_CASE("debris below one per cent of the body is left out and said, more is s
   const std::string words = refusal_of(pair, choice);
   CHECK(words.find("3 separate parts") != std::string::npos);
   CHECK(words.find("1 chip") < words.find("2 bell"));
-  CHECK(words.find("--part") != std::string::npos);
+  CHECK(words.find("--only") != std::string::npos);
   CHECK(words.find("--multi") != std::string::npos);
   choice.multi = true;
   CHECK(chosen_parts(pair, choice).size() == 3);

@@ -133,11 +133,11 @@ def test_separate_solids_are_refused_by_name_and_taken_as_regions_by_multi(tmp_p
 def test_one_of_several_solids_is_taken_by_name_or_number(tmp_path):
     write_stl(tmp_path / "set.stl", {"gong": box(size=(30, 30, 5)), "bar": box((50, 0, 0), (60, 8, 8))})
     for part in ("bar", 2):
-        table, _ = modes("set.stl", "--part", part, folder=tmp_path)
+        table, _ = modes("set.stl", "--only", part, folder=tmp_path)
         assert table["mass"] == pytest.approx(mass((60, 8, 8)), rel=1e-6)
-    words = refusal("set.stl", "--part", "horn", folder=tmp_path)
-    assert words.startswith("modal_fem: set.stl: --part horn") and "1 gong" in words and "2 bar" in words
-    assert "--multi" in refusal("set.stl", "--part", "bar", "--multi", folder=tmp_path)
+    words = refusal("set.stl", "--only", "horn", folder=tmp_path)
+    assert words.startswith("modal_fem: set.stl: --only horn") and "1 gong" in words and "2 bar" in words
+    assert "--multi" in refusal("set.stl", "--only", "bar", "--multi", folder=tmp_path)
 
 
 def test_debris_is_left_out_and_told(tmp_path):
@@ -315,7 +315,7 @@ def test_debris_of_a_step_file_is_left_out_and_one_part_can_be_taken(tmp_path):
     table, said = modes("body.step", folder=tmp_path)
     assert table["mass"] == pytest.approx(mass((30, 10, 10)), rel=1e-6)
     assert "1 small pieces" in said and "screw (2 mm) near (61, 1, 1) mm" in said
-    table, _ = modes("body.step", "--part", "screw", "--h", 2, folder=tmp_path)
+    table, _ = modes("body.step", "--only", "screw", "--h", 2, folder=tmp_path)
     assert table["mass"] == pytest.approx(mass((2, 2, 2)), rel=1e-6)
 
 
