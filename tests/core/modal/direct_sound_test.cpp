@@ -381,7 +381,8 @@ TEST_CASE("a listener that is added or taken away leaves the direct sound of the
   for (const float x : alone)
     loudest = std::max(loudest, std::abs(x));
   CHECK(loudest > 0);
-  for (const auto& [before, after] : {std::pair<std::size_t, std::size_t>{2, 1}, {1, 2}, {2, 4}}) {
+  for (const auto& change : {std::pair<std::size_t, std::size_t>{2, 1}, {1, 2}, {2, 4}}) {
+    const std::size_t before = change.first, after = change.second; // captured: no bindings
     CAPTURE(before);
     CAPTURE(after);
     const auto changed = play(before, after);

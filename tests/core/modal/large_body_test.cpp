@@ -140,7 +140,9 @@ TEST_CASE(
     std::size_t modes;
     std::int64_t apart; // samples from one beginning to the next, at most
   };
-  for (const auto& [modes, apart] : {Case{200, 0}, Case{20000, 64}}) {
+  for (const Case& one : {Case{200, 0}, Case{20000, 64}}) {
+    const std::size_t modes = one.modes;
+    const std::int64_t apart = one.apart;
     CAPTURE(modes);
     Rig rig(48000, many_modes(modes));
     rig.settings.listeners = 2;
