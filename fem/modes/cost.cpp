@@ -81,6 +81,15 @@ FactorCost foretell_factor(const MeshSize& size) {
   return cost;
 }
 
+namespace {
+constexpr double kMeshNode = 24, kMeshElement = 104, kMatrixPair = 88; // bytes
+} // namespace
+
+double bytes_of_results(const MeshSize& mesh, double modes) {
+  return kMeshNode * mesh.nodes + kMeshElement * mesh.elements + kMatrixPair * mesh.node_pairs +
+         8 * mesh.dofs() * std::min(modes, mesh.dofs());
+}
+
 Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
   const MeshSize& mesh = work.mesh;
   const FactorCost factor = exact ? *exact : foretell_factor(mesh);
@@ -90,8 +99,9 @@ Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
   const double lanes = 2 * kBlock * vector; // columns side by side in a product with K or M
 
   constexpr double kProgram = 60e6; // what the program and its libraries take without a body
-  const double raw = kProgram + 24 * mesh.nodes + 104 * mesh.elements;
-  const double assembled = raw + 88 * pairs;
+  const double started = kProgram + work.kept_bytes;
+  const double raw = started + kMeshNode * mesh.nodes + kMeshElement * mesh.elements;
+  const double assembled = raw + kMatrixPair * pairs;
   const double shapes = std::min(work.modes, mesh.dofs()) * vector;
   // CHOLMOD permutes a copy of the matrix while it factorises.
   const double factorising = factor.memory_bytes + 144 * pairs;
@@ -104,7 +114,7 @@ Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
       cost.stage = name;
     }
   };
-  stage(kProgram + 60 * mesh.nodes_made + 80 * mesh.nodes + 104 * mesh.elements, "meshing");
+  stage(started + 60 * mesh.nodes_made + 80 * mesh.nodes + 104 * mesh.elements, "meshing");
   if (work.factor_elsewhere) { // both triangles are exported at once
     stage(assembled + 300 * pairs, "the matrices' export");
     stage(assembled + 4 * found * vector + lanes, "the modes' import");

@@ -16,7 +16,11 @@ struct Workload {
   double solutions = 0;          ///< of the air: groups of modes times ratios; 0: one a mode
   bool factor_elsewhere = false; ///< on other processes: not counted here
   double flops_per_second = 8e9; ///< of a dense product, on the threads used
+  double kept_bytes = 0;         ///< of another mesh's results, which stay in memory meanwhile
 };
+
+/// A mesh with its matrices and modes.
+[[nodiscard]] double bytes_of_results(const MeshSize&, double modes);
 
 /// What the work will take: the largest of the stages' memory, in the whole process, and where.
 struct Cost {

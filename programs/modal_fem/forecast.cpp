@@ -68,7 +68,8 @@ Workload Forecast::workload(const MeshSize& mesh) const {
                 .residual = order_.residual,
                 .estimated = !order_.slepc,
                 .factor_elsewhere = order_.slepc,
-                .flops_per_second = flops_};
+                .flops_per_second = flops_,
+                .kept_bytes = kept_bytes_};
   if (order_.radiation) {
     work.acoustic_triangles = static_cast<double>(order_.acoustic_triangles);
     constexpr double kBandSolutions = 42; // of a body of 10 cm; some 65 at most
@@ -145,13 +146,12 @@ void Forecast::made(const Mesh& mesh, double) {
   check_room(order_, size_);
 }
 
-std::string Forecast::beyond(const MeshSize& size, double held) const {
+std::string Forecast::beyond(const MeshSize& size) const {
   const Cost cost = foretell(workload(size));
-  if (cost.bytes + held <= budget_.bytes())
+  if (cost.bytes <= budget_.bytes())
     return {};
   return "a finer mesh of " + format("%.0f", size.dofs()) + " unknowns would take " +
-         words_of_bytes(cost.bytes + held) + ", expected at most " +
-         words_of_bytes(budget_.bytes()) +
+         words_of_bytes(cost.bytes) + ", expected at most " + words_of_bytes(budget_.bytes()) +
          (order_.memory_bytes > 0 ? " (--memory)"
                                   : ", half of what is free: give more with --memory");
 }

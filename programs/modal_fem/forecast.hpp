@@ -24,8 +24,10 @@ public:
   /// After the symbolic factorisation: the same with its exact count, and the time ahead.
   void factor(const FactorCost&);
 
-  /// Why a mesh is beyond the budget while `held` bytes of another are in use; empty: it is not.
-  [[nodiscard]] std::string beyond(const MeshSize&, double held) const;
+  /// From now on so many bytes of another mesh's results stay in memory.
+  void keep(double bytes) noexcept { kept_bytes_ = bytes; }
+  /// Why a mesh is beyond the budget; empty: it is not.
+  [[nodiscard]] std::string beyond(const MeshSize&) const;
 
   /// Why a factor of modes that were found elsewhere, and the estimate of their errors with it, are
   /// beyond the budget; empty: they are not.
@@ -46,7 +48,7 @@ private:
   MeshSize size_;
   std::function<MeshSize(double)> resized_, fewer_;
   bool said_ = false;
-  double flops_, meshing_s_ = 0, factor_s_ = 0;
+  double flops_, meshing_s_ = 0, factor_s_ = 0, kept_bytes_ = 0;
 };
 
 /// One sentence when none of the modes can be heard, with the unit that would make the body sound;

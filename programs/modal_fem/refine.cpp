@@ -218,10 +218,10 @@ bool Refinement::finished(const Mesh& mesh, std::span<const std::uint8_t> held,
   const double last = static_cast<double>(mesh.elements.size());
   const double most = order_.tolerance_given ? 1e9 : kMaxUnknowns;
   // The last mesh, its matrices and modes stay until the next one's are found.
-  const double kept = 8.0 * static_cast<double>(mesh.dofs() * (order_.modes + 100));
+  forecast_.keep(bytes_of_results(size_of(mesh), static_cast<double>(order_.modes)));
   for (plan(mesh, held, estimate, target);; plan(mesh, held, estimate, target)) {
     const MeshSize size = planned_size(mesh);
-    const std::string beyond = forecast_.beyond(size, kept);
+    const std::string beyond = forecast_.beyond(size);
     if (beyond.empty() && size.dofs() <= most && size.elements <= kMaxGrowth * last)
       break;
     target *= 1.25;
