@@ -117,8 +117,9 @@ Mesh mesh_from_bytes(std::string_view bytes) {
                    static_cast<std::size_t>(words[1]) < mesh.regions.size());
     // No more intervals than elements have axes: they are indices later.
     for (std::size_t axis = 2; axis < words.size(); ++axis)
-      cursor.require(words[axis] >= -1 &&
-                     static_cast<std::size_t>(words[axis] + 1) <= 3 * mesh.elements.size());
+      cursor.require(
+          words[axis] == -1 ||
+          (words[axis] >= 0 && static_cast<std::size_t>(words[axis]) < 3 * mesh.elements.size()));
     e = {static_cast<Shape>(words[0]), words[1], first, {words[2], words[3], words[4]}};
     first += static_cast<std::size_t>(node_count(e.shape));
     cursor.require(first <= mesh.connectivity.size());
