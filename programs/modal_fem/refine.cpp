@@ -49,15 +49,21 @@ Material first_material(const Order& order) {
     if (!region.empty())
       break;
   }
+  apply_changes(order, m);
+  return m;
+}
+
+void apply_changes(const Order& order, Material& material) {
   for (const auto& [what, value] : order.changes) {
     if (what == "young")
-      m.young_pa[0] = value;
+      material.young_pa[0] = value;
     else if (what == "poisson")
-      m.poisson[0] = value;
+      material.poisson[0] = value;
     else if (what == "density")
-      m.density = value;
+      material.density = value;
+    else
+      material.loss_factor = value;
   }
-  return m;
 }
 
 Refinement::Refinement(const Order& order, ProgressLine& progress, Forecast& forecast)

@@ -52,5 +52,7 @@ private:
 
 /// The material of a body's first region, as ordered.
 [[nodiscard]] Material first_material(const Order&);
+/// --young, --poisson, --density and --loss.
+void apply_changes(const Order&, Material&);
 
 } // namespace tactus::fem

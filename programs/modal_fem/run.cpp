@@ -35,19 +35,11 @@ std::vector<Material> materials_of(const Order& order, const Mesh& mesh) {
     }
     materials[static_cast<std::size_t>(at - mesh.regions.begin())] = m;
   }
-  for (const auto& [what, value] : order.changes) {
-    Material& m = materials[0];
-    if (what == "young")
-      m.young_pa[0] = value;
-    else if (what == "poisson")
-      m.poisson[0] = value;
-    else if (what == "density")
-      m.density = value;
-    else
-      m.loss_factor = value;
-    if (!m.isotropic() && (what == "young" || what == "poisson"))
-      throw Refusal("--" + what + " changes an isotropic material, " + m.name + " is orthotropic");
-  }
+  for (const auto& [what, value] : order.changes)
+    if (!materials[0].isotropic() && (what == "young" || what == "poisson"))
+      throw Refusal("--" + what + " changes an isotropic material, " + materials[0].name +
+                    " is orthotropic");
+  apply_changes(order, materials[0]);
   if (!order.axes.empty())
     for (Material& m : materials) {
       m.axis_1 = {order.axes[0], order.axes[1], order.axes[2]};
