@@ -43,7 +43,7 @@ BODIES = {
     "hollow disk": (("hollow_disk", "--diameter", 100, "--thickness", 25, "--cavity-diameter", 80,
                      "--cavity-thickness", 13, "--material", "aluminium", "--h", 9),
                     "steel ball", 1.4, ((0.5, 0, 1), (0, 0, 1), (0.9, 0, 1))),
-    "steel lever (STL)": (("LEVER", "--material", "steel", "--tolerance", 1), "steel ball", 1.0,
+    "steel lever (STL)": (("LEVER", "--material", "steel", "--tolerance", 3), "steel ball", 1.0,
                           ((1, 0, 0), (-1, 0.5, 0), (0, 0, 1))),
 }
 TIMES = (0.05, 1.0, 1.95)  # s, of a body's three blows
