@@ -18,7 +18,8 @@ template <> struct BodyVector<simd::Avx2> {
   using Type [[gnu::vector_size(32), gnu::may_alias]] = double;
 };
 
-template <class Set> class BodyLanes final : public BodyKernel {
+/// Vectors of a set, and a group of kModeLanes numbers in them.
+template <class Set> struct Lanes {
   using V = typename BodyVector<Set>::Type;
   static constexpr std::size_t kWidth = sizeof(V) / sizeof(double);
   static constexpr std::size_t kRegisters = kModeLanes / kWidth;
@@ -30,8 +31,6 @@ template <class Set> class BodyLanes final : public BodyKernel {
     *reinterpret_cast<V*>(to) = value;
   }
   [[gnu::always_inline]] static V all(double value) noexcept { return value - V{}; }
-
-public:
   /// ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))
   [[gnu::always_inline]] static double across(const V* sums) noexcept {
     if constexpr (kRegisters == 4) {
@@ -44,8 +43,13 @@ public:
       return two[0] + two[1];
     }
   }
+};
 
-private:
+template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
+  using L = Lanes<Set>;
+  using V = typename L::V;
+  using L::across, L::all, L::kRegisters, L::kWidth, L::load, L::store;
+
   /// Calls work(i, r) for all registers of the modes, r counting those of a group of lanes.
   template <class Work>
   [[gnu::always_inline]] static void over(std::size_t padded, const Work& work) noexcept {

@@ -11,18 +11,11 @@
 /// element, or over eight lanes and then over these: every set gives the same bits.
 namespace tactus::contact {
 
-template <class Set> class DenseLanes final : public DenseKernel {
-  using V = typename BodyVector<Set>::Type;
-  static constexpr std::size_t kWidth = sizeof(V) / sizeof(double);
-  static constexpr std::size_t kRegisters = kModeLanes / kWidth;
+template <class Set> class DenseLanes final : public DenseKernel, Lanes<Set> {
+  using L = Lanes<Set>;
+  using V = typename L::V;
+  using L::across, L::all, L::kRegisters, L::kWidth, L::load, L::store;
 
-  [[gnu::always_inline]] static V load(const double* from) noexcept {
-    return *reinterpret_cast<const V*>(from);
-  }
-  [[gnu::always_inline]] static void store(double* to, V value) noexcept {
-    *reinterpret_cast<V*>(to) = value;
-  }
-  [[gnu::always_inline]] static V all(double value) noexcept { return value - V{}; }
   [[gnu::always_inline]] static std::size_t lanes_from(std::size_t row) noexcept {
     return row / kModeLanes * kModeLanes;
   }
@@ -91,8 +84,8 @@ public:
           one[r] += c * load(first + i + r * kWidth);
           two[r] += c * load(second + i + r * kWidth);
         }
-      first[k] = (x - BodyLanes<Set>::across(one)) * over;
-      second[k] = (y - BodyLanes<Set>::across(two)) * over;
+      first[k] = (x - across(one)) * over;
+      second[k] = (y - across(two)) * over;
     }
   }
 

@@ -37,10 +37,10 @@ Step step_of(std::complex<double> rate, double h) noexcept {
 
 } // namespace
 
-ModalBody::ModalBody(std::size_t most_modes)
-    : real(most_modes), imaginary(most_modes), displacement(most_modes), slowing(most_modes),
-      most_(most_modes), wanted_(most_modes), per_root_mass_(most_modes) {
-  const ModeArray none(most_modes);
+ModalBody::ModalBody(std::size_t max_modes)
+    : real(max_modes), imaginary(max_modes), displacement(max_modes), slowing(max_modes),
+      max_modes_(max_modes), wanted_(max_modes), per_root_mass_(max_modes) {
+  const ModeArray none(max_modes);
   for (Level& level : levels_)
     level = {none, none, none, none, none, none, none};
 }
@@ -51,7 +51,7 @@ void ModalBody::prepare(double sample_rate) noexcept {
 }
 
 void ModalBody::set_modes(std::span<const Mode> modes) noexcept {
-  count_ = std::min(modes.size(), most_);
+  count_ = std::min(modes.size(), max_modes_);
   const Mode usual;
   for (std::size_t i = 0; i < count_; ++i)
     wanted_[i] = {modes[i].frequency_hz == 0
@@ -69,7 +69,7 @@ void ModalBody::work_out() noexcept {
     const double stretch = std::sqrt(1 + slowing[i] * slowing[i]); // of omega^2 + d^2 over omega^2
     if (!sounds) {
       real[i] = imaginary[i] = displacement[i] = slowing[i] = 0;
-      if (i < most_)
+      if (i < max_modes_)
         per_root_mass_[i] = 0;
       for (Level& level : levels_)
         level.turn_real[i] = level.turn_imaginary[i] = level.response_real[i] =

@@ -31,7 +31,7 @@ inline constexpr std::size_t kLevels = 7;
 /// q^2)/2; new frequencies, decay times or masses change neither part.
 class ModalBody {
 public:
-  explicit ModalBody(std::size_t most_modes);
+  explicit ModalBody(std::size_t max_modes);
 
   void prepare(double sample_rate) noexcept;
   /// Modes beyond the most are left out; those of 0.49 of the sample rate and above cannot be
@@ -48,7 +48,7 @@ public:
   };
   [[nodiscard]] const Level& level(std::size_t index) const noexcept { return levels_[index]; }
   [[nodiscard]] std::size_t modes() const noexcept { return count_; }
-  [[nodiscard]] std::size_t most_modes() const noexcept { return most_; }
+  [[nodiscard]] std::size_t max_modes() const noexcept { return max_modes_; }
   /// Modes rounded up to whole vectors.
   [[nodiscard]] std::size_t padded() const noexcept {
     return (count_ + kModeLanes - 1) / kModeLanes * kModeLanes;
@@ -71,7 +71,7 @@ public:
 private:
   void work_out() noexcept;
 
-  std::size_t most_, count_ = 0;
+  std::size_t max_modes_, count_ = 0;
   double sample_rate_ = 48000;
   std::vector<Mode> wanted_;
   ModeArray per_root_mass_;

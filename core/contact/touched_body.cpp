@@ -10,13 +10,13 @@ constexpr double kMostShape = 1e3;
 
 } // namespace
 
-TouchedBody::TouchedBody(std::size_t most_modes, std::size_t exciters, std::size_t ears)
-    : body_(most_modes), kernel_(&body_kernel()), dense_(&dense_kernel()), exciters_(exciters),
-      shape_(exciters, std::vector<double>(most_modes, 1)),
-      ear_shape_(ears, std::vector<double>(most_modes, 1)), place_(exciters, ModeArray(most_modes)),
-      ear_real_(ears, ModeArray(most_modes)), ear_imaginary_(ears, ModeArray(most_modes)),
-      outer_(most_modes), mean_(most_modes), push_real_(most_modes), push_imaginary_(most_modes),
-      ahead_real_(most_modes), ahead_imaginary_(most_modes),
+TouchedBody::TouchedBody(std::size_t max_modes, std::size_t exciters, std::size_t ears)
+    : body_(max_modes), kernel_(&body_kernel()), dense_(&dense_kernel()), exciters_(exciters),
+      shape_(exciters, std::vector<double>(max_modes, 1)),
+      ear_shape_(ears, std::vector<double>(max_modes, 1)), place_(exciters, ModeArray(max_modes)),
+      ear_real_(ears, ModeArray(max_modes)), ear_imaginary_(ears, ModeArray(max_modes)),
+      outer_(max_modes), mean_(max_modes), push_real_(max_modes), push_imaginary_(max_modes),
+      ahead_real_(max_modes), ahead_imaginary_(max_modes),
       coupling_(exciters * whole_lanes(exciters)) {
   order_.reserve(exciters);
   like_the_one_before_.reserve(exciters);
@@ -25,7 +25,7 @@ TouchedBody::TouchedBody(std::size_t most_modes, std::size_t exciters, std::size
   acting_.reserve(exciters);
   pushes_.reserve(exciters);
   terms_.resize(exciters);
-  const std::size_t unknowns = std::min(exciters, most_modes); // of the smaller system
+  const std::size_t unknowns = std::min(exciters, max_modes); // of the smaller system
   matrix_ = ModeArray(unknowns * whole_lanes(unknowns));
   right_ = other_ = root_ = answers_ = column_ = ModeArray(unknowns);
   for (std::size_t i = 0; i < exciters; ++i)
@@ -70,7 +70,7 @@ void TouchedBody::set_ear(std::size_t ear, std::span<const double> shape) noexce
 }
 
 void TouchedBody::work_out_ear(std::size_t ear) noexcept {
-  for (std::size_t i = 0; i < body_.most_modes(); ++i) {
+  for (std::size_t i = 0; i < body_.max_modes(); ++i) {
     ear_real_[ear][i] = ear_shape_[ear][i] * body_.per_root_mass(i);
     ear_imaginary_[ear][i] = -ear_real_[ear][i] * body_.slowing[i];
   }
@@ -99,7 +99,7 @@ void TouchedBody::work_out_place(std::size_t slot) noexcept {
   const bool strikes = e.kind == Exciter::Kind::kImpact;
   e.per_mass = strikes && !e.held ? 1 / e.mass_kg : 0;
   e.quick_mobility = e.per_mass;
-  for (std::size_t i = 0; i < body_.most_modes(); ++i) {
+  for (std::size_t i = 0; i < body_.max_modes(); ++i) {
     place[i] = shape_[slot][i] * body_.per_root_mass(i);
     e.quick_mobility += place[i] * place[i];
   }
@@ -195,6 +195,7 @@ void TouchedBody::lead(std::size_t slot, double velocity_m_per_s) noexcept {
   e.approach_m_per_s += next - e.velocity_m_per_s;
   e.mean_velocity_m_per_s += next - e.velocity_m_per_s;
   e.velocity_m_per_s = next;
+  moved_ = true;
 }
 
 void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {

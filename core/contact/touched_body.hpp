@@ -33,7 +33,7 @@ namespace tactus::contact {
 class TouchedBody {
 public:
   /// Allocates for so many modes, exciters (slots 0...) and places to listen at.
-  explicit TouchedBody(std::size_t most_modes, std::size_t exciters = 1, std::size_t ears = 1);
+  explicit TouchedBody(std::size_t max_modes, std::size_t exciters = 1, std::size_t ears = 1);
 
   /// May be called again at any time: the body goes on sounding.
   void prepare(double sample_rate) noexcept;

@@ -73,7 +73,8 @@ void TouchedBody::look_for_difference() noexcept {
     const Exciter &a = exciters_[order_[i - 1]], &b = exciters_[order_[i]];
     unsorted_ = like_the_one_before_[i] &&
                 (a.outer_force_n != b.outer_force_n || a.normal_force_n != b.normal_force_n ||
-                 a.rubbing_m_per_s != b.rubbing_m_per_s);
+                 a.rubbing_m_per_s != b.rubbing_m_per_s ||
+                 (a.held && a.velocity_m_per_s != b.velocity_m_per_s));
   }
   moved_ = false;
 }

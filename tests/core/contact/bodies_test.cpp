@@ -119,8 +119,9 @@ TEST_CASE("two rigid bodies part with the restitution of their law") {
   }
 }
 
-TEST_CASE("a row of five equal bodies hands a blow to the last, and a chain that swings keeps its "
-          "energy") {
+TEST_CASE(
+    "a row of five equal bodies hands a strike to the last, and a chain that swings keeps its "
+    "energy") {
   // Newton's cradle with gaps: one impact after the other, each exchanges the speeds.
   Stack rigid({{.2, 400, 0}, {.2, 400, 0}, {.2, 400, 0}, {.2, 400, 0}, {.2, 400, 0}}, {1e8, 1.5, 0},
               1e-3);

@@ -189,7 +189,7 @@ TEST_CASE("masses that come and go leave the others alone") {
   }
 }
 
-TEST_CASE("steps grow fine under a hard blow and coarse again after it") {
+TEST_CASE("steps grow fine under a hard strike and coarse again after it") {
   TouchedBody body = body_of(1);
   body.set_impact(0, {1e10, 1.5, .1}, .02);
   body.throw_mass(0, 1e-4, 2);
