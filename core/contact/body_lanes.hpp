@@ -126,6 +126,7 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
     return impulse;
   }
 
+  template <bool yields>
   [[gnu::always_inline]] static std::size_t strike(const ModesView& m, const PlaceView& spot,
                                                    Foresight& foresight, Exciter& e, Steps steps,
                                                    const Stretch& stretch) noexcept {
@@ -155,7 +156,7 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
         const double mean_before = mean;
         mean = free;
         if (meets) {
-          const LinearForce law = impact.enter_step(x, rate, h);
+          const LinearForce law = impact.template enter_step<yields>(x, rate, h);
           const double under = 1 / (1 + mobility * law.slope_ns_per_m);
           force = (law.offset_n + law.slope_ns_per_m * free) * under;
           if (force > 0) {
@@ -168,7 +169,7 @@ template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
         const double from = x;
         x += h * mean;
         rate = continued(mean, mean_before);
-        impact.leave_step(x);
+        impact.template leave_step<yields>(x);
         go_on(m, spot, force, next);
         const double own_mean = own_free - own * force;
         place += h * own_mean;
@@ -287,7 +288,8 @@ public:
   std::size_t touch(const ModesView& m, const PlaceView& place, Foresight& next, Exciter& e,
                     Steps steps, const Stretch& stretch) const noexcept override {
     if (e.kind == Exciter::Kind::kImpact)
-      return strike(m, place, next, e, steps, stretch);
+      return e.impact.yields() ? strike<true>(m, place, next, e, steps, stretch)
+                               : strike<false>(m, place, next, e, steps, stretch);
     return e.friction.law().roughness > 0 ? rub<true>(m, place, next, e, steps, stretch)
                                           : rub<false>(m, place, next, e, steps, stretch);
   }

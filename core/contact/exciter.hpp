@@ -30,6 +30,24 @@ struct Blow {
   double highest_n = 0; ///< mean of the step, the largest
 };
 
+/// One contact's part in a step with others: docs at ContactSystem. Velocities are means of the
+/// step, of the exciter against the body.
+struct ContactTerm {
+  double own_free = 0; ///< the exciter's own without the contact's force
+  double own = 0;      ///< its own mobility, m/(N s): how a force slows it down
+  double free = 0;     ///< relative, without any contact's force
+  LinearForce law;
+  double force = 0, mean = 0; ///< N; m/s
+  bool acts = false, may_pull = false;
+
+  /// The only one, on a place of this mobility, the exciter's own counted in.
+  [[gnu::always_inline]] void solve(double mobility) noexcept {
+    const double under = 1 / (1 + law.slope_ns_per_m * mobility);
+    mean = (free - mobility * law.offset_n) * under;
+    force = (law.offset_n + law.slope_ns_per_m * free) * under;
+  }
+};
+
 /// What touches a body at one place: nothing, a mass that strikes it or a surface that rubs it.
 struct Exciter {
   enum class Kind { kNone, kImpact, kFriction };
@@ -73,6 +91,54 @@ struct Exciter {
       return (held ? 0.0 : 0.5 * mass_kg * velocity_m_per_s * velocity_m_per_s) +
              impact.stored_j() + impact.bank_j();
     return kind == Kind::kFriction ? friction.stored_j() : 0.0;
+  }
+
+  /// Begins a step of h seconds: `body_free` is the body's mean velocity at the place without the
+  /// contacts' forces, `coupled` the place's
+  /// mobility, m/(N s), without the exciter's own.
+  [[gnu::always_inline]] void enter_step(ContactTerm& t, double body_free, double coupled,
+                                         double h) noexcept {
+    const bool strikes = kind == Kind::kImpact;
+    t.may_pull = !strikes;
+    t.own = strikes ? 0.5 * h * per_mass : 0;
+    t.own_free = strikes ? velocity_m_per_s + t.own * outer_force_n : rubbing_m_per_s;
+    t.free = t.own_free - body_free;
+    t.law = {};
+    if (strikes) {
+      if (Impact::meets(depth_m, approach_m_per_s, h))
+        t.law = impact.enter_step(depth_m, approach_m_per_s, h);
+    } else {
+      const double rate = expected(t.free - coupled * last_force_n, mean_velocity_m_per_s);
+      friction.enter_step(normal_force_n, rate, friction.law().roughness > 0 ? noise.normal() : 0.0,
+                          h);
+      t.law = friction.stage().plain();
+    }
+  }
+  /// Friction's second stage, from what the first led to.
+  [[gnu::always_inline]] void refine(ContactTerm& t) noexcept {
+    friction.refine(t.mean);
+    t.law = friction.stage().plain();
+  }
+  /// Ends it; `mean` and `force` of the term are those of the step.
+  [[gnu::always_inline]] void leave_step(const ContactTerm& t, double h) noexcept {
+    approach_m_per_s = continued(t.mean, mean_velocity_m_per_s);
+    mean_velocity_m_per_s = t.mean;
+    impulse_ns += h * t.force;
+    if (kind == Kind::kFriction) {
+      const double stored = friction.stored_j();
+      friction.pass_step(t.mean);
+      last_force_n = t.force;
+      dissipated_j += h * t.force * t.mean + (stored - friction.stored_j());
+      return;
+    }
+    if (t.acts)
+      impact.pass_step(t.mean, h);
+    const double own_mean = t.own_free - t.own * t.force, before = depth_m;
+    place_m += h * own_mean;
+    velocity_m_per_s = 2 * own_mean - velocity_m_per_s;
+    depth_m += h * t.mean;
+    impact.leave_step(depth_m);
+    book(before, depth_m, t.force, h);
   }
 
   /// True where the energy in the contact is still what its steps were chosen for.

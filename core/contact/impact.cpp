@@ -1,26 +1,83 @@
 #include "core/contact/impact.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace tactus::contact {
+namespace {
+
+constexpr int kMaxRounds = 60;
+constexpr double kExact = 1e-13; // of the penetration
+
+} // namespace
+
 ImpactLaw ImpactLaw::within_range() const noexcept {
   const ImpactLaw usual;
   return {within(stiffness, 1e-3, 1e18, usual.stiffness), within(exponent, 1, 6, usual.exponent),
-          within(dissipation_s_per_m, 0, 1e6, usual.dissipation_s_per_m)};
+          within(dissipation_s_per_m, 0, 1e6, usual.dissipation_s_per_m),
+          within(compliance_m_per_n, 0, 1e6, 0)};
+}
+
+double ImpactLaw::indentation(double x) const noexcept {
+  if (!(compliance_m_per_n > 0) || !(x > 0))
+    return std::max(x, 0.0);
+  // x = d + C k d^a: the right side grows with d and bends upwards, so Newton's method from above
+  // always arrives.
+  double d = x;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double give = compliance_m_per_n * stiffness * std::pow(d, exponent);
+    const double step = (d + give - x) / (1 + exponent * give / d);
+    d -= step;
+    if (!(step > kExact * x) || !(d > 0))
+      break;
+  }
+  return std::max(d, 0.0);
 }
 
 double ImpactLaw::force(double x, double v) const noexcept {
   if (!(x > 0))
     return 0;
-  return std::max(stiffness * std::pow(x, exponent) * (1 + dissipation_s_per_m * v), 0.0);
+  return std::max(stiffness * std::pow(indentation(x), exponent) * (1 + dissipation_s_per_m * v),
+                  0.0);
 }
 
 double ImpactLaw::work(double x) const noexcept {
-  return x > 0 ? stiffness / (exponent + 1) * std::pow(x, exponent + 1) : 0.0;
+  if (!(x > 0))
+    return 0;
+  const double d = indentation(x), force = stiffness * std::pow(d, exponent);
+  return force * d / (exponent + 1) + 0.5 * compliance_m_per_n * force * force;
 }
 
 double ImpactLaw::deepest(double work_j) const noexcept {
-  return work_j > 0 ? std::pow((exponent + 1) * work_j / stiffness, 1 / (exponent + 1)) : 0.0;
+  if (!(work_j > 0))
+    return 0;
+  const double alone = std::pow((exponent + 1) * work_j / stiffness, 1 / (exponent + 1));
+  if (!(compliance_m_per_n > 0))
+    return alone;
+  // What is stored is convex, its slope the force: Newton's method from above.
+  double x = alone + std::sqrt(2 * work_j * compliance_m_per_n);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double step = (work(x) - work_j) / force(x, 0);
+    if (!(step > kExact * x))
+      break;
+    x -= step;
+  }
+  return x;
+}
+
+double ImpactLaw::duration(double mass_kg, double speed_m_per_s) const noexcept {
+  const double b = 1 / (exponent + 1);
+  const double integral = std::sqrt(std::numbers::pi) * std::tgamma(1 + b) / std::tgamma(0.5 + b);
+  const double energy = 0.5 * mass_kg * speed_m_per_s * speed_m_per_s;
+  const double deepest = std::pow((exponent + 1) * energy / stiffness, b);
+  return 2 * deepest / speed_m_per_s * integral;
+}
+
+double hertz_stiffness(double radius_m, double modulus_pa, double poisson, double other_modulus_pa,
+                       double other_poisson) noexcept {
+  const double softness =
+      (1 - poisson * poisson) / modulus_pa + (1 - other_poisson * other_poisson) / other_modulus_pa;
+  return 4.0 / 3.0 * std::sqrt(radius_m) / softness;
 }
 
 double restitution(double y) noexcept {
@@ -40,6 +97,20 @@ double restitution(double y) noexcept {
   return -std::expm1(-t) / y;
 }
 
+double dissipation_for(double restitution, double speed_m_per_s) noexcept {
+  if (restitution >= 1)
+    return 0;
+  const double e = std::max(restitution, 0.01);
+  // (1 + y)/(1 - e y) = exp(y (1 + e)) with y = mu v between 0 and 1/e; the difference of both
+  // sides changes sign once in between.
+  double low = 1e-9, high = (1 - 1e-12) / e;
+  for (int round = 0; round < 100; ++round) {
+    const double y = 0.5 * (low + high);
+    (std::log((1 + y) / (1 - e * y)) < y * (1 + e) ? low : high) = y;
+  }
+  return 0.5 * (low + high) / speed_m_per_s;
+}
+
 void Impact::set(const ImpactLaw& law) noexcept {
   law_ = law.within_range();
   const double k = law_.stiffness, a = law_.exponent;
@@ -49,6 +120,35 @@ void Impact::set(const ImpactLaw& law) noexcept {
   loss_scale_ = k * law_.dissipation_s_per_m;
   rate_power_ = Power((a - 1) / (a + 1));
   rate_scale_ = a * k * std::pow((a + 1) / k, (a - 1) / (a + 1));
+}
+
+Impact::Yield Impact::yield(double x) noexcept {
+  // x = d + C k d^a by Newton's method, from above after one round (ImpactLaw::indentation()),
+  // begun where it was last.
+  const double a = law_.exponent, c = law_.compliance_m_per_n, k = law_.stiffness;
+  double d = indentation_ > 0 && indentation_ < x ? indentation_ : x, force = 0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double power = power_(d);
+    force = k * d * power * power;
+    const double step = (d + c * force - x) / (1 + a * c * k * power * power);
+    d = within_reach(d - step < x ? d - step : x);
+    if (!(std::abs(step) > 1e-10 * x))
+      break;
+  }
+  const double power = power_(d);
+  force = k * d * power * power;
+  indentation_ = d;
+  return {force, std::sqrt(2 * force * d / (a + 1) + c * force * force)};
+}
+
+LinearForce Impact::enter_yielding_step(double x, double way, double h) noexcept {
+  const double end = x + way;
+  if (x > 0 && end > 0) {
+    const Yield middle = yield(within_reach(x + 0.5 * way));
+    gamma_ = middle.force_n / middle.psi; // psi*' = F/psi*
+    return {gamma_ * psi_, 0.5 * h * gamma_ * gamma_ + law_.dissipation_s_per_m * middle.force_n};
+  }
+  return x <= 0 ? arrive(yield(within_reach(end)).psi, way, h) : depart(way, h);
 }
 
 } // namespace tactus::contact

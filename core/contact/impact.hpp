@@ -14,22 +14,37 @@ struct LinearForce {
   double slope_ns_per_m = 0;
 };
 
-/// Force between two bodies that touch: F = k x^a (1 + mu x') for a penetration x > 0, never
+/// Force between two bodies that touch: F = k d^a (1 + mu x') for an indentation d > 0, never
 /// negative. [k] = N/m^a, [mu] = s/m. Hunt & Crossley 1975, eq. 15; a = 3/2 is Hertz' contact of
-/// round bodies, a = 1 a spring. Not valid for adhesion.
+/// round bodies, a = 1 a spring. The penetration x is the indentation, or, with a compliance C in
+/// series (what lies behind the surface and gives way at once), x = d + C k d^a. Not valid for
+/// adhesion.
 struct ImpactLaw {
   double stiffness = 1e7;           ///< k
   double exponent = 1.5;            ///< a, 1..6
   double dissipation_s_per_m = 0.3; ///< mu
+  double compliance_m_per_n = 0;    ///< C >= 0
 
   /// The same with every number finite and within what the scheme is tested for.
   [[nodiscard]] ImpactLaw within_range() const noexcept;
+  /// N.
   [[nodiscard]] double force(double penetration_m, double velocity_m_per_s) const noexcept;
-  /// Work that an elastic penetration stores, J: k x^(a+1)/(a+1).
+  /// Work that an elastic penetration stores, J: k d^(a+1)/(a+1) + C F^2/2.
   [[nodiscard]] double work(double penetration_m) const noexcept;
+  /// The part d of a penetration, m.
+  [[nodiscard]] double indentation(double penetration_m) const noexcept;
   /// Penetration that stores a work, m: the deepest of an impact of that energy without loss.
   [[nodiscard]] double deepest(double work_j) const noexcept;
+  /// Time that an impact of this reduced mass takes without loss on this law alone (C = 0), s: the
+  /// integral of its motion, sqrt(pi) Gamma(1 + b)/Gamma(1/2 + b) 2 x_deepest/v with b = 1/(a + 1)
+  /// (2.9432 x/v for a = 3/2, half a period for a = 1).
+  [[nodiscard]] double duration(double mass_kg, double speed_m_per_s) const noexcept;
 };
+
+/// Hertz' stiffness of a ball against a flat body, N/m^(3/2): k = 4/3 E* sqrt(R),
+/// 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
+[[nodiscard]] double hertz_stiffness(double radius_m, double modulus_pa, double poisson,
+                                     double other_modulus_pa, double other_poisson) noexcept;
 
 /// Restitution e = speed after / speed before of a free body that meets a rigid wall (or of two
 /// bodies without vibration) under ImpactLaw, from y = mu v alone, y >= 0: y - ln(1 + y) is the
@@ -37,6 +52,10 @@ struct ImpactLaw {
 /// integrate it; with Lambert's W, e = (1 + W0(-exp(-1 - y + ln(1 + y))))/y). Relative error below
 /// 1e-9.
 [[nodiscard]] double restitution(double mu_times_speed) noexcept;
+
+/// The other way round: the dissipation mu, s/m, with which an impact of this speed returns with e
+/// times it, e in (0, 1]. It grows without bound as e goes to 0 and is that of 0.01 below.
+[[nodiscard]] double dissipation_for(double restitution, double speed_m_per_s) noexcept;
 
 /// One contact under ImpactLaw in steps: the energy-quadratised, linearly implicit scheme.
 ///
@@ -71,6 +90,8 @@ public:
     return x > 0 || x + h * rate > kTouch;
   }
   /// The force of such a step. A sum below zero counts as no force: leave out pass_step() then.
+  /// `may_yield`: the law may have a compliance; without it all stays in registers.
+  template <bool may_yield = true>
   [[nodiscard, gnu::always_inline]] LinearForce enter_step(double x, double rate,
                                                            double h) noexcept {
     if (!touching_) {
@@ -78,6 +99,9 @@ public:
       bank_j_ = 0;
     }
     const double way = h * rate, end = x + way;
+    if constexpr (may_yield)
+      if (yields())
+        return enter_yielding_step(x, way, h);
     if (x > 0 && end > 0) {
       const double depth = within_reach(x + 0.5 * way);
       const double power = power_(depth); // x^((a-1)/2)
@@ -85,26 +109,18 @@ public:
       const double slope = 0.5 * h * gamma_ * gamma_ + loss_scale_ * depth * power * power;
       return {gamma_ * psi_, slope};
     }
-    double stored = 0;
-    if (x <= 0) { // arrives within the step
-      const double depth = within_reach(end), all = psi_scale_ * depth * power_(depth);
-      gamma_ = all / way;
-      stored = 0.5 * all * all;
-    } else { // leaves within the step
-      stored = 0.5 * psi_ * psi_ + bank_j_;
-      bank_j_ = 0;
-      psi_ = std::sqrt(2 * stored);
-      gamma_ = psi_ / -way;
+    if (x <= 0) {
+      const double depth = within_reach(end);
+      return arrive(psi_scale_ * depth * power_(depth), way, h);
     }
-    return {gamma_ * psi_,
-            0.5 * h * gamma_ * gamma_ + law_.dissipation_s_per_m * stored / std::abs(way)};
+    return depart(way, h);
   }
   /// After enter_step(): the step's mean velocity into the body, 0 if it made no force.
   [[gnu::always_inline]] void pass_step(double mean_velocity, double h) noexcept {
     psi_ += gamma_ * h * mean_velocity;
   }
   /// After every step, with or without contact: where it has led to.
-  [[gnu::always_inline]] void leave_step(double x) noexcept {
+  template <bool may_yield = true> [[gnu::always_inline]] void leave_step(double x) noexcept {
     if (x <= 0) {
       bank_j_ += 0.5 * psi_ * psi_;
       psi_ = 0;
@@ -112,7 +128,11 @@ public:
       return;
     }
     const double depth = within_reach(x);
-    const double wanted = psi_scale_ * depth * power_(depth);
+    double wanted = 0;
+    if (may_yield && yields())
+      wanted = yield(depth).psi;
+    else
+      wanted = psi_scale_ * depth * power_(depth);
     const double surplus = 0.5 * (wanted * wanted - psi_ * psi_);
     if (surplus <= bank_j_) {
       bank_j_ -= surplus;
@@ -124,6 +144,8 @@ public:
   }
 
   [[nodiscard]] bool touching() const noexcept { return touching_; }
+  /// A compliance is in series with the law.
+  [[nodiscard]] bool yields() const noexcept { return law_.compliance_m_per_n > 0; }
   /// Stored elastically, and in the account, J.
   [[nodiscard]] double stored_j() const noexcept { return 0.5 * psi_ * psi_; }
   [[nodiscard]] double bank_j() const noexcept { return bank_j_; }
@@ -131,9 +153,12 @@ public:
   /// that this energy leads to: a k x^(a-1)/m. It tells how fine the steps must be.
   [[nodiscard, gnu::always_inline]] double stiffest(double energy_j,
                                                     double mass_kg) const noexcept {
-    if (!(energy_j > 1e-200))
-      return law_.exponent > 1 ? 0 : rate_scale_ / mass_kg;
-    return rate_scale_ * rate_power_(energy_j) / mass_kg;
+    double stiffness = rate_scale_;
+    if (energy_j > 1e-200)
+      stiffness *= rate_power_(energy_j);
+    else if (law_.exponent > 1)
+      stiffness = 0;
+    return stiffness / ((1 + stiffness * law_.compliance_m_per_n) * mass_kg);
   }
 
 private:
@@ -143,7 +168,33 @@ private:
     return x < 1e-100 ? 1e-100 : (x > 1e3 ? 1e3 : x);
   }
 
+  /// The contact begins within the step; at the end of its way psi would be `all`.
+  [[nodiscard, gnu::always_inline]] LinearForce arrive(double all, double way, double h) noexcept {
+    gamma_ = all / way;
+    return chord(0.5 * all * all, way, h);
+  }
+  /// It ends within the step, and all that is stored is given back.
+  [[nodiscard, gnu::always_inline]] LinearForce depart(double way, double h) noexcept {
+    const double stored = 0.5 * psi_ * psi_ + bank_j_;
+    bank_j_ = 0;
+    psi_ = std::sqrt(2 * stored);
+    gamma_ = psi_ / -way;
+    return chord(stored, way, h);
+  }
+  [[nodiscard, gnu::always_inline]] LinearForce chord(double work_j, double way,
+                                                      double h) const noexcept {
+    return {gamma_ * psi_,
+            0.5 * h * gamma_ * gamma_ + law_.dissipation_s_per_m * work_j / std::abs(way)};
+  }
+  /// With a compliance in series: elastic force and psi* at a penetration.
+  struct Yield {
+    double force_n, psi;
+  };
+  [[nodiscard]] Yield yield(double penetration) noexcept;
+  [[nodiscard]] LinearForce enter_yielding_step(double x, double way, double h) noexcept;
+
   double psi_ = 0, bank_j_ = 0, gamma_ = 0;
+  double indentation_ = 0; ///< where yield() was last
   bool touching_ = false;
   FollowedPower power_{0.25};
   double gamma_scale_ = 0, psi_scale_ = 0, loss_scale_ = 0;

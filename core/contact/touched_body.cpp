@@ -11,23 +11,20 @@ constexpr double kMostShape = 1e3;
 } // namespace
 
 TouchedBody::TouchedBody(std::size_t max_modes, std::size_t exciters, std::size_t ears)
-    : body_(max_modes), kernel_(&body_kernel()), dense_(&dense_kernel()), exciters_(exciters),
+    : body_(max_modes), kernel_(&body_kernel()), exciters_(exciters),
       shape_(exciters, std::vector<double>(max_modes, 1)),
       ear_shape_(ears, std::vector<double>(max_modes, 1)), place_(exciters, ModeArray(max_modes)),
       ear_real_(ears, ModeArray(max_modes)), ear_imaginary_(ears, ModeArray(max_modes)),
       outer_(max_modes), mean_(max_modes), push_real_(max_modes), push_imaginary_(max_modes),
-      ahead_real_(max_modes), ahead_imaginary_(max_modes),
-      coupling_(exciters * whole_lanes(exciters)) {
+      ahead_real_(max_modes), ahead_imaginary_(max_modes), system_(exciters) {
   order_.reserve(exciters);
   like_the_one_before_.reserve(exciters);
   work_out_steps();
   close_.reserve(exciters);
-  acting_.reserve(exciters);
   pushes_.reserve(exciters);
-  terms_.resize(exciters);
-  const std::size_t unknowns = std::min(exciters, max_modes); // of the smaller system
+  const std::size_t unknowns = std::min(exciters, max_modes); // with more contacts than modes
   matrix_ = ModeArray(unknowns * whole_lanes(unknowns));
-  right_ = other_ = root_ = answers_ = column_ = ModeArray(unknowns);
+  right_ = other_ = ModeArray(unknowns);
   for (std::size_t i = 0; i < exciters; ++i)
     exciters_[i].noise.seed(i + 1);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/contact/body_kernel.hpp"
-#include "core/contact/dense_kernel.hpp"
+#include "core/contact/contact_system.hpp"
 #include "core/contact/exciter.hpp"
 #include "core/contact/modal_body.hpp"
 
@@ -16,16 +16,11 @@ namespace tactus::contact {
 /// A vibrating body that any number of masses strike and surfaces rub at once, at places of its own
 /// each; heard at others.
 ///
-/// All contacts of a step are solved together. Impact and FrictionLaw, as stepped here, make each
-/// contact's force a linear function of its own mean relative velocity, F = offset + slope v, and
-/// these velocities follow linearly from all forces, v = v_free - Y F, Y symmetric and positive. So
-/// the forces of a step are the solution of one positive definite linear system: no contact goes
-/// before another, and the energy balance of each holds exactly. Impacts that would pull are taken
-/// out together and the rest solved again. Friction's second stage solves once more with the
-/// coefficients that the first led to.
-/// The system has one unknown a contact, or one a mode if there are fewer modes than contacts.
-/// Sums run over the contacts in an order that follows from what the contacts are, not from their
-/// numbers: contacts that change places give the same bits.
+/// All contacts of a step are solved together (ContactSystem). Friction's second stage solves once
+/// more with the coefficients that the first led to. The system has one unknown a contact, or one a
+/// mode if there are fewer modes than contacts. Sums run over the contacts in an order that follows
+/// from what the contacts are, not from their numbers: contacts that change places give the same
+/// bits.
 ///
 /// Steps are a sample or a power of two finer, to 1/64, as the stiffest contact that is near needs.
 /// A contact too short even for these gives an impulse with the restitution of its law; impulses of
@@ -101,7 +96,7 @@ public:
   /// Instructions that every processor has, for comparison.
   void use_baseline() noexcept {
     kernel_ = &baseline_body_kernel();
-    dense_ = &baseline_dense_kernel();
+    system_.use_baseline();
   }
   /// All at rest, masses 1 m away.
   void reset() noexcept;
@@ -125,9 +120,6 @@ private:
   void touch_many() noexcept;
   void knock_many() noexcept;
   void solve() noexcept;
-  void solve_by_contact() noexcept;
-  void solve_one() noexcept;
-  void solve_two() noexcept;
   void couple() noexcept;
   void touch_one() noexcept;
   void run(std::size_t exciter, const Stretch& whole) noexcept;
@@ -136,17 +128,12 @@ private:
   [[nodiscard]] PlaceView place_view(std::size_t exciter) const noexcept;
   void look_back() noexcept;
   void focus(std::size_t exciter) noexcept;
-  void leave(std::size_t term, double h) noexcept;
-  void solve_by_mode() noexcept;
+  void solve_by_mode(std::span<const std::size_t> acting) noexcept;
   [[nodiscard]] ModesView view(std::size_t level) noexcept;
-  [[nodiscard]] std::size_t coupling_stride() const noexcept {
-    return whole_lanes(exciters_.size());
-  }
   [[nodiscard]] double step_length() const noexcept { return step_s_[level_]; }
 
   ModalBody body_;
   const BodyKernel* kernel_;
-  const DenseKernel* dense_;
   std::vector<Exciter> exciters_;
   std::vector<std::vector<double>> shape_, ear_shape_;
   std::vector<ModeArray> place_;                    ///< shapes over sqrt(m)
@@ -158,24 +145,15 @@ private:
   Foresight foresight_;
   bool foreseen_ = false; ///< foresight_ is of the state as it is
   bool has_outer_ = false, sounds_ = false, unsorted_ = true, tied_ = false, moved_ = false;
-  bool coupled_ = false;                 ///< coupling_ or the PlaceView are those of close_
+  bool coupled_ = false; ///< the system's coupling or the PlaceView are those of close_
   std::array<double, kLevels> step_s_{}; ///< length of a step, by level
   std::size_t level_ = 0, least_level_ = 0, quiet_ = 0, near_ = 0;
   std::uint64_t clock_ = 0;
   std::vector<std::size_t> order_, close_; ///< slots: all in use; those near
   std::vector<char> like_the_one_before_;  ///< by position in order_: the same but for its drive
-  /// Of one step with several contacts, by position in close_.
-  struct Term {
-    double own_free = 0, own = 0, free = 0;
-    LinearForce law;
-    double force = 0, mean = 0;
-    bool acts = false;
-  };
-  std::vector<Term> terms_;
-  std::vector<std::size_t> acting_;
+  ContactSystem system_;                   ///< of one step, by position in close_
   std::vector<Push> pushes_;
-  ModeArray coupling_, matrix_; ///< columns of whole lanes
-  ModeArray right_, other_, root_, answers_, column_;
+  ModeArray matrix_, right_, other_; ///< of solve_by_mode()
 };
 
 } // namespace tactus::contact

@@ -37,6 +37,7 @@ bool TouchedBody::goes_before(std::size_t a, std::size_t b) const noexcept {
                       i.stiffness,
                       i.exponent,
                       i.dissipation_s_per_m,
+                      i.compliance_m_per_n,
                       f.static_coefficient,
                       f.dynamic_coefficient,
                       f.stribeck_m_per_s,

@@ -1,0 +1,85 @@
+#include "core/contact/contact_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::contact {
+
+ContactSystem::ContactSystem(std::size_t max_contacts)
+    : dense_(&dense_kernel()), stride_(whole_lanes(max_contacts)), terms_(max_contacts),
+      coupling_(max_contacts * stride_), matrix_(max_contacts * stride_), right_(max_contacts),
+      other_(max_contacts), root_(max_contacts), answers_(max_contacts), column_(max_contacts) {
+  acting_.reserve(max_contacts);
+}
+
+void ContactSystem::clear_coupling(std::size_t contacts) noexcept {
+  std::fill_n(coupling_.data(), contacts * stride_, 0.0);
+}
+
+void ContactSystem::solve_one() noexcept {
+  ContactTerm& t = terms_[acting_[0]];
+  t.solve(coupling(acting_[0], acting_[0]) + t.own);
+}
+
+/// Two by elimination; the pivots are those of solve_acting(), 1 and above.
+void ContactSystem::solve_two() noexcept {
+  ContactTerm &a = terms_[acting_[0]], &b = terms_[acting_[1]];
+  const double y = coupling(acting_[1], acting_[0]);
+  const double ya = coupling(acting_[0], acting_[0]) + a.own,
+               yb = coupling(acting_[1], acting_[1]) + b.own;
+  const double sa = a.law.slope_ns_per_m, sb = b.law.slope_ns_per_m;
+  const double fa = a.law.offset_n, fb = b.law.offset_n;
+  const double va = a.free - (ya * fa + y * fb), vb = b.free - (y * fa + yb * fb);
+  const double pa = fa + sa * a.free, pb = fb + sb * b.free;
+  const double first = 1 / (1 + sa * ya);
+  const double second = 1 / (1 + sb * yb - sa * sb * y * y * first);
+  b.mean = (vb - y * sa * first * va) * second;
+  a.mean = (va - y * sb * b.mean) * first;
+  b.force = (pb - y * sb * first * pa) * second;
+  a.force = (pa - y * sa * b.force) * first;
+}
+
+/// With S = sqrt(slopes): (1 + S Y S) S v = S (free - Y offset) and the same matrix for the forces
+/// over S, so that neither is a small difference of large numbers. Its eigenvalues are 1 and above.
+void ContactSystem::solve_acting(std::size_t contacts) noexcept {
+  if (acting_.size() == 1)
+    return solve_one();
+  if (acting_.size() == 2)
+    return solve_two();
+  const std::size_t count = acting_.size(), stride = whole_lanes(count);
+  const DenseView matrix{matrix_.data(), count, stride};
+  double *const root = root_.data(), *const answer = answers_.data();
+  std::fill_n(root, stride, 0.0);
+  std::fill_n(answer, stride, 0.0);
+  for (std::size_t i = 0; i < count; ++i)
+    root[i] = std::sqrt(terms_[acting_[i]].law.slope_ns_per_m);
+  for (std::size_t j = 0; j < count; ++j) {
+    const ContactTerm& t = terms_[acting_[j]];
+    const double* column = coupling_.data() + acting_[j] * stride_;
+    if (count < contacts) { // those that act, without the others
+      for (std::size_t i = 0; i < count; ++i)
+        column_[i] = column[acting_[i]];
+      column = column_.data();
+    }
+    dense_->take_column(matrix.at + j * stride, answer, column, root, root[j], t.law.offset_n,
+                        stride);
+    matrix(j, j) += 1 + t.law.slope_ns_per_m * t.own;
+    answer[j] += t.own * t.law.offset_n;
+  }
+  std::fill_n(right_.data(), stride, 0.0);
+  std::fill_n(other_.data(), stride, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const ContactTerm& t = terms_[acting_[i]];
+    right_[i] = root[i] * (t.free - answer[i]);
+    other_[i] = t.law.offset_n / root[i] + root[i] * t.free;
+  }
+  dense_->factorise(matrix);
+  dense_->substitute(matrix, right_.data(), other_.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    ContactTerm& t = terms_[acting_[i]];
+    t.mean = right_[i] / root[i];
+    t.force = root[i] * other_[i];
+  }
+}
+
+} // namespace tactus::contact

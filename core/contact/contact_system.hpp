@@ -1,0 +1,83 @@
+#pragma once
+
+#include "core/contact/dense_kernel.hpp"
+#include "core/contact/exciter.hpp"
+#include "core/contact/mode_array.hpp"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tactus::contact {
+
+/// All contacts of one step, solved together.
+///
+/// Each contact's force is a linear function of its own mean relative velocity, F = offset + slope
+/// v with a slope >= 0, and these velocities follow linearly from all forces, v = v_free - Y F, Y
+/// symmetric and positive. So the forces are the solution of one positive definite linear system:
+/// no contact goes before another, and the energy balance of each holds exactly. Impacts that would
+/// pull are taken out together and the rest solved again.
+class ContactSystem {
+public:
+  explicit ContactSystem(std::size_t max_contacts);
+
+  /// One contact's part in the step, by its position among those that take part.
+  [[nodiscard]] ContactTerm& operator[](std::size_t contact) noexcept { return terms_[contact]; }
+  [[nodiscard]] const ContactTerm& operator[](std::size_t contact) const noexcept {
+    return terms_[contact];
+  }
+  /// Y without the exciters' own masses, m/(N s): mean velocity of one place for a force at
+  /// another. Columns of whole lanes, symmetric; all of a column is read.
+  [[nodiscard]] double& coupling(std::size_t row, std::size_t column) noexcept {
+    return coupling_[column * stride_ + row];
+  }
+  void clear_coupling(std::size_t contacts) noexcept;
+
+  /// Finds all forces and mean velocities of the first so many. `solve_otherwise(acting)` may find
+  /// those of the contacts that act in another way and return true.
+  template <class Otherwise>
+  void solve(std::size_t contacts, const Otherwise& solve_otherwise) noexcept {
+    for (std::size_t c = 0; c < contacts; ++c)
+      terms_[c].acts = terms_[c].law.slope_ns_per_m > kLeastSlope;
+    // Every round takes out at least one: it ends.
+    for (bool pulls = true; pulls;) {
+      acting_.clear();
+      for (std::size_t c = 0; c < contacts; ++c)
+        if (terms_[c].acts)
+          acting_.push_back(c);
+      if (acting_.empty())
+        return;
+      if (!solve_otherwise(acting()))
+        solve_acting(contacts);
+      pulls = false;
+      for (const std::size_t c : acting_)
+        if (terms_[c].force < 0 && !terms_[c].may_pull) {
+          terms_[c].acts = false;
+          pulls = true;
+        }
+    }
+  }
+  void solve(std::size_t contacts) noexcept {
+    solve(contacts, [](std::span<const std::size_t>) { return false; });
+  }
+  /// The contacts with a force in the last solution.
+  [[nodiscard]] std::span<const std::size_t> acting() const noexcept { return acting_; }
+
+  void use_baseline() noexcept { dense_ = &baseline_dense_kernel(); }
+  [[nodiscard]] const DenseKernel& dense() const noexcept { return *dense_; }
+
+private:
+  static constexpr double kLeastSlope = 1e-250; ///< N s/m; a softer contact has no force
+  void solve_acting(std::size_t contacts) noexcept;
+  void solve_one() noexcept;
+  void solve_two() noexcept;
+
+  const DenseKernel* dense_;
+  std::size_t stride_;
+  std::vector<ContactTerm> terms_;
+  std::vector<std::size_t> acting_;
+  ModeArray coupling_, matrix_;
+  ModeArray right_, other_, root_, answers_, column_;
+};
+
+} // namespace tactus::contact
