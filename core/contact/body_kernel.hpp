@@ -60,12 +60,6 @@ struct Stretch {
   std::size_t count;
 };
 
-/// What a body survives; numbers from outside are held within.
-inline constexpr double kMostForce = 1e7;  ///< N, from outside
-inline constexpr double kFastest = 1e4;    ///< m/s
-inline constexpr double kFarthest = 1e3;   ///< m
-inline constexpr double kMostState = 1e60; ///< sqrt(J), N; beyond it all starts anew
-
 /// Every instruction set gives the same bits: the same operations in the same order.
 class BodyKernel {
 public:

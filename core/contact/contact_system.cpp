@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace tactus::contact {
+namespace {
+
+/// In theory 1: mobilities summed in single precision may not be quite positive.
+constexpr double kLeastPivot = 0.5;
+
+} // namespace
 
 ContactSystem::ContactSystem(std::size_t max_contacts)
     : dense_(&dense_kernel()), stride_(whole_lanes(max_contacts)), terms_(max_contacts),
@@ -14,6 +20,18 @@ ContactSystem::ContactSystem(std::size_t max_contacts)
 
 void ContactSystem::clear_coupling(std::size_t contacts) noexcept {
   std::fill_n(coupling_.data(), contacts * stride_, 0.0);
+}
+
+void ContactSystem::leave_out(std::size_t contacts) noexcept {
+  for (std::size_t c = 0; c < contacts; ++c) {
+    ContactTerm& t = terms_[c];
+    if (t.acts)
+      continue;
+    t.force = 0;
+    t.mean = t.free;
+    for (const std::size_t other : acting_)
+      t.mean -= coupling(c, other) * terms_[other].force;
+  }
 }
 
 void ContactSystem::solve_one() noexcept {
@@ -32,7 +50,7 @@ void ContactSystem::solve_two() noexcept {
   const double va = a.free - (ya * fa + y * fb), vb = b.free - (y * fa + yb * fb);
   const double pa = fa + sa * a.free, pb = fb + sb * b.free;
   const double first = 1 / (1 + sa * ya);
-  const double second = 1 / (1 + sb * yb - sa * sb * y * y * first);
+  const double second = 1 / std::max(1 + sb * yb - sa * sb * y * y * first, kLeastPivot);
   b.mean = (vb - y * sa * first * va) * second;
   a.mean = (va - y * sb * b.mean) * first;
   b.force = (pb - y * sb * first * pa) * second;
@@ -73,7 +91,7 @@ void ContactSystem::solve_acting(std::size_t contacts) noexcept {
     right_[i] = root[i] * (t.free - answer[i]);
     other_[i] = t.law.offset_n / root[i] + root[i] * t.free;
   }
-  dense_->factorise(matrix);
+  dense_->factorise(matrix, kLeastPivot);
   dense_->substitute(matrix, right_.data(), other_.data());
   for (std::size_t i = 0; i < count; ++i) {
     ContactTerm& t = terms_[acting_[i]];

@@ -60,6 +60,8 @@ public:
   void solve(std::size_t contacts) noexcept {
     solve(contacts, [](std::span<const std::size_t>) { return false; });
   }
+  /// The mean velocities of those that have no force, under the others' forces.
+  void leave_out(std::size_t contacts) noexcept;
   /// The contacts with a force in the last solution.
   [[nodiscard]] std::span<const std::size_t> acting() const noexcept { return acting_; }
 

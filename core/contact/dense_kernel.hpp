@@ -20,8 +20,8 @@ struct DenseView {
 class DenseKernel {
 public:
   virtual ~DenseKernel() = default;
-  /// Cholesky's factorisation, in place.
-  virtual void factorise(const DenseView& matrix) const noexcept = 0;
+  /// Cholesky's factorisation, in place; pivots that rounding has made smaller count as `least`.
+  virtual void factorise(const DenseView& matrix, double least) const noexcept = 0;
   /// Solves with the factorised matrix for two right sides of `stride` numbers, in place.
   virtual void substitute(const DenseView& factor, double* first,
                           double* second) const noexcept = 0;

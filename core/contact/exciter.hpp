@@ -10,6 +10,12 @@
 
 namespace tactus::contact {
 
+/// What a body survives; numbers from outside are held within.
+inline constexpr double kMostForce = 1e7;  ///< N, from outside
+inline constexpr double kFastest = 1e4;    ///< m/s
+inline constexpr double kFarthest = 1e3;   ///< m
+inline constexpr double kMostState = 1e60; ///< sqrt(J), N; beyond it all starts anew
+
 /// Velocity at the end of a step from the step's mean and the mean of the one before.
 [[nodiscard, gnu::always_inline]] inline double continued(double mean,
                                                           double mean_before) noexcept {
@@ -66,7 +72,7 @@ struct Exciter {
   // Friction: a surface that moves as it likes.
   Friction friction;
   double normal_force_n = 0, rubbing_m_per_s = 0;
-  Random noise;
+  Random noise = Random();
   double last_force_n = 0; ///< of the last step
 
   // Both.
@@ -91,6 +97,22 @@ struct Exciter {
       return (held ? 0.0 : 0.5 * mass_kg * velocity_m_per_s * velocity_m_per_s) +
              impact.stored_j() + impact.bank_j();
     return kind == Kind::kFriction ? friction.stored_j() : 0.0;
+  }
+
+  /// A held striker moves at this velocity from now on.
+  void move_at(double velocity) noexcept {
+    const double next = bounded(velocity, kFastest);
+    approach_m_per_s += next - velocity_m_per_s;
+    mean_velocity_m_per_s += next - velocity_m_per_s;
+    velocity_m_per_s = next;
+  }
+  /// A friction's surface presses and moves so from now on.
+  void rub(double normal_force, double velocity) noexcept {
+    const double next = bounded(velocity, kFastest);
+    approach_m_per_s += next - rubbing_m_per_s;
+    mean_velocity_m_per_s += next - rubbing_m_per_s;
+    rubbing_m_per_s = next;
+    normal_force_n = bounded(normal_force, kMostForce);
   }
 
   /// Begins a step of h seconds: `body_free` is the body's mean velocity at the place without the

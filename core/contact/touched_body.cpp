@@ -187,11 +187,7 @@ void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) no
 void TouchedBody::lead(std::size_t slot, double velocity_m_per_s) noexcept {
   if (slot >= exciters_.size() || !exciters_[slot].held)
     return;
-  Exciter& e = exciters_[slot];
-  const double next = bounded(velocity_m_per_s, kFastest);
-  e.approach_m_per_s += next - e.velocity_m_per_s;
-  e.mean_velocity_m_per_s += next - e.velocity_m_per_s;
-  e.velocity_m_per_s = next;
+  exciters_[slot].move_at(velocity_m_per_s);
   moved_ = true;
 }
 
@@ -205,12 +201,7 @@ void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {
 void TouchedBody::rub(std::size_t slot, double normal_force_n, double velocity) noexcept {
   if (slot >= exciters_.size())
     return;
-  Exciter& e = exciters_[slot];
-  const double next = bounded(velocity, kFastest);
-  e.approach_m_per_s += next - e.rubbing_m_per_s;
-  e.mean_velocity_m_per_s += next - e.rubbing_m_per_s;
-  e.rubbing_m_per_s = next;
-  e.normal_force_n = bounded(normal_force_n, kMostForce);
+  exciters_[slot].rub(normal_force_n, velocity);
   moved_ = true;
 }
 

@@ -98,7 +98,7 @@ void TouchedBody::solve_by_mode(std::span<const std::size_t> acting) noexcept {
                  stride);
     system_.dense().add_square(matrix, shape, over * t.law.slope_ns_per_m);
   }
-  system_.dense().factorise(matrix);
+  system_.dense().factorise(matrix, 1e-300);
   system_.dense().substitute(matrix, right_.data(), other_.data());
   for (const std::size_t c : acting) {
     ContactTerm& t = system_[c];

@@ -154,11 +154,13 @@ public:
     given_to_ = slots_.size();
   }
 
-  [[nodiscard]] double place(std::size_t slot) const noexcept override {
-    double sum = 0;
-    for (std::size_t k = 0; k < modes_; ++k)
-      sum += static_cast<double>(slots_[slot].place_gain[k]) * state(k).imag();
-    return sum;
+  [[nodiscard]] double place(std::size_t slot) noexcept override {
+    settle();
+    return kernel_->sum(slots_[slot].place_gain.data(), state_.imaginary.data(), padded_);
+  }
+  [[nodiscard]] double velocity(std::size_t slot) noexcept override {
+    settle();
+    return kernel_->sum(slots_[slot].gain.data(), state_.real.data(), padded_);
   }
 
   void set_weight(std::size_t listener,

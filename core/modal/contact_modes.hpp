@@ -50,7 +50,10 @@ public:
 
   /// Everything given is in the state.
   virtual void settle() noexcept = 0;
-  [[nodiscard]] virtual double place(std::size_t slot) const noexcept = 0;
+  /// Displacement at a contact's place, m, with all that has been given.
+  [[nodiscard]] virtual double place(std::size_t slot) noexcept = 0;
+  /// Velocity there without the decay's part, sum b (q' + alpha q), m/s.
+  [[nodiscard]] virtual double velocity(std::size_t slot) noexcept = 0;
   virtual void set_weight(std::size_t listener,
                           std::span<const std::complex<double>> weight) noexcept = 0;
   /// Only so many listeners hear from now on, the first ones.

@@ -8,35 +8,33 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kStepsPerContact = 32; // error of the rebound below 0.1 %
-constexpr double kStepRate = 176400;    // 1/s at least in a strike: the force true up to 20 kHz
-constexpr double kMostLedSteps = 4;     // a hand's contact lasts: it is followed less finely
-constexpr int kMostRounds = 40;
+using contact::ContactTerm;
+using contact::Exciter;
+
+constexpr double kStepAngle = 0.15;  // rad that a contact turns in a step: 27 in a ball's contact
+constexpr double kStepRate = 176400; // 1/s at least in a strike: the force true up to 20 kHz
+constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts: it is followed less finely
 constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
-constexpr std::size_t kMostWork =
-    16384; // modes times steps in a sample, so that blows stay in time
+constexpr std::size_t kMaxWork =
+    16384; // modes times steps in a sample, so that strikes stay in time
 constexpr unsigned kLeastSteps = 2;
-constexpr std::size_t kMostContactSteps = 1024; // contacts times steps in a sample, of several
-constexpr int kTrialRounds = 8;      // after which rounds must come nearer by half each time
-constexpr double kUnheardOf = 8;     // of the root mean square of many modes' sum
-constexpr unsigned kReachHolds = 64; // samples
-constexpr double kLongestRest = 8;   // contact times after which one that has not left lies still
+constexpr std::size_t kMaxContactSteps = 1024; // contacts times steps in a sample, of several
+constexpr double kUnheardOf = 8;               // of the root mean square of many modes' sum
+constexpr unsigned kReachHolds = 64;           // samples
+constexpr double kLongestRest = 8; // contact times after which one that has not left lies still
 
 } // namespace
 
 ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double sample_rate,
                              std::size_t contacts, bool rigid, std::size_t listeners, VectorSet set)
     : sample_rate_(sample_rate), has_rigid_(rigid), modes_(rate.size()), alpha_(modes_, 0),
-      omega_(modes_, 1), contacts_(contacts), slots_(contacts), answer_(contacts * contacts, 0),
-      swing_answer_(contacts, 0), free_(contacts, 0), force_(contacts, 0), next_force_(contacts, 0),
+      omega_(modes_, 1), contacts_(contacts), slots_(contacts), system_(contacts),
       touching_(contacts, 0), sampled_(contacts) {
   for (std::size_t k = 0; k < modes_; ++k) {
     alpha_[k] = -rate[k].real();
     omega_[k] = rate[k].imag();
   }
-  const double most = kMostLedSteps * sample_rate;
-  most_led_rate_ = most * most;
-  while (most_steps_ > kLeastSteps && most_steps_ * modes_ > kMostWork)
+  while (most_steps_ > kLeastSteps && most_steps_ * modes_ > kMaxWork)
     most_steps_ /= 2;
   swings_ = ContactModes::make(rate, sample_rate, most_steps_, contacts, listeners, set);
   steps_ = 1;
@@ -45,7 +43,7 @@ ContactSolver::ContactSolver(std::span<const std::complex<double>> rate, double 
 bool ContactSolver::choose_steps(double wanted) noexcept {
   // Coarser only when much coarser will do, or must do: a change costs as much as some steps.
   const bool too_many =
-      active_count_ > 1 && steps_ * active_count_ > kMostContactSteps && steps_ > kLeastSteps;
+      active_count_ > 1 && steps_ * active_count_ > kMaxContactSteps && steps_ > kLeastSteps;
   if (wanted <= steps_ && 4 * wanted > steps_ && !too_many)
     return false;
   unsigned steps = 1;
@@ -60,67 +58,94 @@ bool ContactSolver::choose_steps(double wanted) noexcept {
 void ContactSolver::set_steps(unsigned steps) noexcept {
   steps_ = steps;
   swings_->set_steps(steps);
-  work_out_answers();
+  couple();
 }
 
-void ContactSolver::work_out_answers() noexcept {
+void ContactSolver::couple() noexcept {
   const double h = 1 / (sample_rate_ * steps_);
-  const std::size_t count = contacts_.size();
+  system_.clear_coupling(active_count_);
   for (std::size_t a = 0; a < active_count_; ++a)
-    for (std::size_t b = 0; b < active_count_; ++b) {
+    for (std::size_t b = 0; b <= a; ++b) {
       const std::size_t i = touching_[a], j = touching_[b];
-      double sum = swings_->answer(i, j, 0);
+      double answer = swings_->answer(i, j, 0) / h;
       if (has_rigid_)
-        sum += rigid_at(slots_[i], slots_[j].rigid) * h * h / 2;
-      if (i == j && !contacts_[i].led)
-        sum += h * h / 2 / contacts_[i].striker_mass_kg;
-      answer_[i * count + j] = sum;
-      if (i == j && steps_ > 1)
-        swing_answer_[i] = swings_->answer(i, i, 1);
+        answer += 0.5 * h * rigid_at(slots_[i], slots_[j].rigid);
+      system_.coupling(a, b) = system_.coupling(b, a) = answer;
     }
+  if (active_count_ == 1 && steps_ > 1)
+    later_swing_m_per_n_ = swings_->answer(touching_[0], touching_[0], 1);
 }
 
-void ContactSolver::fill(std::size_t slot, const Contact& contact, std::span<const double> gain,
+void ContactSolver::fill(std::size_t slot, std::span<const double> gain,
                          const Rigid& rigid_gain) noexcept {
   Slot& s = slots_[slot];
-  s.last_force = s.force_before = 0;
+  Exciter& e = contacts_[slot].exciter;
   s.out_of_reach = false;
   s.reach_age = 0;
-  s.mobility = contact.led ? 0 : 1 / contact.striker_mass_kg;
   s.rigid = has_rigid_ ? rigid_gain : Rigid{};
+  e.per_mass = e.kind == Exciter::Kind::kImpact && !e.held ? 1 / e.mass_kg : 0;
+  e.quick_mobility = e.per_mass + swings_->set_gain(slot, gain);
   for (const double b : s.rigid)
-    s.mobility += b * b;
-  s.mobility += swings_->set_gain(slot, gain);
+    e.quick_mobility += b * b;
+  e.effective_mass_kg = e.quick_mobility > 0 ? 1 / e.quick_mobility : 1;
+  e.judged_j = -1;
+  s.surface_m = surface_place(slot);
 }
 
-void ContactSolver::begin(std::size_t slot, const Contact& contact, std::span<const double> gain,
+/// A filled contact takes part from now on.
+void ContactSolver::join(std::size_t slot) noexcept {
+  list_touching();
+  judge(slot);
+  if (!choose_steps(wanted_steps()))
+    couple();
+}
+
+void ContactSolver::begin(std::size_t slot, const Strike& strike, std::span<const double> gain,
                           const Rigid& rigid_gain) noexcept {
   if (slot >= slots_.size())
     return;
   end(slot);
-  Slot& s = slots_[slot];
-  fill(slot, contact, gain, rigid_gain);
   if (active_count_ == 0)
     rest_rigid();
-  Contact& c = contacts_[slot] = contact;
+  Contact& c = contacts_[slot] = Contact{};
   c.active = true;
-  c.lies = false;
-  list_touching();
+  c.fall_m_per_s2 = strike.fall_m_per_s2;
+  Exciter& e = c.exciter;
+  e.kind = Exciter::Kind::kImpact;
+  e.impact.set(strike.law);
+  e.mass_kg = strike.mass_kg;
+  e.held = strike.held;
+  e.velocity_m_per_s = strike.velocity_m_per_s;
+  e.outer_force_n = strike.fall_m_per_s2 * strike.mass_kg;
+  fill(slot, gain, rigid_gain);
   // No contact begins with work stored in it.
-  const double surface = surface_place(slot);
-  c.place_m = contact.led ? std::min(contact.place_m, surface) : contact.place_m + surface;
-  c.compression_m = c.place_m - surface;
-  s.steps = 1;
-  s.patience_s = kLongestFlight;
-  if (!contact.led && contact.speed_m_per_s > 0) {
-    const double time = contact.law.duration(1 / s.mobility, contact.speed_m_per_s);
-    s.steps = std::max(kStepsPerContact / time, kStepRate) / sample_rate_;
-    s.patience_s =
-        std::max(kLongestFlight, kLongestRest * contact.law.duration(contact.striker_mass_kg,
-                                                                     contact.speed_m_per_s));
-  }
-  if (!choose_steps(wanted_steps()))
-    work_out_answers();
+  const double surface = slots_[slot].surface_m;
+  e.place_m = strike.held ? std::min(strike.place_m, surface) : strike.place_m + surface;
+  e.depth_m = e.place_m - surface;
+  e.approach_m_per_s = e.mean_velocity_m_per_s = e.velocity_m_per_s - surface_velocity(slot);
+  slots_[slot].patience_s = kLongestFlight;
+  if (!e.held && e.velocity_m_per_s > 0)
+    slots_[slot].patience_s =
+        std::max(kLongestFlight, kLongestRest * strike.law.duration(e.mass_kg, e.velocity_m_per_s));
+  join(slot);
+}
+
+void ContactSolver::begin_rub(std::size_t slot, const contact::FrictionLaw& law,
+                              std::span<const double> gain, const Rigid& rigid_gain) noexcept {
+  if (slot >= slots_.size())
+    return;
+  end(slot);
+  if (active_count_ == 0)
+    rest_rigid();
+  Contact& c = contacts_[slot] = Contact{};
+  c.active = true;
+  Exciter& e = c.exciter;
+  e.kind = Exciter::Kind::kFriction;
+  e.friction.set(law);
+  e.noise.seed(slot + 1);
+  fill(slot, gain, rigid_gain);
+  e.approach_m_per_s = e.mean_velocity_m_per_s = -surface_velocity(slot);
+  join(slot);
 }
 
 void ContactSolver::take_over(std::size_t slot, const ContactSolver& before, std::size_t old_slot,
@@ -129,20 +154,15 @@ void ContactSolver::take_over(std::size_t slot, const ContactSolver& before, std
       !before.contacts_[old_slot].active)
     return;
   end(slot);
-  Slot& s = slots_[slot];
-  Contact& c = contacts_[slot] = before.contacts_[old_slot];
-  fill(slot, c, gain, rigid_gain);
-  s.steps = before.slots_[old_slot].steps;
-  s.patience_s = before.slots_[old_slot].patience_s;
-  s.last_force = s.force_before = before.slots_[old_slot].last_force;
-  list_touching();
+  Exciter& e = (contacts_[slot] = before.contacts_[old_slot]).exciter;
+  fill(slot, gain, rigid_gain);
+  slots_[slot].patience_s = before.slots_[old_slot].patience_s;
   // The shapes have changed, and with them where the surface is: the striker stays on it.
-  const double surface = surface_place(slot);
-  if (!c.led)
-    c.place_m = c.compression_m + surface;
-  c.compression_m = c.place_m - surface;
-  if (!choose_steps(wanted_steps()))
-    work_out_answers();
+  const double surface = slots_[slot].surface_m;
+  if (!e.held)
+    e.place_m = e.depth_m + surface;
+  e.depth_m = e.place_m - surface;
+  join(slot);
 }
 
 void ContactSolver::take_over_rigid(const ContactSolver& before, double heavier,
@@ -158,9 +178,12 @@ void ContactSolver::end(std::size_t slot) noexcept {
   if (slot >= contacts_.size() || !contacts_[slot].active)
     return;
   contacts_[slot].active = false;
-  contacts_[slot].force_n = 0;
+  contacts_[slot].exciter.force_n = 0;
+  contacts_[slot].exciter.impact.release();
+  contacts_[slot].exciter.friction.release();
   swings_->drop(slot);
   list_touching();
+  couple();
 }
 
 void ContactSolver::list_touching() noexcept {
@@ -173,9 +196,19 @@ void ContactSolver::list_touching() noexcept {
 void ContactSolver::lead(std::size_t slot, double place_m, double fastest_m_per_s) noexcept {
   if (slot >= contacts_.size() || !contacts_[slot].active)
     return;
-  Contact& c = contacts_[slot];
-  c.speed_m_per_s =
-      std::clamp((place_m - c.place_m) * sample_rate_, -fastest_m_per_s, fastest_m_per_s);
+  contacts_[slot].exciter.move_at(
+      std::clamp((place_m - contacts_[slot].exciter.place_m) * sample_rate_, -fastest_m_per_s,
+                 fastest_m_per_s));
+}
+
+void ContactSolver::rub(std::size_t slot, double normal_force_n, double velocity_m_per_s) noexcept {
+  if (slot < contacts_.size() && contacts_[slot].active)
+    contacts_[slot].exciter.rub(normal_force_n, velocity_m_per_s);
+}
+
+void ContactSolver::set_friction(std::size_t slot, const contact::FrictionLaw& law) noexcept {
+  if (slot < contacts_.size() && contacts_[slot].active)
+    contacts_[slot].exciter.friction.set(law);
 }
 
 void ContactSolver::silence() noexcept {
@@ -186,8 +219,12 @@ void ContactSolver::silence() noexcept {
   rest_rigid();
 }
 
-double ContactSolver::surface_place(std::size_t slot) const noexcept {
+double ContactSolver::surface_place(std::size_t slot) noexcept {
   return swings_->place(slot) + rigid_at(slots_[slot], rigid_place_);
+}
+
+double ContactSolver::surface_velocity(std::size_t slot) noexcept {
+  return swings_->velocity(slot) + rigid_at(slots_[slot], rigid_speed_);
 }
 
 void ContactSolver::move_rigidly(double h) noexcept {
@@ -195,177 +232,145 @@ void ContactSolver::move_rigidly(double h) noexcept {
     rigid_place_[r] += h * rigid_speed_[r];
 }
 
-void ContactSolver::move_striker(std::size_t slot, double h) noexcept {
-  Contact& c = contacts_[slot];
-  c.place_m += h * (c.speed_m_per_s + 0.5 * h * c.fall_m_per_s2);
-  c.speed_m_per_s += h * c.fall_m_per_s2;
+/// A step of a contact begins. The rigid motions have gone on already; `swing_m`: where the modes
+/// lead the place without this step's forces.
+void ContactSolver::enter_step(std::size_t position, double swing_m, double h) noexcept {
+  const std::size_t i = touching_[position];
+  const double end = swing_m + rigid_at(slots_[i], rigid_place_);
+  contacts_[i].exciter.enter_step(system_[position], (end - slots_[i].surface_m) / h,
+                                  system_.coupling(position, position), h);
+}
+
+/// It ends, after so many of the sample: what its force has done to all but the modes.
+void ContactSolver::leave_step(std::size_t position, double h, unsigned after) noexcept {
+  const ContactTerm& t = system_[position];
+  Contact& c = contacts_[touching_[position]];
+  Slot& s = slots_[touching_[position]];
+  c.exciter.leave_step(t, h);
   c.age_s += h;
-}
-
-double ContactSolver::find_force(std::size_t slot, double free, double h) noexcept {
-  const Slot& s = slots_[slot];
-  const double guess = std::max(2 * s.last_force - s.force_before, 0.0);
-  return series(contacts_[slot])
-      .solve(contacts_[slot].compression_m, free, answer_[slot * contacts_.size() + slot], h,
-             guess);
-}
-
-/// Several contacts answer each other: rounds over all of them from the same forces, until these
-/// stay.
-void ContactSolver::find_forces(double h) noexcept {
-  const std::size_t count = contacts_.size();
-  for (std::size_t a = 0; a < active_count_; ++a)
-    force_[touching_[a]] = 0;
-  double change_before = 0;
-  for (int round = 0; round < kMostRounds; ++round) {
-    double change = 0, largest = 0;
-    for (std::size_t a = 0; a < active_count_; ++a) {
-      const std::size_t i = touching_[a];
-      double free = free_[i];
-      for (std::size_t b = 0; b < active_count_; ++b)
-        if (b != a)
-          free -= answer_[i * count + touching_[b]] * force_[touching_[b]];
-      next_force_[i] = find_force(i, free, h);
-      change = std::max(change, std::abs(next_force_[i] - force_[i]));
-      largest = std::max(largest, next_force_[i]);
-    }
-    for (std::size_t a = 0; a < active_count_; ++a) {
-      const std::size_t i = touching_[a];
-      force_[i] = slots_[i].last_force = slots_[i].force_before = next_force_[i];
-    }
-    // Contacts far stiffer than their steps go round without coming nearer.
-    if (change <= 1e-12 * largest || (round > kTrialRounds && change > .5 * change_before))
-      break;
-    change_before = change;
-  }
-}
-
-/// What a force does to all but the modes.
-void ContactSolver::apply_force(std::size_t slot, double force, double h, unsigned step) noexcept {
-  Contact& c = contacts_[slot];
-  Slot& s = slots_[slot];
-  s.force_before = s.last_force;
-  s.last_force = force;
-  if (force == 0)
+  s.surface_m += h * (t.own_free - t.own * t.force - t.mean);
+  if (t.force == 0)
     return;
-  c.force_n += force;
   const double part = 1 / static_cast<double>(steps_);
-  const double x = 1 - (2 * static_cast<double>(step) + 1) * part; // 2 v - 1 in the step's middle
-  s.moments[0] += force * part;
-  s.moments[1] += force * part * x;
-  s.moments[2] += force * part * (1.5 * x * x - 0.5 + 0.5 * part * part);
+  const double x = 1 - (2 * static_cast<double>(after) + 1) * part; // 2 v - 1 in the step's middle
+  s.moments[0] += t.force * part;
+  s.moments[1] += t.force * part * x;
+  s.moments[2] += t.force * part * (1.5 * x * x - 0.5 + 0.5 * part * part);
   if (has_rigid_)
     for (std::size_t r = 0; r < kRigid; ++r) {
-      rigid_place_[r] += s.rigid[r] * force * h * h / 2;
-      rigid_speed_[r] += s.rigid[r] * force * h;
+      rigid_place_[r] += s.rigid[r] * t.force * h * h / 2;
+      rigid_speed_[r] += s.rigid[r] * t.force * h;
     }
-  if (!c.led) {
-    c.place_m -= force * h * h / 2 / c.striker_mass_kg;
-    c.speed_m_per_s -= force * h / c.striker_mass_kg;
-  }
 }
 
 /// The next steps of a contact that is the only one, one or two at a time, after so many.
-void ContactSolver::step_one_contact(std::size_t i, std::size_t ahead, unsigned after) noexcept {
+void ContactSolver::step_one_contact(std::size_t ahead, unsigned after) noexcept {
   const double h = 1 / (sample_rate_ * steps_);
-  const double answer = answer_[i * contacts_.size() + i];
-  const double* const place = swings_->look_ahead(i, ahead, after + ahead == steps_);
+  const double* const place = swings_->look_ahead(touching_[0], ahead, after + ahead == steps_);
   std::array<double, ContactModes::kMostAhead> force{};
-  for (std::size_t j = 0; j < ahead; ++j) {
-    if (has_rigid_)
-      move_rigidly(h);
-    move_striker(i, h);
-    double swing = place[j];
-    if (j > 0)
-      swing += swing_answer_[i] * force[j - 1];
-    double free = contacts_[i].place_m - swing;
-    if (has_rigid_)
-      free -= rigid_at(slots_[i], rigid_place_);
-    force[j] = find_force(i, free, h);
-    contacts_[i].compression_m = free - answer * force[j];
-    apply_force(i, force[j], h, after + static_cast<unsigned>(j));
+  for (unsigned j = 0; j < ahead; ++j) {
+    move_rigidly(h);
+    enter_step(0, j == 0 ? place[0] : place[j] + later_swing_m_per_n_ * force[j - 1], h);
+    solve();
+    force[j] = system_[0].force;
+    leave_step(0, h, after + j);
   }
   swings_->give(force.data());
 }
 
 /// The next step of all contacts, after so many.
 void ContactSolver::step_contacts(unsigned after) noexcept {
-  const bool ends_sample = after + 1 == steps_;
   const double h = 1 / (sample_rate_ * steps_);
-  const std::size_t count = contacts_.size();
   move_rigidly(h);
+  for (std::size_t a = 0; a < active_count_; ++a)
+    enter_step(a,
+               a == 0 ? *swings_->look_ahead(touching_[0], 1, after + 1 == steps_)
+                      : swings_->place_besides(touching_[a]),
+               h);
+  solve();
   for (std::size_t a = 0; a < active_count_; ++a) {
-    const std::size_t i = touching_[a];
-    move_striker(i, h);
-    const double swing =
-        a == 0 ? *swings_->look_ahead(i, 1, ends_sample) : swings_->place_besides(i);
-    free_[i] = contacts_[i].place_m - swing - rigid_at(slots_[i], rigid_place_);
-  }
-  find_forces(h);
-  for (std::size_t a = 0; a < active_count_; ++a) {
-    const std::size_t i = touching_[a];
-    double depth = free_[i];
-    for (std::size_t b = 0; b < active_count_; ++b)
-      depth -= answer_[i * count + touching_[b]] * force_[touching_[b]];
-    contacts_[i].compression_m = depth;
-  }
-  for (std::size_t a = 0; a < active_count_; ++a) {
-    const std::size_t i = touching_[a];
-    apply_force(i, force_[i], h, after);
+    const double force = system_[a].force;
+    leave_step(a, h, after);
     if (a == 0)
-      swings_->give(&force_[i]);
-    else if (force_[i] != 0)
-      swings_->give_besides(i, force_[i]);
+      swings_->give(&force);
+    else if (force != 0)
+      swings_->give_besides(touching_[a], force);
   }
 }
 
+/// The forces of a step; friction's in two stages.
+void ContactSolver::solve() noexcept {
+  system_.solve(active_count_);
+  system_.leave_out(active_count_);
+  bool any_friction = false;
+  for (std::size_t a = 0; a < active_count_; ++a)
+    if (Exciter& e = contacts_[touching_[a]].exciter; e.kind == Exciter::Kind::kFriction) {
+      e.refine(system_[a]);
+      any_friction = true;
+    }
+  if (!any_friction)
+    return;
+  system_.solve(active_count_);
+  system_.leave_out(active_count_);
+}
+
+/// How many steps of a sample a contact needs, from the energy in it. Only a new energy makes a new
+/// answer.
+void ContactSolver::judge(std::size_t slot) noexcept {
+  Exciter& e = contacts_[slot].exciter;
+  if (e.kind != Exciter::Kind::kImpact)
+    return;
+  const double energy =
+      0.5 * e.effective_mass_kg * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
+  if (e.judged(energy))
+    return;
+  e.judged_j = energy;
+  const double rate = std::sqrt(e.impact.stiffest(energy, e.effective_mass_kg)) / kStepAngle;
+  slots_[slot].wanted_steps = e.held ? std::min(rate / sample_rate_, kMaxHeldSteps)
+                                     : std::max(rate, kStepRate) / sample_rate_;
+}
+
 double ContactSolver::wanted_steps() const noexcept {
-  double wanted = 1, square = 1;
-  for (std::size_t a = 0; a < active_count_; ++a) {
-    const Contact& c = contacts_[touching_[a]];
-    const Slot& s = slots_[touching_[a]];
-    // A contact that stiffens as it is pressed in is followed in shorter steps.
-    const double rate = c.law.slope(c.compression_m) * s.mobility * 5;
-    square = std::max(square, c.led ? std::min(rate, most_led_rate_) : rate);
-    if (!c.led && !s.out_of_reach)
-      wanted = std::max(wanted, s.steps);
-  }
-  const double rate_of_steps = wanted * sample_rate_;
-  if (square > rate_of_steps * rate_of_steps)
-    wanted = std::sqrt(square) / sample_rate_;
+  double wanted = 1;
+  for (std::size_t a = 0; a < active_count_; ++a)
+    if (const Slot& s = slots_[touching_[a]]; !s.out_of_reach)
+      wanted = std::max(wanted, s.wanted_steps);
   double most = most_steps_;
   if (active_count_ > 1)
-    most = std::min(most, static_cast<double>(std::bit_floor(kMostContactSteps / active_count_)));
+    most = std::min(most, static_cast<double>(std::bit_floor(kMaxContactSteps / active_count_)));
   return std::min(wanted, std::max(most, static_cast<double>(kLeastSteps)));
 }
 
 double ContactSolver::step() noexcept {
   for (std::size_t a = 0; a < active_count_; ++a) {
-    contacts_[touching_[a]].force_n = 0;
+    Exciter& e = contacts_[touching_[a]].exciter;
+    e.force_n = e.impulse_ns = e.dissipated_j = 0;
     slots_[touching_[a]].moments = {};
+    judge(touching_[a]);
   }
   sampled_count_ = 0;
   choose_steps(wanted_steps());
   if (active_count_ == 1) {
     const unsigned ahead = steps_ > 1 ? 2 : 1;
     for (unsigned s = 0; s < steps_; s += ahead)
-      step_one_contact(touching_[0], ahead, s);
+      step_one_contact(ahead, s);
   } else if (active_count_ > 1) {
     for (unsigned s = 0; s < steps_; ++s)
       step_contacts(s);
   }
-  double force = 0;
+  double pressing = 0;
   for (std::size_t a = 0; a < active_count_; ++a) {
-    Contact& c = contacts_[touching_[a]];
-    c.force_n /= steps_;
-    force += c.force_n;
-    if (c.force_n != 0)
+    Exciter& e = contacts_[touching_[a]].exciter;
+    e.force_n = e.impulse_ns * sample_rate_;
+    if (e.kind == Exciter::Kind::kImpact)
+      pressing += e.force_n;
+    if (e.force_n != 0)
       sampled_[sampled_count_++] = {touching_[a], slots_[touching_[a]].moments};
   }
-  if (force > 0)
+  if (sampled_count_ > 0)
     forget_reach();
   look_for_ends();
-  return force;
+  return pressing;
 }
 
 void ContactSolver::forget_reach() noexcept {
@@ -377,11 +382,11 @@ void ContactSolver::look_for_ends() noexcept {
   for (std::size_t a = active_count_; a > 0; --a) { // from behind: who ends leaves the list
     const std::size_t i = touching_[a - 1];
     Contact& c = contacts_[i];
-    if (c.led)
+    if (c.exciter.held || c.exciter.kind != Exciter::Kind::kImpact)
       continue;
     Slot& s = slots_[i];
     s.out_of_reach = false;
-    if (c.compression_m > 0 || c.force_n > 0) {
+    if (c.exciter.depth_m > 0 || c.exciter.force_n > 0) {
       c.lies = c.fall_m_per_s2 > 0 && c.age_s > s.patience_s;
       if (c.lies)
         end(i);
@@ -402,8 +407,8 @@ bool ContactSolver::gets_away(std::size_t slot) noexcept {
   s.reach_age = (s.reach_age + 1) % kReachHolds;
   const double place = std::min(s.reach.place, kUnheardOf * std::sqrt(0.5 * s.reach.place_square));
   const double speed = std::min(s.reach.speed, kUnheardOf * std::sqrt(0.5 * s.reach.speed_square));
-  const double away = rigid_at(s, rigid_speed_) - c.speed_m_per_s;
-  s.out_of_reach = -c.compression_m > 2 * std::max(speed - away, 0.0) / sample_rate_;
+  const double away = rigid_at(s, rigid_speed_) - c.exciter.velocity_m_per_s;
+  s.out_of_reach = -c.exciter.depth_m > 2 * std::max(speed - away, 0.0) / sample_rate_;
   return away > speed || (away >= 0 && height(slot) > place) || c.age_s > kLongestFlight;
 }
 
@@ -423,14 +428,12 @@ double ContactSolver::energy() const noexcept {
   }
   for (const double speed : rigid_speed_)
     sum += 0.5 * speed * speed;
-  for (std::size_t i = 0; i < contacts_.size(); ++i) {
-    const Contact& c = contacts_[i];
-    if (c.led || c.age_s == 0)
+  for (const Contact& c : contacts_) {
+    if (c.age_s == 0)
       continue;
-    sum +=
-        c.striker_mass_kg * (0.5 * c.speed_m_per_s * c.speed_m_per_s - c.fall_m_per_s2 * c.place_m);
-    if (c.active)
-      sum += series(c).stored(c.place_m - surface_place(i));
+    sum += c.exciter.energy();
+    if (!c.exciter.held)
+      sum -= c.exciter.mass_kg * c.fall_m_per_s2 * c.exciter.place_m;
   }
   return sum;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "core/modal/contact_force.hpp"
+#include "core/contact/contact_system.hpp"
+#include "core/contact/exciter.hpp"
 #include "core/modal/contact_modes.hpp"
 #include "core/modal/direct_sound.hpp"
 
@@ -13,15 +14,13 @@
 
 namespace tactus::modal {
 
-/// A vibrating body and everything that touches it, in steps much shorter than a contact.
+/// A struck body and everything that touches it, in steps much shorter than a contact.
 ///
-/// Within a step h every contact force is constant, and modes (z = q' + alpha q + j omega_d q),
-/// a free body's six rigid motions and the strikers answer it exactly: z goes to
-/// e^(s h) z + b F (e^(s h) - 1)/s. The force is the contact's work divided by the way,
-///   F = (W(d1) - W(d0)) / (d1 - d0)   (a discrete gradient: Gonzalez 1996),
-/// so that what the contact stores is to rounding what the bodies lose: no energy arises for any
-/// step, stiffness or mode, and each step solves one equation for d1 a contact.
-/// Forces of several contacts are found together, whatever their order.
+/// Within a step h every contact force is constant, and modes (z = q' + alpha q + j omega_d q), a
+/// free body's six rigid motions and the strikers answer it exactly: z goes to
+/// e^(s h) z + b F (e^(s h) - 1)/s. The forces are those of core/contact: linear in the step's mean
+/// velocities (Impact, Friction), all of a step found together (ContactSystem). So what a contact
+/// stores is to rounding what the bodies lose, for any step, stiffness or mode.
 class ContactSolver {
 public:
   static constexpr std::size_t kRigid = 6;
@@ -35,27 +34,36 @@ public:
                 std::size_t contacts, bool rigid, std::size_t listeners = 0,
                 VectorSet set = best_vector_set());
 
+  /// A striker that comes, or a hand.
+  struct Strike {
+    contact::ImpactLaw law{1e9, 1.5, 0};
+    double mass_kg = 0.01;
+    double place_m = 0;          ///< inwards, from the surface as it is; of a held striker from the
+                                 ///< untouched surface
+    double velocity_m_per_s = 0; ///< inwards
+    double fall_m_per_s2 = 0;    ///< gravity that draws the striker towards the body
+    bool held = false;           ///< its motion is given
+  };
+  /// What touches at a place.
   struct Contact {
-    ContactLaw law;
-    double striker_mass_kg = 0.01;
-    double place_m = 0;            ///< of the striker, inwards: at begin() from the surface as it
-                                   ///< is, when led from the untouched surface
-    double speed_m_per_s = 0;      ///< inwards
-    double compliance_m_per_n = 0; ///< of the modes that the table left out
-    double fall_m_per_s2 = 0;      ///< gravity that draws the striker towards the body
-    bool led = false;              ///< its place is prescribed: a hand holds it
-    bool active = false;
+    contact::Exciter exciter;
+    double fall_m_per_s2 = 0;
     double age_s = 0;
-    double force_n = 0; ///< mean of the last sample
-    double compression_m = 0;
+    bool active = false;
     bool lies = false; ///< it has ended because the striker has come to rest
   };
-  /// Starts a contact: b of all modes and of the rigid motions, 1/sqrt(kg).
-  void begin(std::size_t slot, const Contact& contact, std::span<const double> gain,
+  /// Starts a contact: b of all modes and of the rigid motions along it, 1/sqrt(kg).
+  void begin(std::size_t slot, const Strike& strike, std::span<const double> gain,
              const std::array<double, kRigid>& rigid_gain) noexcept;
+  /// A surface that rubs along the direction of the gains, until it is ended.
+  void begin_rub(std::size_t slot, const contact::FrictionLaw& law, std::span<const double> gain,
+                 const std::array<double, kRigid>& rigid_gain) noexcept;
   void end(std::size_t slot) noexcept;
-  /// Where a led striker shall be after the next step; it gets there no faster than a hand.
+  /// Where a held striker shall be after the next sample; it gets there no faster than a hand.
   void lead(std::size_t slot, double place_m, double fastest_m_per_s = 50) noexcept;
+  /// How a surface presses and moves, until changed.
+  void rub(std::size_t slot, double normal_force_n, double velocity_m_per_s) noexcept;
+  void set_friction(std::size_t slot, const contact::FrictionLaw& law) noexcept;
   /// Everything at rest, nothing touches.
   void silence() noexcept;
   [[nodiscard]] const Contact& contact(std::size_t slot) const noexcept { return contacts_[slot]; }
@@ -63,12 +71,13 @@ public:
   [[nodiscard]] std::size_t active() const noexcept { return active_count_; }
   /// How far the striker of a contact that has ended is above the body's resting surface, m.
   [[nodiscard]] double height(std::size_t slot) const noexcept {
-    return rigid_at(slots_[slot], rigid_place_) - contacts_[slot].place_m;
+    return rigid_at(slots_[slot], rigid_place_) - contacts_[slot].exciter.place_m;
   }
   /// Steps that one sample takes now.
   [[nodiscard]] unsigned steps() const noexcept { return steps_; }
 
-  /// One sample on. Contacts that are over for good become inactive. Returns the mean force, N.
+  /// One sample on. Strikers that are gone for good become inactive. Returns the mean force of
+  /// those that press, N.
   double step() noexcept;
   /// Forces of the last sample that were not zero.
   struct SampledForce {
@@ -111,46 +120,42 @@ public:
     rigid_speed_.fill(0);
   }
   [[nodiscard]] std::size_t modes() const noexcept { return modes_; }
-  /// Energy of modes, rigid motion, strikers and elastic contacts, J.
+  /// Energy of modes, rigid motion, strikers and contacts, J.
   [[nodiscard]] double energy() const noexcept;
 
 private:
   using Rigid = std::array<double, kRigid>;
   struct Slot {
     Rigid rigid{};
-    double mobility = 0;       ///< 1/kg that the contact feels at once
-    double steps = 1;          ///< in a sample, that the blow wants
+    double wanted_steps = 1;   ///< in a sample, for the energy that the contact was judged by
     double patience_s = 0;     ///< a contact that lasts longer lies still
-    double last_force = 0;     ///< of the step before
-    double force_before = 0;   ///< of the step before that
     bool out_of_reach = false; ///< nothing can touch within the next sample
     ContactModes::Reach reach; ///< of the modes at the place
     unsigned reach_age = 0;    ///< samples that it has been known for; 0: it is not
+    double surface_m = 0;      ///< of the place, after the steps so far
     ForceMoments moments{};    ///< of the force within the sample at hand
   };
-  static SeriesContact series(const Contact& contact) noexcept {
-    return {contact.law, contact.compliance_m_per_n};
-  }
   [[nodiscard]] static double rigid_at(const Slot& slot, const Rigid& q) noexcept {
     double sum = 0;
     for (std::size_t r = 0; r < kRigid; ++r)
       sum += slot.rigid[r] * q[r];
     return sum;
   }
-  void fill(std::size_t slot, const Contact& contact, std::span<const double> gain,
-            const Rigid& rigid_gain) noexcept;
+  void fill(std::size_t slot, std::span<const double> gain, const Rigid& rigid_gain) noexcept;
+  void join(std::size_t slot) noexcept;
+  void judge(std::size_t slot) noexcept;
   [[nodiscard]] double wanted_steps() const noexcept;
   bool choose_steps(double wanted) noexcept;
   void set_steps(unsigned steps) noexcept;
-  void work_out_answers() noexcept;
-  void step_one_contact(std::size_t slot, std::size_t ahead, unsigned after) noexcept;
-  void step_contacts(unsigned after) noexcept;
+  void couple() noexcept;
   void move_rigidly(double h) noexcept;
-  void move_striker(std::size_t slot, double h) noexcept;
-  [[nodiscard]] double find_force(std::size_t slot, double free, double h) noexcept;
-  void find_forces(double h) noexcept;
-  void apply_force(std::size_t slot, double force, double h, unsigned step) noexcept;
-  [[nodiscard]] double surface_place(std::size_t slot) const noexcept;
+  void enter_step(std::size_t position, double swing_m, double h) noexcept;
+  void leave_step(std::size_t position, double h, unsigned after) noexcept;
+  void solve() noexcept;
+  void step_one_contact(std::size_t ahead, unsigned after) noexcept;
+  void step_contacts(unsigned after) noexcept;
+  [[nodiscard]] double surface_place(std::size_t slot) noexcept;
+  [[nodiscard]] double surface_velocity(std::size_t slot) noexcept;
   void list_touching() noexcept;
   void forget_reach() noexcept;
   void look_for_ends() noexcept;
@@ -158,16 +163,14 @@ private:
 
   double sample_rate_;
   bool has_rigid_;
-  double most_led_rate_ = 0; ///< 1/s^2, of a hand's contact
   std::size_t modes_;
   std::vector<double> alpha_, omega_;
   std::unique_ptr<ContactModes> swings_;
   Rigid rigid_place_{}, rigid_speed_{};
   std::vector<Contact> contacts_;
   std::vector<Slot> slots_;
-  std::vector<double> answer_; ///< [i][j] m/N: place of contact i after a step with force at j
-  std::vector<double> swing_answer_; ///< [i] the modes' part of i's own, one step later
-  std::vector<double> free_, force_, next_force_;
+  contact::ContactSystem system_;     ///< by position in touching_
+  double later_swing_m_per_n_ = 0;    ///< of the only contact's place, a step after its force
   std::vector<std::size_t> touching_; ///< the active contacts, in the order of their slots
   std::size_t active_count_ = 0;
   std::vector<SampledForce> sampled_;

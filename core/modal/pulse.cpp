@@ -1,7 +1,5 @@
 #include "core/modal/pulse.hpp"
 
-#include "core/modal/contact_force.hpp"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -73,7 +71,7 @@ double Pulse::spectrum(double radians) noexcept {
                                       : std::numbers::pi / 4;
 }
 
-Pulse find_pulse(const ContactLaw& law, double striker_mass_kg, double speed_m_per_s,
+Pulse find_pulse(const contact::ImpactLaw& law, double striker_mass_kg, double speed_m_per_s,
                  double restitution, const StruckPlace& place) noexcept {
   const Bands bands(place);
   const double own = 1 / striker_mass_kg + place.rigid_mobility_per_kg;
@@ -90,22 +88,12 @@ Pulse find_pulse(const ContactLaw& law, double striker_mass_kg, double speed_m_p
     });
     // Deepest at m v^2/2 = W(d) + C F(d)^2/2: the law's own duration for its part of the way, half
     // a period of a spring for the compliance's.
-    const SeriesContact contact{law, compliance};
+    contact::ImpactLaw yielding = law;
+    yielding.compliance_m_per_n = std::max(compliance, 0.0);
     const double energy = 0.5 * speed_m_per_s * speed_m_per_s / mobility;
-    double deepest = law.deepest(1 / mobility, speed_m_per_s) +
-                     std::sqrt(2 * energy * std::max(compliance, 0.0));
-    double force = contact.elastic(deepest);
-    // By Newton's method from above: what is stored is convex, its slope the force.
-    for (int i = 0; i < kNewtonRounds && force > 0; ++i) {
-      const double step = (contact.stored(deepest) - energy) / force;
-      deepest -= std::max(step, 0.0);
-      force = contact.elastic(deepest);
-      if (!(step > 1e-9 * deepest))
-        break;
-    }
+    const double deepest = yielding.deepest(energy), force = yielding.force(deepest, 0);
     const double give = compliance * force;
-    const double of_law =
-        law.duration(1 / mobility, speed_m_per_s) / law.deepest(1 / mobility, speed_m_per_s);
+    const double of_law = law.duration(1 / mobility, speed_m_per_s) / law.deepest(energy);
     const double next =
         of_law * std::max(deepest - give, 0.0) + std::numbers::pi * give / speed_m_per_s;
     if (!(std::isfinite(next) && next > 0))

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/modal/striker.hpp"
+#include "core/contact/impact.hpp"
 
 #include <complex>
 #include <cstddef>
@@ -54,7 +54,8 @@ inline constexpr std::size_t kPulseBands = 128;
 /// Duration: that of a mass 1/(1/m + M) on the contact's law in series with the compliance of what
 /// swings faster than the pulse, half the modes' b^2/omega^2 where omega T = pi; both are found
 /// together. Valid for a single contact (kMaxMassRatio).
-[[nodiscard]] Pulse find_pulse(const ContactLaw& law, double striker_mass_kg, double speed_m_per_s,
-                               double restitution, const StruckPlace& place) noexcept;
+[[nodiscard]] Pulse find_pulse(const contact::ImpactLaw& law, double striker_mass_kg,
+                               double speed_m_per_s, double restitution,
+                               const StruckPlace& place) noexcept;
 
 } // namespace tactus::modal

@@ -286,14 +286,14 @@ std::vector<double> StruckBody::levels(std::size_t most) {
 
 void StruckBody::begin_led() noexcept {
   enter_contact();
-  ContactSolver::Contact contact;
-  contact.law = law(striker_, 1);
-  contact.led = true;
-  contact.place_m = -last_height_;
-  contact.compliance_m_per_n = model_->left_out(point_);
+  ContactSolver::Strike hand;
+  hand.law = law(striker_, 1);
+  hand.law.compliance_m_per_n = model_->left_out(point_);
+  hand.held = true;
+  hand.place_m = -last_height_;
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
     model_->scratch[k] = static_cast<double>(model_->push_gain[k]);
-  model_->solver.begin(model_->settings.voices, contact, model_->scratch,
+  model_->solver.begin(model_->settings.voices, hand, model_->scratch,
                        model_->rigid_gains(point_, point_direction_));
   aim_contact(model_->settings.voices, point_, point_direction_);
 }

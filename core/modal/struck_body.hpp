@@ -175,7 +175,7 @@ private:
   void make_pulses(std::size_t frames) noexcept;
   void push_with_pulse(std::size_t slot, std::span<double> gain) noexcept;
   void continue_pulses() noexcept;
-  [[nodiscard]] ContactLaw law(const Striker& striker, double speed) const noexcept;
+  [[nodiscard]] contact::ImpactLaw law(const Striker& striker, double speed) const noexcept;
   void strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
   [[nodiscard]] bool strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker,
                                   double max_mass_ratio) noexcept;

@@ -8,18 +8,18 @@
 /// How a StruckBody is struck: coupled blows and their bounces, pulses, recordings.
 namespace tactus::modal {
 
-ContactLaw StruckBody::law(const Striker& striker, double speed) const noexcept {
-  ContactLaw law;
-  law.exponent = 1.5;
-  law.stiffness = hertz_stiffness(striker.radius_m, striker.youngs_modulus_pa, striker.poisson,
-                                  model_->youngs_modulus_pa, model_->poisson);
+contact::ImpactLaw StruckBody::law(const Striker& striker, double speed) const noexcept {
+  contact::ImpactLaw law{contact::hertz_stiffness(striker.radius_m, striker.youngs_modulus_pa,
+                                                  striker.poisson, model_->youngs_modulus_pa,
+                                                  model_->poisson),
+                         1.5, 0};
   if (striker.stiffness > 0) {
     law.stiffness = striker.stiffness;
     law.exponent = striker.exponent;
-    law.loss_s_per_m = striker.loss_s_per_m;
+    law.dissipation_s_per_m = striker.loss_s_per_m;
   }
   if (striker.restitution < 1)
-    law.loss_s_per_m = loss_for_restitution(striker.restitution, speed);
+    law.dissipation_s_per_m = contact::dissipation_for(striker.restitution, speed);
   return law;
 }
 
@@ -137,14 +137,14 @@ bool StruckBody::strike(const Hit& hit, const Striker& striker) noexcept {
 void StruckBody::strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept {
   enter_contact();
   blows_[slot] = {hit, striker, hit.falls, false, 0, 0};
-  ContactSolver::Contact contact;
-  contact.law = law(striker, hit.speed_m_per_s);
-  contact.striker_mass_kg = striker.mass_kg;
-  contact.speed_m_per_s = hit.speed_m_per_s;
-  contact.fall_m_per_s2 = hit.falls ? kGravity : 0;
-  contact.compliance_m_per_n = model_->left_out(hit.place);
+  ContactSolver::Strike strike;
+  strike.law = law(striker, hit.speed_m_per_s);
+  strike.law.compliance_m_per_n = model_->left_out(hit.place);
+  strike.mass_kg = striker.mass_kg;
+  strike.velocity_m_per_s = hit.speed_m_per_s;
+  strike.fall_m_per_s2 = hit.falls ? kGravity : 0;
   model_->gains(hit.place, hit.direction, model_->scratch);
-  model_->solver.begin(slot, contact, model_->scratch,
+  model_->solver.begin(slot, strike, model_->scratch,
                        model_->rigid_gains(hit.place, hit.direction));
   aim_contact(slot, hit.place, hit.direction);
 }
@@ -160,13 +160,14 @@ void StruckBody::take_off(std::size_t slot) noexcept {
   Blow& blow = blows_[slot];
   const ContactSolver::Contact& contact = model_->solver.contact(slot);
   // The body's supports hold it where it was: the way down ends at its resting surface.
-  const double up = -contact.speed_m_per_s;
+  const double up = -contact.exciter.velocity_m_per_s;
   const double height = std::max(model_->solver.height(slot), 0.0);
   const double landing_speed = std::sqrt(up * up + 2 * kGravity * height);
   const double time = (up + landing_speed) / kGravity;
   // A ball that is back before a contact would be over does not leave at all.
-  const bool leaves = !contact.lies && std::isfinite(time) && landing_speed > 0 &&
-                      time > contact.law.duration(contact.striker_mass_kg, landing_speed);
+  const bool leaves =
+      !contact.lies && std::isfinite(time) && landing_speed > 0 &&
+      time > contact.exciter.impact.law().duration(contact.exciter.mass_kg, landing_speed);
   blow.bounces = blow.in_air = leaves;
   if (leaves) {
     blow.landing_speed_m_per_s = landing_speed;

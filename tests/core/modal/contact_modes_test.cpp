@@ -1,6 +1,5 @@
 // The modes that a contact meets: passes of one and two steps, in double and in single precision,
 // against the recursion written out; and the force of a ball against its equation.
-#include "core/modal/contact_force.hpp"
 #include "core/modal/contact_modes.hpp"
 #include "core/modal/contact_solver.hpp"
 
@@ -218,10 +217,10 @@ TEST_CASE(
   std::vector<double> rebound;
   for (const double rate : {44100.0, 96000.0}) {
     ContactSolver solver(body.rate, rate, 1, true);
-    ContactSolver::Contact contact;
+    ContactSolver::Strike contact;
     contact.law.stiffness = 6e9;
-    contact.striker_mass_kg = 0.007;
-    contact.speed_m_per_s = 1.4;
+    contact.mass_kg = 0.007;
+    contact.velocity_m_per_s = 1.4;
     const double before = 0.5 * 0.007 * 1.4 * 1.4;
     solver.begin(0, contact, body.gain, {2, 0, 0, 0.3, 0, 0});
     for (int n = 0; n < 20000 && solver.touching(); ++n) {
@@ -229,29 +228,7 @@ TEST_CASE(
       CHECK(solver.energy() < before * (1 + 1e-6));
     }
     CHECK(!solver.touching());
-    rebound.push_back(-solver.contact(0).speed_m_per_s);
+    rebound.push_back(-solver.contact(0).exciter.velocity_m_per_s);
   }
   CHECK(rebound[0] == doctest::Approx(rebound[1]).epsilon(0.02));
-}
-
-TEST_CASE("the ball's quick solution is the root of its equation") {
-  std::mt19937 random(2);
-  std::uniform_real_distribution<> decades(-3, 3);
-  for (int n = 0; n < 20000; ++n) {
-    const SeriesContact ball{{1e9, 1.5, 0}, 0};
-    const double start = 1e-5 * std::pow(10, decades(random));
-    const double free = 1e-5 * std::pow(10, decades(random)) * (n % 5 ? 1 : -1);
-    const double answer = 1e-8 * std::pow(10, 2 * decades(random));
-    const double guess = n % 3 ? ball.elastic(start) : 0;
-    const double force = ball.solve(start, free, answer, 1e-6, guess);
-    const double end = free - answer * force;
-    const double should = ball.mean_force(start, ball.stored(start), end, 1e-6);
-    CAPTURE(start);
-    CAPTURE(free);
-    CAPTURE(answer);
-    // Of the two, the force at the way's end is the one that its rounding moves less.
-    const double stiff = answer * ball.law.slope(std::max(start, std::abs(end)));
-    CHECK(std::abs(force - should) <=
-          1e-9 * (1 + stiff) * (std::abs(force) + std::abs(free) / answer));
-  }
 }

@@ -165,7 +165,7 @@ TEST_CASE("a pulse sounds within 1 dB of the coupled blow below half its inverse
 }
 
 TEST_CASE("a pulse is Hertz' own where nothing gives way, and a free mass's by momentum") {
-  const ContactLaw law{6.032e9, 1.5, 0};
+  const tactus::contact::ImpactLaw law{6.032e9, 1.5, 0};
   const double m = 7.103e-3, v = 1.4007;
   const Pulse wall = find_pulse(law, m, v, 1, {});
   CHECK(std::abs((wall.impulse_n_s) / (19.90e-3) - 1) < 1e-3); // the disk's reference strike

@@ -202,7 +202,7 @@ TEST_CASE("a pulse has the coupled blow's impulse and sound below half its inver
   CHECK(20 * std::log10(impulse(b, 96000) / impulse(a, 96000)) ==
         doctest::Approx(0).epsilon(1).scale(1));
   const Rig rig(96000, table);
-  const ContactLaw law{2e7, 1.5, 0};
+  const tactus::contact::ImpactLaw law{2e7, 1.5, 0};
   const double highest = 0.5 / law.duration(0.002, 0.5);
   for (std::size_t k = 0; k < rig.body.model()->heard; ++k) {
     const auto s = rig.body.model()->rate[k];
