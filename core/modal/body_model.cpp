@@ -84,8 +84,8 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, settings.listeners,
                   settings.vector_set);
   solver =
-      ContactSolver(all, settings.sample_rate, settings.voices + 1, table.free && table.mass_kg > 0,
-                    3 * settings.listeners, settings.vector_set);
+      ContactSolver(all, settings.sample_rate, kContacts + settings.voices,
+                    table.free && table.mass_kg > 0, 3 * settings.listeners, settings.vector_set);
   find_weights();
   for (std::size_t k = 0; k < heard; ++k)
     loudness.push_back(ear[k] * loudest_weight(k));
@@ -307,7 +307,7 @@ void BodyModel::find_weights() {
 
 void BodyModel::make_kernels() {
   sample_kernel.resize(1 + settings.voices);
-  contact_kernel.resize(1 + settings.voices);
+  contact_kernel.resize(kContacts + settings.voices);
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     const std::size_t taps = direct[l].taps(), moments = direct[l].moments();
     const std::size_t rigid = direct[l].has_rigid() ? 1 : 0;

@@ -123,6 +123,8 @@ struct BodyModel {
   std::size_t ear_count = 0;
 
   static constexpr double kContactLimit = 60000; ///< Hz
+  /// Contacts of the solver besides the strikes': a hand's, and that of a surface that rubs.
+  static constexpr std::size_t kContacts = 2;
 
   /// Gains b = -phi . direction of all modes at a place of the surface, 1/sqrt(kg), for a push
   /// against `direction` (usually the outward normal). No allocation beyond `gain`'s size.

@@ -14,6 +14,8 @@ using contact::Exciter;
 constexpr double kStepAngle = 0.15;  // rad that a contact turns in a step: 27 in a ball's contact
 constexpr double kStepRate = 176400; // 1/s at least in a strike: the force true up to 20 kHz
 constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts: it is followed less finely
+constexpr double kRubAngle = 0.4;    // rad that bristles on the body turn in a step
+constexpr double kMaxRubSteps = 8;
 constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
 constexpr std::size_t kMaxWork =
     16384; // modes times steps in a sample, so that strikes stay in time
@@ -211,6 +213,14 @@ void ContactSolver::set_friction(std::size_t slot, const contact::FrictionLaw& l
     contacts_[slot].exciter.friction.set(law);
 }
 
+void ContactSolver::move_rub(std::size_t slot, std::span<const double> gain,
+                             const Rigid& rigid_gain) noexcept {
+  if (slot >= contacts_.size() || !contacts_[slot].active)
+    return;
+  fill(slot, gain, rigid_gain);
+  join(slot);
+}
+
 void ContactSolver::silence() noexcept {
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     end(i);
@@ -318,8 +328,12 @@ void ContactSolver::solve() noexcept {
 /// answer.
 void ContactSolver::judge(std::size_t slot) noexcept {
   Exciter& e = contacts_[slot].exciter;
-  if (e.kind != Exciter::Kind::kImpact)
+  if (e.kind == Exciter::Kind::kFriction) {
+    const double rate =
+        std::sqrt(e.friction.law().stiffness_n_per_m * e.quick_mobility) / kRubAngle;
+    slots_[slot].wanted_steps = std::min(rate / sample_rate_, kMaxRubSteps);
     return;
+  }
   const double energy =
       0.5 * e.effective_mass_kg * e.approach_m_per_s * e.approach_m_per_s + e.impact.stored_j();
   if (e.judged(energy))

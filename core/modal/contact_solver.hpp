@@ -64,6 +64,9 @@ public:
   /// How a surface presses and moves, until changed.
   void rub(std::size_t slot, double normal_force_n, double velocity_m_per_s) noexcept;
   void set_friction(std::size_t slot, const contact::FrictionLaw& law) noexcept;
+  /// A surface that rubs slides on to another place, its bristles bent as they are.
+  void move_rub(std::size_t slot, std::span<const double> gain,
+                const std::array<double, kRigid>& rigid_gain) noexcept;
   /// Everything at rest, nothing touches.
   void silence() noexcept;
   [[nodiscard]] const Contact& contact(std::size_t slot) const noexcept { return contacts_[slot]; }

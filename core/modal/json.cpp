@@ -43,13 +43,24 @@ private:
     if (rest_.empty() || depth > kDeepest)
       return false;
     switch (rest_[0]) {
-    case '{': return object(value, depth);
-    case '[': return list(value, depth);
-    case '"': value.kind = Json::Kind::kText; return text(value.text);
-    case 't': value.kind = Json::Kind::kBoolean; value.number = 1; return word("true");
-    case 'f': value.kind = Json::Kind::kBoolean; return word("false");
-    case 'n': return word("null");
-    default: return number(value);
+    case '{':
+      return object(value, depth);
+    case '[':
+      return list(value, depth);
+    case '"':
+      value.kind = Json::Kind::kText;
+      return text(value.text);
+    case 't':
+      value.kind = Json::Kind::kBoolean;
+      value.number = 1;
+      return word("true");
+    case 'f':
+      value.kind = Json::Kind::kBoolean;
+      return word("false");
+    case 'n':
+      return word("null");
+    default:
+      return number(value);
     }
   }
 

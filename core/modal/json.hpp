@@ -12,8 +12,8 @@ struct Json {
   Kind kind = Kind::kNull;
   double number = 0; ///< also 0 or 1 of a boolean
   std::string text;
-  std::vector<Json> list;          ///< elements of a list, or an object's values
-  std::vector<std::string> keys;   ///< their names in an object
+  std::vector<Json> list;        ///< elements of a list, or an object's values
+  std::vector<std::string> keys; ///< their names in an object
 
   /// Member of an object by name; null when there is none, or this is no object.
   [[nodiscard]] const Json* find(std::string_view name) const noexcept;

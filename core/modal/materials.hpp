@@ -11,7 +11,7 @@ namespace tactus::modal {
 struct MaterialPreset {
   std::string_view name;
   double density_kg_per_m3, youngs_modulus_pa, poisson;
-  double loss_factor;        ///< 0: Rayleigh's terms
+  double loss_factor; ///< 0: Rayleigh's terms
   double rayleigh_a_per_s, rayleigh_b_s;
 };
 
@@ -33,7 +33,8 @@ inline constexpr std::array kMaterialPresets{
     MaterialPreset{"rubber", 1100, 0.05e9, 0.49, 0.1, 0, 0},
 };
 
-[[nodiscard]] constexpr std::optional<MaterialPreset> find_material(std::string_view name) noexcept {
+[[nodiscard]] constexpr std::optional<MaterialPreset>
+find_material(std::string_view name) noexcept {
   for (const MaterialPreset& preset : kMaterialPresets)
     if (preset.name == name)
       return preset;

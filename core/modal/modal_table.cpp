@@ -9,10 +9,10 @@
 namespace tactus::modal {
 namespace {
 
-constexpr double kMostShape = 1e6;        // 1/sqrt(kg): a body of a picogram
-constexpr double kMostFrequency = 1e8;    // Hz
-constexpr double kMostSize = 1e4;         // m
-constexpr double kMostDecay = 1e9;        // 1/s
+constexpr double kMostShape = 1e6;     // 1/sqrt(kg): a body of a picogram
+constexpr double kMostFrequency = 1e8; // Hz
+constexpr double kMostSize = 1e4;      // m
+constexpr double kMostDecay = 1e9;     // 1/s
 
 void read_description(TableArrays& arrays, ModalTable& table) {
   const NpzArray* meta = arrays.take("meta", "u", {TableArrays::kAny});
@@ -34,9 +34,10 @@ void read_description(TableArrays& arrays, ModalTable& table) {
   table.body_name = json.text_or("body_name", "");
   if (const Json* boundary = json.find("bc")) {
     table.boundary = boundary->kind == Json::Kind::kText ? boundary->text : "held";
-    const bool none = boundary->kind == Json::Kind::kNull ||
-                      ((boundary->kind == Json::Kind::kList ||
-                        boundary->kind == Json::Kind::kObject) && boundary->list.empty());
+    const bool none =
+        boundary->kind == Json::Kind::kNull ||
+        ((boundary->kind == Json::Kind::kList || boundary->kind == Json::Kind::kObject) &&
+         boundary->list.empty());
     if (none)
       table.boundary = "free";
   }
@@ -163,8 +164,8 @@ void read_multipoles(TableArrays& arrays, ModalTable& table) {
   out.scales = arrays.reals("mp_scales", {TableArrays::kAny}, false);
   const std::vector<double> centre = arrays.reals("mp_center", {3}, true);
   const std::vector<double> radius = arrays.reals("mp_rref", {}, true);
-  const NpzArray* coefficients = arrays.good() ? arrays.take("mp_coef", "c", {TableArrays::kAny})
-                                               : nullptr;
+  const NpzArray* coefficients =
+      arrays.good() ? arrays.take("mp_coef", "c", {TableArrays::kAny}) : nullptr;
   if (!coefficients)
     return;
   if (out.scales.empty())

@@ -25,12 +25,12 @@ struct Material {
 /// How each mode radiates from the free body: outgoing spherical waves about a centre, for unit
 /// amplitude of modal velocity, at one or several frequencies. core/modal/multipole.hpp evaluates.
 struct MultipoleTable {
-  std::vector<std::int32_t> highest_degree;          ///< mp_lmax [K]
-  std::vector<std::int64_t> offset;                  ///< mp_off [K+1], into one scale's coefficients
-  std::vector<double> scales;                        ///< mp_scales [S], ratios of frequency
-  std::vector<std::complex<float>> coefficients;     ///< mp_coef [S x total]
-  Vec3 centre{};                                     ///< m
-  double reference_radius_m = 0;                     ///< mp_rref
+  std::vector<std::int32_t> highest_degree;      ///< mp_lmax [K]
+  std::vector<std::int64_t> offset;              ///< mp_off [K+1], into one scale's coefficients
+  std::vector<double> scales;                    ///< mp_scales [S], ratios of frequency
+  std::vector<std::complex<float>> coefficients; ///< mp_coef [S x total]
+  Vec3 centre{};                                 ///< m
+  double reference_radius_m = 0;                 ///< mp_rref
   /// The same at frequencies common to all modes, which a force drives them at; may be empty.
   struct Band {
     std::vector<double> frequency_hz;              ///< mp_band_freq [F], ascending
@@ -55,19 +55,19 @@ struct RawTable {
 /// Everything about a body that the ear and the hand can find out: the modes of its surface.
 /// Written by modal_fem; docs/modal_impact.md lists the arrays.
 struct ModalTable {
-  std::vector<double> frequency_hz;  ///< [K], ascending, elastic modes only
-  std::vector<float> shape;          ///< [K][V][3], 1/sqrt(kg): modal mass 1; empty: unit gain
-  std::vector<Vec3> vertex_m;        ///< [V]
+  std::vector<double> frequency_hz; ///< [K], ascending, elastic modes only
+  std::vector<float> shape;         ///< [K][V][3], 1/sqrt(kg): modal mass 1; empty: unit gain
+  std::vector<Vec3> vertex_m;       ///< [V]
   std::vector<std::array<std::int32_t, 3>> triangle; ///< [T], counterclockwise seen from outside
-  std::vector<double> loss_factor;   ///< [K] of the material, or empty when decay is given
-  std::vector<double> decay_rate;    ///< [K] 1/s
+  std::vector<double> loss_factor;          ///< [K] of the material, or empty when decay is given
+  std::vector<double> decay_rate;           ///< [K] 1/s
   std::vector<double> radiation_decay_rate; ///< [K] 1/s or empty
-  std::vector<double> poisson_slope; ///< [K] d ln f / d nu or empty
-  std::vector<float> residual_compliance; ///< [V] m/N of the modes left out, or empty
+  std::vector<double> poisson_slope;        ///< [K] d ln f / d nu or empty
+  std::vector<float> residual_compliance;   ///< [V] m/N of the modes left out, or empty
   double mass_kg = 0;
   Vec3 centre_of_mass_m{};
   std::array<Vec3, 3> inertia_kg_m2{};
-  bool free = true;                  ///< nothing holds the body: a blow makes it recoil
+  bool free = true; ///< nothing holds the body: a blow makes it recoil
   std::string body_name, boundary;
   Material material;
   double air_density_kg_per_m3 = 1.184, sound_speed_m_per_s = 346.1;

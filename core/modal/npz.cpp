@@ -25,8 +25,7 @@ std::uint32_t number_at(std::span<const std::byte> bytes, std::size_t at, std::s
 std::size_t find_end_record(std::span<const std::byte> file) {
   if (file.size() < kEndRecord)
     return file.size();
-  const std::size_t first =
-      file.size() - std::min<std::size_t>(file.size(), kEndRecord + 0xffff);
+  const std::size_t first = file.size() - std::min<std::size_t>(file.size(), kEndRecord + 0xffff);
   for (std::size_t at = file.size() - kEndRecord + 1; at-- > first;)
     if (number_at(file, at, 4) == 0x06054b50)
       return at;
@@ -89,17 +88,25 @@ double read_number(const NpzArray& array, const std::byte* from, std::size_t byt
                       : element<double>(from, swap);
   case 'i':
     switch (bytes) {
-    case 1: return element<std::int8_t>(from, swap);
-    case 2: return element<std::int16_t>(from, swap);
-    case 4: return element<std::int32_t>(from, swap);
-    default: return static_cast<double>(element<std::int64_t>(from, swap));
+    case 1:
+      return element<std::int8_t>(from, swap);
+    case 2:
+      return element<std::int16_t>(from, swap);
+    case 4:
+      return element<std::int32_t>(from, swap);
+    default:
+      return static_cast<double>(element<std::int64_t>(from, swap));
     }
   default:
     switch (bytes) {
-    case 1: return element<std::uint8_t>(from, swap);
-    case 2: return element<std::uint16_t>(from, swap);
-    case 4: return element<std::uint32_t>(from, swap);
-    default: return static_cast<double>(element<std::uint64_t>(from, swap));
+    case 1:
+      return element<std::uint8_t>(from, swap);
+    case 2:
+      return element<std::uint16_t>(from, swap);
+    case 4:
+      return element<std::uint32_t>(from, swap);
+    default:
+      return static_cast<double>(element<std::uint64_t>(from, swap));
     }
   }
 }

@@ -10,10 +10,11 @@
 
 namespace tactus::modal {
 
-/// Sound from the surface's recorded or computed velocities, the way the AudioHaptics paper gives it:
+/// Sound from the surface's recorded or computed velocities, the way the AudioHaptics paper gives
+/// it:
 ///   phi(t) = sum over points of v(t - d/c) dS / (2 pi d),   p(t) = rho (phi(t) - phi(t - D))/D,
-/// D = 1/44100 s, d the distance from point to listener. Rings or a full grid: as the table's points
-/// and areas are. Costs two reads a point and sample.
+/// D = 1/44100 s, d the distance from point to listener. Rings or a full grid: as the table's
+/// points and areas are. Costs two reads a point and sample.
 class RawListener {
 public:
   /// Allocates.
@@ -28,9 +29,11 @@ public:
     }
   }
   /// Pressure in Pa at a time after a blow of 1 m/s at one of the table's places.
-  [[nodiscard]] double pressure(const RawTable& table, std::size_t hit, double time_s) const noexcept {
+  [[nodiscard]] double pressure(const RawTable& table, std::size_t hit,
+                                double time_s) const noexcept {
     constexpr double kStep = 1 / 44100.0;
-    return density_ * (potential(table, hit, time_s) - potential(table, hit, time_s - kStep)) / kStep;
+    return density_ * (potential(table, hit, time_s) - potential(table, hit, time_s - kStep)) /
+           kStep;
   }
   /// When nothing comes any more.
   [[nodiscard]] double end_s(const RawTable& table) const noexcept {
@@ -40,7 +43,8 @@ public:
   }
 
 private:
-  [[nodiscard]] double potential(const RawTable& table, std::size_t hit, double time_s) const noexcept {
+  [[nodiscard]] double potential(const RawTable& table, std::size_t hit,
+                                 double time_s) const noexcept {
     double sum = 0;
     const float* point = table.velocity_m_per_s.data() + hit * table.points * table.samples;
     for (std::size_t i = 0; i < way_s_.size(); ++i, point += table.samples) {

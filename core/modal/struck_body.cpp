@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMostForce = 1e6;   // N taken from the inlet
 constexpr double kMostHeight = 10;   // m
+constexpr double kMostSpeed = 1e3;   // m/s of a surface that rubs
 constexpr double kUnreal = 1e12;     // N
 constexpr double kQuietest = 1e-8;   // of full scale: a mode below it is put to rest
 constexpr double kGainSpeed = 0.005; // of the way, per sample
@@ -122,6 +123,10 @@ void StruckBody::adopt() noexcept {
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     delay_[l].set(model_->delay_s[l] * sample_rate_, options_.doppler, !goes_on || in_silence);
   }
+  if (!goes_on && rub_.placed && next->model) {
+    rub_.place = model_->nearest(next->model->settings.size * rub_.place.position);
+    rub_.direction = along_surface(rub_.place.normal, rub_.direction);
+  }
   if (!point_set_ || !goes_on) {
     const Surface& surface = model_->loaded->surface;
     if (!surface.empty()) {
@@ -175,27 +180,26 @@ void StruckBody::set_point(const SurfacePoint& place, const Vec3& direction) noe
   point_direction_ = direction;
   point_set_ = true;
   if (model_)
-    model_->solver.end(model_->settings.voices); // a hand lets go and comes down anew
+    model_->solver.end(led_slot()); // a hand lets go and comes down anew
   renew_point();
 }
 
 void StruckBody::take_over_contacts(BodyModel& before) noexcept {
   BodyModel& m = *model_;
-  const std::size_t led = m.settings.voices, old_led = before.settings.voices;
-  for (std::size_t i = 0; i < std::min(led, old_led); ++i) {
-    if (!before.solver.contact(i).active)
-      continue;
-    const Hit& hit = blows_[i].hit;
-    m.gains(hit.place, hit.direction, m.scratch);
-    m.solver.take_over(i, before.solver, i, m.scratch, m.rigid_gains(hit.place, hit.direction));
-    m.aim_contact(i, hit.place, hit.direction);
-  }
-  if (before.solver.contact(old_led).active) {
-    m.gains(point_, point_direction_, m.scratch);
-    m.solver.take_over(led, before.solver, old_led, m.scratch,
-                       m.rigid_gains(point_, point_direction_));
-    m.aim_contact(led, point_, point_direction_);
-  }
+  const auto go_on = [&](std::size_t slot, std::size_t old_slot, const SurfacePoint& place,
+                         const Vec3& direction, bool held = false) {
+    if (!before.solver.contact(old_slot).active)
+      return;
+    m.gains(place, direction, m.scratch);
+    const auto rigid = held ? BodyModel::RigidGain{} : m.rigid_gains(place, direction);
+    m.solver.take_over(slot, before.solver, old_slot, m.scratch, rigid);
+    m.aim_contact(slot, place, direction);
+  };
+  const std::size_t voices = before.settings.voices;
+  for (std::size_t i = 0; i < std::min(led_slot(), voices); ++i)
+    go_on(i, i, blows_[i].hit.place, blows_[i].hit.direction);
+  go_on(led_slot(), voices, point_, point_direction_);
+  go_on(rub_slot(), voices + 1, rub_.place, -rub_.direction, true);
 }
 
 void StruckBody::reset() noexcept {
@@ -215,7 +219,7 @@ std::size_t StruckBody::contacts() const noexcept {
   for (const PulseBlow& pulse : pulses_)
     count += pulse.active ? 1 : 0;
   if (model_)
-    for (std::size_t i = 0; i <= model_->settings.voices; ++i)
+    for (std::size_t i = 0; i <= rub_slot(); ++i)
       count += model_->solver.contact(i).active ? 1 : 0;
   return count;
 }
@@ -240,7 +244,7 @@ void StruckBody::leave_contact() noexcept {
     return;
   coupled_now_ = false;
   BodyModel& m = *model_;
-  for (std::size_t i = 0; i <= m.settings.voices; ++i)
+  for (std::size_t i = 0; i <= rub_slot(); ++i)
     m.solver.end(i);
   for (Blow& blow : blows_)
     blow.bounces = blow.in_air;
@@ -293,9 +297,51 @@ void StruckBody::begin_led() noexcept {
   hand.place_m = -last_height_;
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
     model_->scratch[k] = static_cast<double>(model_->push_gain[k]);
-  model_->solver.begin(model_->settings.voices, hand, model_->scratch,
+  model_->solver.begin(led_slot(), hand, model_->scratch,
                        model_->rigid_gains(point_, point_direction_));
-  aim_contact(model_->settings.voices, point_, point_direction_);
+  aim_contact(led_slot(), point_, point_direction_);
+}
+
+void StruckBody::begin_rub() noexcept {
+  enter_contact();
+  place_rub();
+}
+
+void StruckBody::set_rub(const Rub& rub) noexcept {
+  rub_ = rub;
+  if (!model_ || !model_->solver.contact(rub_slot()).active)
+    return;
+  model_->solver.set_friction(rub_slot(), rub.law);
+  place_rub();
+}
+
+/// Works out what a rub's place and direction are to the modes.
+void StruckBody::place_rub() noexcept {
+  if (!rub_.placed)
+    rub_.place = point_;
+  rub_.direction = along_surface(rub_.place.normal, rub_.direction);
+  // Gains are of a push against a direction.
+  const Vec3 against = -rub_.direction;
+  model_->gains(rub_.place, against, model_->scratch);
+  // What is rubbed is held: the surface drags its modes along, not the body.
+  constexpr std::array<double, ContactSolver::kRigid> kHeld{};
+  if (model_->solver.contact(rub_slot()).active)
+    model_->solver.move_rub(rub_slot(), model_->scratch, kHeld);
+  else
+    model_->solver.begin_rub(rub_slot(), rub_.law, model_->scratch, kHeld);
+  aim_contact(rub_slot(), rub_.place, against);
+}
+
+/// What rubs in this sample.
+void StruckBody::drive_rub(std::size_t sample) noexcept {
+  const auto normal = static_cast<double>(chunk_.normal[sample]);
+  if (normal > 0) {
+    if (!model_->solver.contact(rub_slot()).active)
+      place_rub();
+    model_->solver.rub(rub_slot(), normal, static_cast<double>(chunk_.velocity[sample]));
+  } else {
+    model_->solver.end(rub_slot());
+  }
 }
 
 /// What is released and what pulses excite rings in the bank beside a contact, which does not feel
@@ -324,7 +370,7 @@ void StruckBody::ring_beside(std::size_t from, std::size_t to) noexcept {
 /// Sample by sample until nothing touches any more; returns where it stopped.
 std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
-  const std::size_t led_slot = m.settings.voices;
+  const std::size_t hand = led_slot();
   std::size_t n = from;
   m.refresh_ears();
   frames = std::min(frames, from + m.bank.glide_left());
@@ -333,10 +379,13 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
       land();
     const auto height = static_cast<double>(chunk_.height[n]);
     const bool led = options_.led && options_.spring_n_per_m == 0;
-    if (led && height < 0 && !m.solver.contact(led_slot).active)
+    if (led && height < 0 && !m.solver.contact(hand).active)
       begin_led();
-    if (m.solver.contact(led_slot).active)
-      m.solver.lead(led_slot, -height);
+    if (m.solver.contact(hand).active)
+      m.solver.lead(hand, -height);
+    drive_rub(n);
+    if (!m.solver.touching())
+      break;
     const std::size_t before = m.solver.active();
     double force = m.solver.step();
     if (std::abs(force) < kUnreal) {
@@ -351,9 +400,10 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
     if (m.solver.active() < before)
       let_go();
     last_height_ = height;
-    if (m.solver.contact(led_slot).active && (!led || (height >= 0 && force == 0)))
-      m.solver.end(led_slot);
+    if (m.solver.contact(hand).active && (!led || (height >= 0 && force == 0)))
+      m.solver.end(hand);
     chunk_.contact[n] += static_cast<float>(force);
+    chunk_.friction[n] = static_cast<float>(m.solver.contact(rub_slot()).exciter.force_n);
     if (chunk_.force[n] != 0)
       m.solver.kick(m.push_gain, static_cast<double>(chunk_.force[n]) / sample_rate_);
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
@@ -381,13 +431,11 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
 std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
   frames = std::min(frames, from + m.bank.glide_left());
-  std::size_t to = frames;
-  if (options_.led && options_.spring_n_per_m == 0)
-    for (std::size_t n = from; n < frames; ++n)
-      if (chunk_.height[n] < 0) {
-        to = n;
-        break;
-      }
+  // Up to where a hand or a surface that rubs comes down.
+  const bool led = options_.led && options_.spring_n_per_m == 0;
+  std::size_t to = from;
+  while (to < frames && !(led && chunk_.height[to] < 0) && !(chunk_.normal[to] > 0))
+    ++to;
   const bool lands = next_landing_ < now_ + (to - from);
   if (lands)
     to = from + static_cast<std::size_t>(next_landing_ - std::min(now_, next_landing_));
@@ -408,13 +456,16 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
   }
   if (lands)
     land();
-  else if (to < frames)
+  else if (to < frames && led && chunk_.height[to] < 0)
     begin_led();
+  else if (to < frames)
+    begin_rub();
   return to;
 }
 
 void StruckBody::run(std::size_t frames) noexcept {
   chunk_.contact.fill(0);
+  chunk_.friction.fill(0);
   const bool sounds = model_ && model_->settings.sample_rate == sample_rate_;
   for (std::size_t l = sounds ? model_->settings.listeners : 0; l < kMostListeners; ++l)
     chunk_.heard[l].fill(0); // all others are overwritten
@@ -472,7 +523,8 @@ void StruckBody::finish(std::size_t frames) noexcept {
 
 template <class S>
 void StruckBody::process(std::span<const S> force, std::span<const S> height,
-                         std::span<const std::span<S>> out, std::span<S> force_out) noexcept {
+                         std::span<const std::span<S>> out, std::span<S> force_out,
+                         const Rubbing<S>& rubbing) noexcept {
   adopt();
   const std::size_t frames = force_out.size();
   for (std::size_t begin = 0, count = 0; begin < frames; begin += count) {
@@ -487,6 +539,12 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
       make_sane(height.subspan(begin, count), kMostHeight, chunk_.height.data());
     else
       chunk_.height.fill(0); // a hand that begins to lead begins at the surface
+    if (rubbing.normal_force.empty() || (model_ && model_->plays_raw)) {
+      chunk_.normal.fill(0);
+    } else {
+      make_sane(rubbing.normal_force.subspan(begin, count), kMostForce, chunk_.normal.data());
+      make_sane(rubbing.velocity.subspan(begin, count), kMostSpeed, chunk_.velocity.data());
+    }
     run(count);
     const auto pass_on = [&](const auto& from, std::span<S> to) {
       for (std::size_t n = 0; n < count; ++n)
@@ -495,14 +553,16 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
     for (std::size_t l = 0; l < out.size(); ++l)
       pass_on(chunk_.heard[std::min(l, kMostListeners - 1)], out[l].subspan(begin, count));
     pass_on(chunk_.contact, force_out.subspan(begin, count));
+    if (!rubbing.friction.empty())
+      pass_on(chunk_.friction, rubbing.friction.subspan(begin, count));
   }
 }
 
 template void StruckBody::process<float>(std::span<const float>, std::span<const float>,
-                                         std::span<const std::span<float>>,
-                                         std::span<float>) noexcept;
+                                         std::span<const std::span<float>>, std::span<float>,
+                                         const Rubbing<float>&) noexcept;
 template void StruckBody::process<double>(std::span<const double>, std::span<const double>,
-                                          std::span<const std::span<double>>,
-                                          std::span<double>) noexcept;
+                                          std::span<const std::span<double>>, std::span<double>,
+                                          const Rubbing<double>&) noexcept;
 
 } // namespace tactus::modal

@@ -23,6 +23,14 @@ struct Striker {
   double restitution = 1; ///< on a resting wall; below 1 it sets the loss
 };
 
+/// A surface that rubs the body, such as a bow.
+struct Rub {
+  bool placed = false; ///< else it rubs at the point
+  SurfacePoint place;
+  Vec3 direction{0, 0, 1}; ///< of length 1, along the body's surface: where its velocity counts to
+  contact::FrictionLaw law;
+};
+
 /// One blow.
 struct Hit {
   SurfacePoint place;
@@ -63,6 +71,8 @@ public:
   void set_point(const SurfacePoint& place, const Vec3& direction) noexcept;
   /// Where they meet when all that is scheduled has happened.
   [[nodiscard]] const SurfacePoint& point() const noexcept { return requested_point_; }
+  /// What rubs the body, and where; a rub under way changes its law and slides on to the place.
+  void set_rub(const Rub& rub) noexcept;
   void reset() noexcept;
 
   /// The same at a sample on the clock of process(), at once for a sample that is over. At most
@@ -70,6 +80,9 @@ public:
   void schedule_hit(const Hit& hit, std::int64_t sample) noexcept;
   void schedule_point(const SurfacePoint& place, const Vec3& direction,
                       std::int64_t sample) noexcept;
+  void schedule_rub(const Rub& rub, std::int64_t sample) noexcept;
+  /// What rubs when all that is scheduled has happened.
+  [[nodiscard]] const Rub& requested_rub() const noexcept { return requested_rub_; }
   void schedule_reset(std::int64_t sample) noexcept;
   /// The next process() begins at this sample; else where the last one ended.
   void begin_block(std::int64_t sample) noexcept { clock_ = sample; }
@@ -111,11 +124,18 @@ public:
 
   static constexpr double kGravity = 9.80665; ///< m/s^2
 
+  /// How the surface that rubs presses, N, and moves, m/s, sample by sample, and its force along
+  /// the body's surface, N. Empty spans: nothing rubs.
+  template <class S> struct Rubbing {
+    std::span<const S> normal_force, velocity;
+    std::span<S> friction;
+  };
   /// out: kMostListeners spans or fewer, overwritten, N samples each; force_out in N.
   /// `force` N, `height` m above the point. Input and output may share memory.
   template <class S>
   void process(std::span<const S> force, std::span<const S> height,
-               std::span<const std::span<S>> out, std::span<S> force_out) noexcept;
+               std::span<const std::span<S>> out, std::span<S> force_out,
+               const Rubbing<S>& rubbing = {}) noexcept;
 
 private:
   static constexpr std::size_t kChunk = 64;
@@ -142,16 +162,17 @@ private:
     std::uint64_t landing = 0; ///< on the clock of samples
   };
   struct Chunk {
-    std::array<float, kChunk> force{}, height{}, contact{};
+    std::array<float, kChunk> force{}, height{}, contact{}, normal{}, velocity{}, friction{};
     Sound heard{}, released{};
     std::array<std::array<float, kChunk>, kMostContacts> pulse{};
   };
   /// What waits for its sample.
   struct Event {
-    enum class Kind { kHit, kPoint, kReset };
+    enum class Kind { kHit, kPoint, kRub, kReset };
     Kind kind = Kind::kReset;
     Hit hit; ///< of a point: its place and direction
     Striker striker;
+    Rub rub;
   };
   void schedule(const Event& event, std::int64_t sample) noexcept;
   void carry_out_due() noexcept;
@@ -163,6 +184,11 @@ private:
   [[nodiscard]] std::size_t in_contact(std::size_t from, std::size_t frames) noexcept;
   [[nodiscard]] std::size_t in_flight(std::size_t from, std::size_t frames) noexcept;
   void begin_led() noexcept;
+  void begin_rub() noexcept;
+  void place_rub() noexcept;
+  void drive_rub(std::size_t sample) noexcept;
+  [[nodiscard]] std::size_t led_slot() const noexcept { return model_->settings.voices; }
+  [[nodiscard]] std::size_t rub_slot() const noexcept { return model_->settings.voices + 1; }
   void ring_beside(std::size_t from, std::size_t to) noexcept;
   void take_over_contacts(BodyModel& before) noexcept;
   void let_go() noexcept;
@@ -234,6 +260,7 @@ private:
   SurfacePoint point_, requested_point_;
   Vec3 point_direction_{0, 0, 1};
   bool point_set_ = false;
+  Rub rub_, requested_rub_;
   bool coupled_now_ = false;
   std::array<PulseBlow, kMostContacts> pulses_{};
   Recordings recordings_{};

@@ -43,17 +43,22 @@ std::size_t StruckBody::free_slot() noexcept {
 bool StruckBody::hit(const Hit& hit) noexcept { return strike(hit, striker_); }
 
 void StruckBody::schedule_hit(const Hit& hit, std::int64_t sample) noexcept {
-  schedule({Event::Kind::kHit, hit, striker_}, sample);
+  schedule({Event::Kind::kHit, hit, striker_, {}}, sample);
 }
 
 void StruckBody::schedule_point(const SurfacePoint& place, const Vec3& direction,
                                 std::int64_t sample) noexcept {
   requested_point_ = place;
-  schedule({Event::Kind::kPoint, {place, direction}, {}}, sample);
+  schedule({Event::Kind::kPoint, {place, direction}, {}, {}}, sample);
+}
+
+void StruckBody::schedule_rub(const Rub& rub, std::int64_t sample) noexcept {
+  requested_rub_ = rub;
+  schedule({Event::Kind::kRub, {}, {}, rub}, sample);
 }
 
 void StruckBody::schedule_reset(std::int64_t sample) noexcept {
-  schedule({Event::Kind::kReset, {}, {}}, sample);
+  schedule({Event::Kind::kReset, {}, {}, {}}, sample);
 }
 
 void StruckBody::schedule(const Event& event, std::int64_t sample) noexcept {
@@ -109,6 +114,9 @@ void StruckBody::carry_out(const Event& event) noexcept {
     requested_point_ = requested; // a later change may wait
     break;
   }
+  case Event::Kind::kRub:
+    set_rub(event.rub);
+    break;
   case Event::Kind::kReset:
     reset();
     break;

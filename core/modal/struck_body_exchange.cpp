@@ -14,6 +14,9 @@ void StruckBody::move_events(const BodyModel& before) noexcept {
     hit.place = model_->nearest(before.settings.size * hit.place.position);
     if (along_normal)
       hit.direction = hit.place.normal;
+    Rub& rub = events_[i].rub;
+    rub.place = model_->nearest(before.settings.size * rub.place.position);
+    rub.direction = along_surface(rub.place.normal, rub.direction);
   }
 }
 

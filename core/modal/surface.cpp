@@ -166,4 +166,14 @@ SurfacePoint Surface::on(std::size_t triangle, double u, double v) const noexcep
 
 double Surface::diagonal() const noexcept { return norm(boxes_[0].high - boxes_[0].low); }
 
+Vec3 along_surface(const Vec3& normal, const Vec3& wanted) noexcept {
+  constexpr double kLeast = 1e-3; // of the length wanted
+  for (const Vec3& direction : {wanted, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
+    const Vec3 along = direction - dot(direction, normal) * normal;
+    if (const double length = norm(along); length > kLeast * norm(direction))
+      return along * (1 / length);
+  }
+  return {1, 0, 0}; // no normal
+}
+
 } // namespace tactus::modal

@@ -16,8 +16,8 @@ struct SurfacePoint {
   std::size_t triangle = 0;
   std::array<double, 3> weight{1, 0, 0}; ///< of the triangle's corners, sum 1
   Vec3 position{};
-  Vec3 normal{0, 0, 1};                  ///< outwards, length 1
-  double distance = 0;                   ///< from the place that was asked for, m
+  Vec3 normal{0, 0, 1}; ///< outwards, length 1
+  double distance = 0;  ///< from the place that was asked for, m
 };
 
 /// Finds the place of a triangulated surface that is nearest to a point, by a tree of boxes.
@@ -53,5 +53,9 @@ private:
   std::vector<std::uint32_t> order_;
   std::vector<Box> boxes_;
 };
+
+/// The direction, of length 1, in the plane of a surface with this normal that is nearest to the
+/// one wanted; along the normal there is none: the nearest to x or y then.
+[[nodiscard]] Vec3 along_surface(const Vec3& normal, const Vec3& wanted) noexcept;
 
 } // namespace tactus::modal

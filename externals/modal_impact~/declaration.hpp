@@ -67,6 +67,8 @@ enum MessageIndex : std::size_t {
   kStriker,
   kHardness,
   kPoint,
+  kRub,
+  kFriction,
   kListener,
   kMaterial,
   kPreset,
@@ -94,6 +96,10 @@ inline constexpr std::array kMessages{
     Message{"hardness", "k exponent loss", 1, 3,
             "contact law k d^exponent (1 + loss v) instead of Hertz'; 0: Hertz"},
     Message{"point", "x y z or vertex", 1, 3, "where inlets 1 and 2 meet the body, mm"},
+    Message{"rub", "x y z [dx dy dz]", 3, 6,
+            "where inlets 3 and 4 rub the body, mm, and the direction that its velocity counts in"},
+    Message{"friction", "static dynamic stribeck breakaway stiffness damping viscosity roughness",
+            1, 8, "law of what rubs, as of contact_friction~; what is not given is as there"},
     Message{"listener", "i x y z", 4, 4,
             "places listener i of 1 to 4, mm; nearer than 18 cm all sounds up to 0.5 ms late"},
     Message{"material", "E rho", 2, 2, "Pa and kg/m^3; 0: the table's"},
@@ -115,6 +121,9 @@ inline constexpr std::array kArguments{CreationArgument{"load"}};
 inline constexpr std::array kInlets{
     Port{Port::Kind::kSignal, "force", "N", "pushes into the body at the point"},
     Port{Port::Kind::kSignal, "height", "m", "with pos 1: of a led striker above the point"},
+    Port{Port::Kind::kSignal, "normal", "N",
+         "how hard a surface that rubs presses; 0: it does not touch"},
+    Port{Port::Kind::kSignal, "velocity", "m/s", "of the surface that rubs, along its direction"},
 };
 inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "left", "", "pressure at listener 1 times gain"},
@@ -124,6 +133,7 @@ inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "third", "",
          "with -out 3 or more: pressure at listener 3 times gain"},
     Port{Port::Kind::kSignal, "fourth", "", "with -out 4: pressure at listener 4 times gain"},
+    Port{Port::Kind::kSignal, "friction", "N", "force of what rubs along the body's surface"},
 };
 
 } // namespace tactus::modal_impact

@@ -81,6 +81,10 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     return set_hardness(numbers, host);
   case kPoint:
     return set_point(numbers, host);
+  case kRub:
+    return set_rub(numbers, host);
+  case kFriction:
+    return set_friction(numbers, host);
   case kListener:
     return set_listener(numbers, host);
   case kMaterial:
@@ -280,6 +284,63 @@ void ModalImpact::set_point(Numbers n, Host& host) {
   }
   warn_of_distance(place, host);
   body_.schedule_point(place, normal_.value_or(place.normal), sample_now(host));
+}
+
+void ModalImpact::set_rub(Numbers n, Host& host) {
+  if (n.size() != 3 && n.size() != 6)
+    return host.error("rub: expected x y z, or x y z dx dy dz");
+  const BodyModel* model = body(host);
+  if (!model || !within("rub", n, {kX, kY, kZ}, host))
+    return;
+  Rub rub = body_.requested_rub();
+  rub.place = model->nearest(kMillimetre * Vec3{n[0], n[1], n[2]});
+  Vec3 wanted = rub.direction;
+  if (n.size() == 6) {
+    wanted = {n[3], n[4], n[5]};
+    const double length = norm(wanted);
+    constexpr double kLeastAlong = 0.1; // sine of the angle to the normal
+    const Vec3& normal = rub.place.normal;
+    if (!(length > 0))
+      return host.error("rub: direction 0 0 0: expected one along the surface");
+    wanted = wanted * (1 / length);
+    if (norm(wanted - dot(wanted, normal) * normal) < kLeastAlong)
+      return host.error("rub: direction " + number_text(n[3]) + " " + number_text(n[4]) + " " +
+                        number_text(n[5]) + ": expected one along the surface, whose normal is " +
+                        number_text(normal.x) + " " + number_text(normal.y) + " " +
+                        number_text(normal.z));
+  }
+  rub.direction = along_surface(rub.place.normal, wanted);
+  rub.placed = true;
+  warn_of_distance(rub.place, host);
+  body_.schedule_rub(rub, sample_now(host));
+}
+
+void ModalImpact::set_friction(Numbers n, Host& host) {
+  if (!within("friction", n,
+              {{"static", "", 0.001, 10},
+               {"dynamic", "", 0.001, 10},
+               {"stribeck", "m/s", 1e-4, 10},
+               {"breakaway", "", 0.01, 0.99},
+               {"stiffness", "N/m", 10, 1e9},
+               {"damping", "N s/m", 0, 1e6},
+               {"viscosity", "N s/m", 0, 1e4},
+               {"roughness", "", 0, 100}},
+              host))
+    return;
+  const contact::FrictionLaw usual;
+  const auto number = [&](std::size_t i, double otherwise) {
+    return i < n.size() ? n[i] : otherwise;
+  };
+  Rub rub = body_.requested_rub();
+  rub.law = {n[0],
+             number(1, usual.dynamic_coefficient),
+             number(2, usual.stribeck_m_per_s),
+             number(3, usual.breakaway),
+             number(4, usual.stiffness_n_per_m),
+             number(5, usual.damping_ns_per_m),
+             number(6, usual.viscosity_ns_per_m),
+             number(7, usual.roughness)};
+  body_.schedule_rub(rub, sample_now(host));
 }
 
 void ModalImpact::set_listener(Numbers n, Host& host) {

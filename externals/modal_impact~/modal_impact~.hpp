@@ -45,7 +45,8 @@ public:
     const std::array<std::span<S>, kMostListeners> out{block.out(0), block.out(1), block.out(3),
                                                        block.out(4)};
     begin_block(block.start_ms);
-    body_.process<S>(block.in(0), block.in(1), out, block.out(2));
+    body_.process<S>(block.in(0), block.in(1), out, block.out(2),
+                     {block.in(2), block.in(3), block.out(5)});
   }
 
 private:
@@ -65,6 +66,8 @@ private:
   void set_striker(Numbers numbers, Host& host);
   void set_hardness(Numbers numbers, Host& host);
   void set_point(Numbers numbers, Host& host);
+  void set_rub(Numbers numbers, Host& host);
+  void set_friction(Numbers numbers, Host& host);
   void set_listener(Numbers numbers, Host& host);
   void set_material(Numbers numbers, Host& host);
   void set_preset(const Atom& name, Host& host);
