@@ -167,11 +167,15 @@ SurfacePoint Surface::on(std::size_t triangle, double u, double v) const noexcep
 double Surface::diagonal() const noexcept { return norm(boxes_[0].high - boxes_[0].low); }
 
 Vec3 along_surface(const Vec3& normal, const Vec3& wanted) noexcept {
-  constexpr double kLeast = 1e-3; // of the length wanted
+  constexpr double kFacet = 0.342; // sine of 20 degrees
+  constexpr double kLeast = 1e-3;  // of the length wanted
   for (const Vec3& direction : {wanted, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) {
-    const Vec3 along = direction - dot(direction, normal) * normal;
-    if (const double length = norm(along); length > kLeast * norm(direction))
-      return along * (1 / length);
+    const double length = norm(direction), off = dot(direction, normal);
+    const Vec3 along = direction - off * normal;
+    if (length > 0 && std::abs(off) < kFacet * length)
+      return direction * (1 / length);
+    if (const double rest = norm(along); rest > kLeast * length)
+      return along * (1 / rest);
   }
   return {1, 0, 0}; // no normal
 }

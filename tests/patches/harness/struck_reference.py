@@ -38,6 +38,28 @@ def closed_form_bar(length=.3, width=.03, thickness=.012, young=2e11, density=78
     return arrays("bar", "free", young, density, f, phi, xyz, tri, mass, numpy.zeros(3), inertia)
 
 
+def closed_form_string(length=.33, side=.001, hz=196., density=3e-3, modes=40, loss=3.45):
+    """Table of a string between fixed ends, of `density` kg/m, square across, that moves along y:
+    harmonics of sin(n pi x/L), the decay rates `loss` (1 + n^2/100) 1/s."""
+    x = numpy.linspace(-.5, .5, 201) * length
+    across = side / 2 * numpy.array([[-1, 1], [1, 1], [1, -1], [-1, -1]])  # y, z around the string
+    xyz = numpy.array([[p, *a] for a in across for p in x])
+    tri = []
+    for face in range(4):
+        a, b = face * len(x), (face + 1) % 4 * len(x)
+        for i in range(len(x) - 1):
+            tri += [[a + i, b + i + 1, b + i], [a + i, a + i + 1, b + i + 1]]
+    n = numpy.arange(1, modes + 1)
+    phi = numpy.zeros((modes, len(xyz), 3))
+    phi[:, :, 1] = numpy.sin(numpy.outer(n, numpy.pi * (xyz[:, 0] / length + .5))) * numpy.sqrt(
+        2 / (density * length))
+    mass = density * length
+    table = arrays("string", "clamped", 2e11, 7800, hz * n, phi, xyz, numpy.array(tri), mass,
+                   numpy.zeros(3), mass * length ** 2 / 12 * numpy.diag([1e-4, 1, 1]))
+    table["eta"] = loss * (1 + n ** 2 / 100) / (numpy.pi * hz * n)
+    return table
+
+
 def inextensional_bowl(radius=.08, thickness=.003, modes=9, density=7800):
     """Table of a free steel hemisphere with Rayleigh's inextensional shapes, cos and sin n phi."""
     rows, columns = 24, 64
