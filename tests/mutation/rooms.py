@@ -1,7 +1,8 @@
 """Rooms of the house, their sources, and the tests that answer for each.
 
-`unit`: programs of tests that call the room itself; `all`: a regular expression of ctest names, tests of
-the objects and programs that use it.
+`unit`: programs of tests that call the room itself, or (program, double, arguments...) for one that runs
+on a double of a device; `all`: a regular expression of ctest names, tests of the objects and programs
+that use it.
 """
 
 
@@ -9,8 +10,9 @@ def core(name, everything, **more):
     return {"sources": [f"core/{name}"], "unit": [f"core_{name}_test"], "all": everything, **more}
 
 
-def device(name):
-    return {"sources": [f"devices/{name}"], "unit": [f"devices_{name}_test"], "all": f"^devices_{name}"}
+def device(name, *more, everything=""):
+    units = [f"devices_{name}_test", *more]
+    return {"sources": [f"devices/{name}"], "unit": units, "all": f"^(devices_{name}{everything})"}
 
 
 ROOMS = {
@@ -21,11 +23,14 @@ ROOMS = {
     "reed": core("reed", "^patches_(greed|playability|reed)"),
     "haptic": core("haptic", "^(patches_(phantom|mass_spring)|devices_haptic_check)"),
     "dsp": core("dsp", "^core_"),
-    "falcon": device("falcon"),
+    "falcon": device("falcon", "devices_falcon_stream_test", ("devices_falcon_live_test", "falcon_double"),
+                     everything="|devices_haptic_check|devices_live$"),
     "force_dimension": device("force_dimension"),
     "haply": device("haply"),
-    "hid": device("hid"),
-    "evdev": device("evdev"),
+    "hid": device("hid", *(("devices_hid_live_test", "hid_double", *words) for words in (
+        ["navigator"], ["compact"], ["pad"], ["--libusb", "navigator"], ["--libusb", "compact"]))),
+    "evdev": {"sources": ["devices/evdev"], "all": "^(devices_evdev|devices_haptic_check)",
+              "unit": ["devices_evdev_effect_test", ("devices_evdev_test", "joystick_double")]},
     "openhaptics": device("openhaptics"),
     "fem": {"sources": ["fem"], "unit": ["fem_element_test", "fem_solids_test", "fem_error_test", "fem_msh_test",
                                          "fem_files_test", "fem_radiation_test", "fem_remesh_test", "fem_cost_test"],

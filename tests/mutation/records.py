@@ -1,0 +1,103 @@
+"""What a run of mutate.py leaves: results (JSON), the list of equivalent changes, and the table in docs/."""
+import json
+import re
+import tomllib
+from datetime import date
+from pathlib import Path
+
+from changes import Change
+from workshop import COUNTED, ROOT
+
+EQUIVALENT = Path(__file__).with_name("equivalent.toml")
+HEAD = ["| room | seed | changes | noticed by unit tests | by all | equivalent | date |", "|---|---|---|---|---|---|---|"]
+
+
+def line_of(change):
+    return (ROOT / change.path).read_text().split("\n")[change.line - 1]
+
+
+class Equivalents:
+    """Changes that no test can notice, each with its reason (equivalent.toml)."""
+
+    def __init__(self):
+        self.entries = tomllib.loads(EQUIVALENT.read_text()).get("change", []) if EQUIVALENT.exists() else []
+        for entry in self.entries:
+            path = ROOT / entry["path"]
+            lines = [line.strip() for line in path.read_text().split("\n")] if path.exists() else []
+            if lines.count(entry["line"]) != 1:
+                raise SystemExit(f"{EQUIVALENT.name}: {entry['path']} has the line `{entry['line']}` "
+                                 f"{lines.count(entry['line'])} times; expected once: write the entry anew or drop it")
+
+    def reason(self, change):
+        """Why a change is equivalent, or None. `nth` (from 0) tells equal words of a line apart."""
+        whole = line_of(change)
+        nth = whole[:change.column].count(change.old)
+        for entry in self.entries:
+            if (entry["path"], entry["line"], entry["old"], entry["new"], entry.get("nth", 0)) == (
+                    change.path, whole.strip(), change.old, change.new, nth):
+                return entry["reason"]
+        return None
+
+
+def save(path, room, seed, everything, judged):
+    """Results of a room as JSON: [{path, line, column, old, new, kind, text, verdict}]."""
+    changes = [{**vars(change), "text": line_of(change), "verdict": verdict} for change, verdict in judged]
+    path.write_text(json.dumps({"room": room, "seed": seed, "everything": everything, "changes": changes}, indent=1))
+
+
+def load(path):
+    """(room, seed, everything, [(change, verdict)]) of a former run.
+
+    Each change is found again by its line's text, nearest to where it was; what is gone is left out.
+    """
+    former, judged = json.loads(Path(path).read_text()), []
+    for kept in former["changes"]:
+        text, verdict = kept.pop("text"), kept.pop("verdict")
+        source = ROOT / kept["path"]
+        lines = source.read_text().split("\n") if source.exists() else []
+        places = [i + 1 for i, line in enumerate(lines) if line == text]
+        if not places:
+            print(f"the source has changed: {Change(**kept)} is left out")
+            continue
+        kept["line"] = min(places, key=lambda place: abs(place - kept["line"]))
+        judged.append((Change(**kept), verdict))
+    return former["room"], former["seed"], former["everything"], judged
+
+
+def share(part, total):
+    return f"{part} ({100 * part / max(total, 1):.0f} %)"
+
+
+def row(room, seed, everything, judged):
+    verdicts = [v for _, v in judged]
+    total, unit = sum(v in COUNTED for v in verdicts), verdicts.count("unit")
+    by_all = share(unit + verdicts.count("all"), total) if everything else "not run"
+    return (f"| {room} | {seed} | {total} | {share(unit, total)} | {by_all} | {verdicts.count('equivalent')} "
+            f"| {date.today()} |")
+
+
+def report(rooms):
+    """The table and the changes that were missed; rooms: [(room, seed, everything, judged)]."""
+    lines = HEAD + [row(*room) for room in rooms]
+    for title, verdict in (("Missed", "missed"), ("Noticed by tests of objects only", "all")):
+        found = [str(c) for *_, judged in rooms for c, v in judged if v == verdict]
+        if found:
+            lines += ["", f"{title}:", ""] + [f"- {change}" for change in found]
+    return "\n".join(lines) + "\n"
+
+
+def record(path, rooms):
+    """Puts rows into the table of a page, in the place of older ones of the same room and seed."""
+    lines = path.read_text().split("\n")
+    for room in rooms:
+        new = row(*room)
+        key = re.compile(rf"\| {re.escape(room[0])} \| {room[1]} \|")
+        at = [i for i, line in enumerate(lines) if key.match(line)]
+        if at:
+            lines[at[0]] = new
+        else:
+            end = lines.index(HEAD[1]) + 1
+            while end < len(lines) and lines[end].startswith("|"):
+                end += 1
+            lines.insert(end, new)
+    path.write_text("\n".join(lines))
