@@ -31,8 +31,8 @@ struct PassivitySettings {
 /// 1. While E < 0, a damper b = min((-E - K q^2/2)/(T u^2), c K T, b_device), q an encoder's step.
 ///    A sampled spring of stiffness K leaks K T (1/2 + L) u^2 watts, so no more damping than a
 ///    multiple of K T is ever needed: K is measured as the ratio of changes of force to changes of
-///    position. u is the velocity along the force, as far as the device's reading and the
-///    displacement over the last 2 ms agree on it.
+///    position. u is the velocity along the force as the device reads it,
+///    in the direction of the displacement d over the last 2 ms and no faster than d/T.
 /// 2. A contact of at most 0.1 s that throws the handle back may release no more than is left: its
 ///    force is lowered, to nothing at the least, early enough that the slew limit lets it fall in
 ///    time.
@@ -60,7 +60,7 @@ private:
   template <class T> static T& at(std::array<T, kHistory>& ring, std::size_t tick) noexcept {
     return ring[tick % kHistory];
   }
-  [[nodiscard]] Vec3 displacement(const PassivitySettings& settings, double& duration_s) noexcept;
+  [[nodiscard]] Vec3 displacement(const PassivitySettings& settings) noexcept;
   [[nodiscard]] double stiffness(const PassivitySettings& settings, const Vec3& wanted_n) noexcept;
   [[nodiscard]] double release_cut(const PassivitySettings& settings, double contact_n,
                                    double outward, double reading) noexcept;

@@ -75,3 +75,17 @@ TEST_CASE("the velocities of the built-in paths are the slopes of their position
   CHECK(point_at(paths[0], 0).position == Vec3{-0.02, 0, 0.01});
   CHECK(norm(point_at(paths[0], 0.35).position - Vec3{0.03, 0.01, 0}) < 1e-15);
 }
+
+TEST_CASE("a circle and a Lissajous figure are where their formulas have them, hours on too") {
+  const CirclePath circle{{0.01, 0.02, 0.03}, 0.02, 0.4, 2, 0};
+  for (const double hours : {0.0, 5.0}) {
+    const double t = hours * 3600; // a whole number of periods
+    CHECK(norm(circle.at(t).position - Vec3{0.01, 0.02, 0.05}) < 1e-12);
+    CHECK(norm(circle.at(t + 0.1).position - Vec3{0.03, 0.02, 0.03}) < 1e-12);
+    CHECK(norm(circle.at(t + 0.2).position - Vec3{0.01, 0.02, 0.01}) < 1e-12);
+  }
+  const LissajousPath figure{{0.001, 0.002, 0.003}, {0.01, 0.02, 0.03}, {1, 0.5, 0.25}};
+  CHECK(norm(figure.at(0).position - Vec3{0.001, 0.002, 0.003}) < 1e-15);
+  CHECK(norm(figure.at(1).position - Vec3{0.001, 0.002, 0.033}) < 1e-12); // 1, 1/2, 1/4 turn
+  CHECK(norm(figure.at(0.5).position - Vec3{0.001, 0.022, 0.003 + 0.03 * std::sqrt(0.5)}) < 1e-12);
+}

@@ -95,6 +95,68 @@ TEST_CASE("the decimator survives any input and rests at nothing") {
   CHECK(decimator.process(3) == 3);
 }
 
+TEST_CASE("a steady stream is played the set delay behind the newest reading, in the mean") {
+  // Before each block of 64 samples the ticks up to its start have come: the newest is half a tick
+  // old in the mean, the block's samples lie half a block after its start.
+  WallRig rig;
+  double in_phase = 0, quadrature = 0;
+  constexpr int kSettle = 750, kBlocks = 1500; // of 4/3 ms: 1 s, then 2 s of the sine of 2 Hz
+  for (int b = 0; b < kSettle + kBlocks; ++b) {
+    const double wall_s = b * 64 / 48000.0;
+    rig.tick_until(wall_s);
+    const auto x = rig.block(wall_s, 64, 0);
+    for (std::size_t i = 0; i < x.size() && b >= kSettle; ++i) {
+      const double phase = kTwoPi * 2 * (wall_s + static_cast<double>(i) / 48000);
+      in_phase += x[i] * std::sin(phase);
+      quadrature += x[i] * std::cos(phase);
+    }
+  }
+  const double lag_s = -std::atan2(quadrature, in_phase) / (kTwoPi * 2);
+  CHECK(std::hypot(in_phase, quadrature) * 2 / (64 * kBlocks) ==
+        doctest::Approx(0.01).epsilon(0.01));
+  CHECK(lag_s == doctest::Approx(3e-3 + 0.5e-3 + 32 / 48000.0).epsilon(0.05));
+}
+
+TEST_CASE("an absurd sample rate makes 64 ticks a sample and no more") {
+  auto link = std::make_unique<SignalLink>();
+  int steps = 0;
+  link->place(SignalLink::Time::kLogical, 1000,
+              {[](void* count) { ++*static_cast<int*>(count); }, &steps});
+  SignalPlayer player;
+  player.prepare(1); // a thousand ticks a sample
+  player.attach(link.get());
+  player.begin_block(10);
+  for (int i = 0; i < 10; ++i) {
+    const int before = steps;
+    static_cast<void>(player.process({}));
+    CHECK(steps > before);
+    CHECK(steps - before <= 64);
+  }
+  player.end_block(0);
+  CHECK(steps >= 5 * 64);
+}
+
+TEST_CASE("positions are played normalised to the workspace that was set last") {
+  WallRig rig;
+  const auto x_at_rest = [&rig](const Workspace& workspace) {
+    rig.link->set_workspace(workspace);
+    double x = 0;
+    for (int block = 0; block < 400; ++block) { // 10 mm sin(2 pi 2 Hz t): find its top
+      const double wall_s = static_cast<double>(rig.tick) * 1e-3 + 64 / 48000.0;
+      rig.tick_until(wall_s);
+      rig.player.begin_block(64);
+      for (int i = 0; i < 64; ++i)
+        x = std::max(x, rig.player.process({{}, 0}).position.x);
+      rig.player.end_block(wall_s);
+    }
+    return x;
+  };
+  CHECK(x_at_rest({{-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}}) ==
+        doctest::Approx(0.6).epsilon(1e-3));
+  CHECK(x_at_rest({{-0.03, -0.05, -0.05}, {0.02, 0.05, 0.05}}) ==
+        doctest::Approx(0.8).epsilon(1e-3));
+}
+
 TEST_CASE("on the wall's time positions are played smoothly and the set delay late") {
   WallRig rig;
   // Blocks of 64 in bursts of four, as behind an audio buffer.

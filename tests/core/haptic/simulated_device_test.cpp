@@ -253,6 +253,22 @@ TEST_CASE("the same ticks and forces give the same bits, and skipped ticks are m
   CHECK(state.position == c.device.position());
 }
 
+TEST_CASE("a device begins at its first reading, whatever the servo's count is by then") {
+  SimulatedDevice device;
+  device.set(free_handle());
+  device.place({0.01, 0, 0}, {0.5, 0, 0});
+  State state;
+  REQUIRE(device.read({7000, 7.0, 1e-3}, state));
+  CHECK(state.position == Vec3{0.01, 0, 0});
+  CHECK(state.velocity == Vec3{0.5, 0, 0});
+  REQUIRE(device.read({7001, 7.001, 1e-3}, state));
+  // m v' = -b v for one tick
+  const SimulatedDevice::Settings settings = free_handle();
+  const double decay_per_s = settings.viscous_n_s_per_m / settings.mass_kg;
+  CHECK(state.position.x ==
+        test::approx(0.01 + 0.5 * (1 - std::exp(-decay_per_s * 1e-3)) / decay_per_s).epsilon(1e-9));
+}
+
 TEST_CASE("the reading has the encoder's step and noise, and then no velocity of its own") {
   auto settings = free_handle();
   settings.hand.hold = Hold::kRigid;
