@@ -24,9 +24,10 @@ class Equivalents:
         for entry in self.entries:
             path = ROOT / entry["path"]
             lines = [line.strip() for line in path.read_text().split("\n")] if path.exists() else []
-            if lines.count(entry["line"]) != 1:
-                raise SystemExit(f"{EQUIVALENT.name}: {entry['path']} has the line `{entry['line']}` "
-                                 f"{lines.count(entry['line'])} times; expected once: write the entry anew or drop it")
+            times = lines.count(entry["line"])
+            if times == 0 or times > 1 and not entry.get("every"):
+                raise SystemExit(f"{EQUIVALENT.name}: {entry['path']} has the line `{entry['line']}` {times} times; "
+                                 "expected once: write the entry anew, drop it, or say `every = true`")
 
     def reason(self, change):
         """Why a change is equivalent, or None. `nth` (from 0) tells equal words of a line apart."""

@@ -101,6 +101,39 @@ TEST_CASE("the way to a disc is the way to its rim, and leads there") {
     }
 }
 
+TEST_CASE("neither axis nor side is special: field and force turn and mirror with the notes") {
+  // A note off the diagonal, its mirror image in y = z, and that in y = 1/2.
+  const auto disc = [](double at_y, double at_z) {
+    return field_of([=](double y, double z) { return 0.17 - std::hypot(y - at_y, z - at_z); });
+  };
+  const auto field = disc(0.3, 0.55), swapped = disc(0.55, 0.3), mirrored = disc(0.7, 0.55);
+  for (const double y : {0.0, 0.013, 0.2, 0.31, 0.45, 0.9, 1.0})
+    for (const double z : {0.0, 0.39, 0.56, 0.7, 1.0}) {
+      const double here = field.distance(y, z);
+      CHECK(swapped.distance(z, y) == doctest::Approx(here).epsilon(1e-9));
+      CHECK(mirrored.distance(1 - y, z) == doctest::Approx(here).epsilon(1e-9));
+      const Gradient slope = field.slope(y, z), turned = swapped.slope(z, y);
+      CHECK(std::abs(turned.z - slope.y) + std::abs(turned.y - slope.z) < 1e-9);
+    }
+  // A hand on its way across the note and past it, in either direction.
+  Guidance guides[3];
+  for (Guidance& guide : guides)
+    guide.set({.smoothing_s = 0, .slew_n_per_s = 1e9});
+  double largest_y = 0, largest_z = 0;
+  for (int n = 0; n <= 300; ++n) {
+    const double y = 0.3 + 0.35 * std::sin(0.03 * n), z = 0.55 - 0.3 * std::cos(0.02 * n);
+    const PlaneForce force = guides[0].advance(field, y, z, 0.3, kBlock_s);
+    const PlaneForce turned = guides[1].advance(swapped, z, y, 0.3, kBlock_s);
+    const PlaneForce other = guides[2].advance(mirrored, 1 - y, z, 0.3, kBlock_s);
+    CHECK(std::abs(turned.z - force.y) + std::abs(turned.y - force.z) < 1e-9);
+    CHECK(std::abs(other.y + force.y) + std::abs(other.z - force.z) < 1e-9);
+    largest_y = std::max(largest_y, std::abs(force.y));
+    largest_z = std::max(largest_z, std::abs(force.z));
+  }
+  CHECK(largest_y > 0.5);
+  CHECK(largest_z > 0.5);
+}
+
 TEST_CASE("a straight border is exact up to the plane's edge") {
   const auto field = half_plane();
   for (const double y : {0.0, 0.1, 0.503, 0.7, 1.0})

@@ -51,6 +51,96 @@ TEST_CASE("a crossing is counted once a period") {
     }
 }
 
+TEST_CASE("envelope, crossings and jump are their definitions, sample by sample") {
+  // docs/playability.md, worked out from the whole history at each time that it is asked for.
+  for (const double rate : {8000.0, 48000.0})
+    for (const bool slow_attack : {false, true}) {
+      PlayabilityParameters p;
+      p.attack_s = slow_attack ? 60e-3 : 4e-3;
+      p.release_s = slow_attack ? 10e-3 : 70e-3;
+      p.highpass_hz = 20;
+      p.window_s = 30e-3;
+      p.hysteresis = 0.3;
+      p.reference_rad = 0.02;
+      PlayabilityFollower<double> follower;
+      follower.set(p);
+      follower.prepare(rate);
+      const double hop = std::round(rate * 0.5e-3), window = std::round(p.window_s * rate / hop);
+      const double pole = std::exp(-2 * kPi * p.highpass_hz / rate);
+      double before = 0, high = 0, y = 0;
+      bool armed = false;
+      std::vector<int> crossings;
+      std::mt19937 random(3);
+      std::normal_distribution<double> noise(0, 0.004);
+      const int count = static_cast<int>(0.8 * rate);
+      for (int n = 0; n < count; ++n) {
+        const double t = n / rate, louder = t < 0.4 ? 1 : 0.2; // a note, then a softer one
+        const double angle = 0.01 + louder * (0.03 * sine(t < 0.6 ? 150 : 380, t) + noise(random));
+        follower.tick(angle);
+        high = n == 0 ? 0 : angle - before + pole * high;
+        before = angle;
+        const double size = std::abs(high);
+        const double v = std::exp(-1 / ((size > y ? p.attack_s : p.release_s) * rate));
+        y = (1 - v) * size + v * y;
+        if (high < -p.hysteresis * y - 1e-9)
+          armed = true;
+        if (armed && high > p.hysteresis * y + 1e-9) {
+          armed = false;
+          crossings.push_back(n);
+        }
+        REQUIRE(follower.envelope() == doctest::Approx(y).epsilon(1e-9));
+        if ((n + 1) % static_cast<int>(hop) != 0)
+          continue;
+        const auto counted = std::count_if(crossings.begin(), crossings.end(),
+                                           [&](int at) { return at > n - window * hop; });
+        REQUIRE(follower.crossing_rate() ==
+                doctest::Approx(static_cast<double>(counted) * rate / (window * hop)));
+        // A (1 - C), or with the aperiodicity when it is worse.
+        REQUIRE(follower.playability() ==
+                doctest::Approx(y / (y + p.reference_rad) * (1 - follower.jump())));
+      }
+      CHECK(crossings.size() > 80);
+    }
+}
+
+TEST_CASE("a valve that only rises has not crossed") {
+  PlayabilityFollower<double> follower;
+  follower.prepare(48000);
+  feed(follower, 48000, 0.02, [](double t) { return t < 0.01 ? 0.0 : 0.05; });
+  CHECK(follower.crossing_rate() == 0);
+}
+
+TEST_CASE("the jump is (z/z_mean - 1.5)/1.5 between 1.5 and 3 times the mean") {
+  for (const double ratio : {1.4, 2.0, 2.6, 3.2}) {
+    PlayabilityFollower<double> follower;
+    follower.prepare(48000);
+    feed(follower, 48000, 2, [](double t) { return 0.05 * sine(200, t); });
+    feed(follower, 48000, 0.0505, [&](double t) { return 0.05 * sine(200 * ratio, t); });
+    // A window of 50 ms after the change the mean of 0.5 s has followed by a twentieth.
+    const double mean = 1 + (ratio - 1) * 0.05;
+    CHECK(follower.jump() ==
+          doctest::Approx(std::clamp((ratio / mean - 1.5) / 1.5, 0.0, 1.0)).epsilon(0.02).scale(1));
+  }
+}
+
+TEST_CASE("in the robust mode aperiodicity takes by a smooth step from 0.04 to 0.25") {
+  PlayabilityFollower<double> follower;
+  PlayabilityParameters p;
+  p.mode = PlayabilityParameters::Mode::kRobust;
+  follower.set(p);
+  follower.prepare(48000);
+  feed(follower, 48000, 1, [](double t) { return 0.05 * sine(200, t); });
+  const double y = follower.envelope(), whole = y / (y + p.reference_rad);
+  REQUIRE(follower.jump() == 0);
+  for (const double a : {0.0, 0.04, 0.08, 0.145, 0.2, 0.25, 1.0}) {
+    const double t = std::clamp((a - 0.04) / 0.21, 0.0, 1.0);
+    CHECK(follower.playability(0, a) == doctest::Approx(whole * (1 - t * t * (3 - 2 * t))));
+  }
+  p.mode = PlayabilityParameters::Mode::kPaper;
+  follower.set(p);
+  CHECK(follower.playability(0, 1.0) == doctest::Approx(whole));
+}
+
 TEST_CASE("hysteresis keeps small ripples from being counted") {
   PlayabilityFollower<double> follower;
   follower.prepare(48000);

@@ -28,6 +28,10 @@ struct FakeUsb {
   std::vector<int> history; // of the first motor's commands, one a change
   long orders = 0;
   bool gone = false, stuck = false;
+  bool mute = false;                    // orders are taken, answers wait
+  long unanswered = 0;                  // orders taken while mute
+  long failing_in = 0, failing_out = 0; // so many more transfers time out
+  long allocated = 0, released = 0;
 
   void reset() {
     const std::scoped_lock lock(mutex);
@@ -35,7 +39,8 @@ struct FakeUsb {
     last = {};
     history.clear();
     orders = 0;
-    gone = stuck = false;
+    gone = stuck = mute = false;
+    failing_in = failing_out = unanswered = allocated = released = 0;
   }
   static FakeUsb& instance() {
     static FakeUsb usb;
@@ -55,7 +60,19 @@ struct FakeUsb {
       finish(queue.front(), LIBUSB_TRANSFER_NO_DEVICE, 0);
       queue.pop_front();
     }
-    while (!stuck && !out.empty() && !in.empty()) {
+    for (auto* row : {&in, &out})
+      for (long& left = row == &in ? failing_in : failing_out; left > 0 && !row->empty(); --left) {
+        finish(row->front(), LIBUSB_TRANSFER_TIMED_OUT, 0);
+        row->pop_front();
+      }
+    while (mute && !out.empty()) {
+      ++unanswered;
+      finish(out.front(), LIBUSB_TRANSFER_COMPLETED, out.front()->length);
+      out.pop_front();
+    }
+    for (; !mute && unanswered > 0 && !in.empty(); --unanswered)
+      answer({});
+    while (!stuck && !mute && !out.empty() && !in.empty()) {
       AnswerStream decoder;
       for (int i = 0; i < out.front()->length; ++i)
         decoder.take(out.front()->buffer[i]);
@@ -63,13 +80,16 @@ struct FakeUsb {
       ++orders;
       if (history.empty() || history.back() != last.motors[0])
         history.push_back(last.motors[0]);
-      const Packet answer = encode(Answer{last.motors, 0x70});
-      std::copy(answer.begin(), answer.end(), in.front()->buffer + kStatusBytes);
       finish(out.front(), LIBUSB_TRANSFER_COMPLETED, out.front()->length);
-      finish(in.front(), LIBUSB_TRANSFER_COMPLETED, static_cast<int>(kStatusBytes + kPacketBytes));
       out.pop_front();
-      in.pop_front();
+      answer(last.motors);
     }
+  }
+  void answer(const Values& encoders) {
+    const Packet packet = encode(Answer{encoders, 0x70});
+    std::copy(packet.begin(), packet.end(), in.front()->buffer + kStatusBytes);
+    finish(in.front(), LIBUSB_TRANSFER_COMPLETED, static_cast<int>(kStatusBytes + kPacketBytes));
+    in.pop_front();
   }
 
   static int LIBUSB_CALL submit(libusb_transfer* transfer) {
@@ -111,9 +131,13 @@ struct FakeUsb {
     return 0;
   }
   static libusb_transfer* LIBUSB_CALL allocate(int) {
+    ++instance().allocated;
     return static_cast<libusb_transfer*>(std::calloc(1, sizeof(libusb_transfer)));
   }
-  static void LIBUSB_CALL release(libusb_transfer* transfer) { std::free(transfer); }
+  static void LIBUSB_CALL release(libusb_transfer* transfer) {
+    ++instance().released;
+    std::free(transfer);
+  }
 };
 
 std::shared_ptr<UsbLibrary> fake_library() {
@@ -245,11 +269,89 @@ TEST_CASE("a device that leaves is lost at once and can be let go") {
   stream.send(order(8));
   stream.stop();
   stream.stop();
+  CHECK(usb.allocated > 0);
+  CHECK(usb.released == usb.allocated);
   Link second(fake_library());
   usb.gone = true;
   Stream late(second);
   CHECK(late.start() == "");
   CHECK(late.lost());
+  late.stop();
+  CHECK(usb.released == usb.allocated);
+}
+
+TEST_CASE("fifty transfers that fail in a row are a lost line, fewer are counted and outlived") {
+  for (const bool in : {true, false}) {
+    CAPTURE(in);
+    Link link(fake_library());
+    FakeUsb& usb = FakeUsb::instance();
+    Stream stream(link);
+    REQUIRE(stream.start() == "");
+    const auto fail = [&](long count) { // while the servo goes on
+      {
+        const std::scoped_lock lock(usb.mutex);
+        (in ? usb.failing_in : usb.failing_out) = count;
+        usb.work.notify_all();
+      }
+      return soon([&] {
+        stream.send(order(4000));
+        std::this_thread::sleep_for(std::chrono::microseconds(200));
+        const std::scoped_lock lock(usb.mutex);
+        return (in ? usb.failing_in : usb.failing_out) == 0 || stream.lost();
+      });
+    };
+    for (int row = 1; row <= 3; ++row) { // what goes well in between ends it
+      REQUIRE(press(stream, order(1000 * row)));
+      REQUIRE(fail(30));
+      CHECK(soon([&] { return stream.counts().failed == 30u * static_cast<unsigned>(row); }));
+    }
+    REQUIRE(press(stream, order(500)));
+    CHECK_FALSE(stream.lost());
+    static_cast<void>(fail(1000));
+    CHECK(soon([&] { return stream.lost(); }));
+    // In and out are two transfers each, some of which may be under way.
+    CHECK(stream.counts().failed >= 90 + 50);
+    CHECK(stream.counts().failed <= 90 + 50 + 4);
+  }
+}
+
+TEST_CASE("an order that waits for an answer goes out when the answer comes") {
+  // Two are unanswered; the third must not wait for the next call of send(). After 50 ms without
+  // one it would be an order without force: a stall of the machine of that length asks for another
+  // attempt.
+  bool went = false;
+  for (int attempt = 0; attempt < 20 && !went; ++attempt) {
+    Link link(fake_library());
+    FakeUsb& usb = FakeUsb::instance();
+    Stream stream(link);
+    REQUIRE(stream.start() == "");
+    REQUIRE(press(stream, order(4000)));
+    const auto silence = [&usb](bool mute) {
+      const std::scoped_lock lock(usb.mutex);
+      usb.mute = mute;
+      usb.work.notify_all();
+    };
+    const auto taken = [&usb] {
+      const std::scoped_lock lock(usb.mutex);
+      return usb.unanswered;
+    };
+    std::this_thread::sleep_for(std::chrono::milliseconds(2)); // what was under way is answered
+    silence(true);
+    for (int i = 1; i <= 2; ++i) {
+      stream.send(order(4000));
+      soon([&] { return taken() >= i; });
+    }
+    stream.send(order(3210));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    CHECK(taken() == 2);
+    silence(false);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(30);
+    while (!went && std::chrono::steady_clock::now() < end) {
+      const std::scoped_lock lock(usb.mutex);
+      went = usb.last.motors == order(3210).motors;
+    }
+  }
+  CHECK(went);
 }
 
 TEST_CASE("a device that takes no more orders does not keep the stream from stopping") {
