@@ -72,8 +72,8 @@ def drawn(room, seed, count, changed, only):
     return kept  # the caller stops at `count` that count
 
 
-def run(room, changes, count, equivalents):
-    """[(change, verdict)] until `count` count."""
+def run(room, changes, count, equivalents, keep=lambda judged: None):
+    """[(change, verdict)] until `count` count; kept after each, so that a run can be stopped."""
     judged, counted = [], 0
     for change in changes:
         if counted == count:
@@ -81,6 +81,7 @@ def run(room, changes, count, equivalents):
         begin = time.monotonic()
         verdict = "equivalent" if equivalents.reason(change) else room.judge(change)
         judged.append((change, verdict))
+        keep(judged)
         counted += verdict in COUNTED
         print(f"{room.name} {counted}/{count} {NAMES[verdict]}: {change} ({time.monotonic() - begin:.0f} s)", flush=True)
     room.workshop.make(room.targets)
@@ -125,10 +126,10 @@ def main():
         for name in order.room or ROOMS:
             changes = drawn(name, order.seed, order.count, changed, order.only)
             if changes:
-                judged = run(room_of(name), changes, order.count, equivalents)
+                path = None if order.changed or order.only else order.folder / f"{name}-{order.seed}.json"
+                keep = lambda judged: path and save(path, name, order.seed, order.everything, judged)
+                judged = run(room_of(name), changes, order.count, equivalents, keep)
                 results.append((name, order.seed, order.everything, judged))
-                if not (order.changed or order.only):
-                    save(order.folder / f"{name}-{order.seed}.json", *results[-1])
     print("\n" + report(results))
     if order.record:
         record(order.record, results)

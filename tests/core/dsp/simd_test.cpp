@@ -38,6 +38,14 @@ template <class V> void check_against_scalars() {
       CHECK(same_bits(lane(maximum(a, b), i), maximum(x, y)));
       CHECK(lane((a < b) | (a > V(5.0)), i) == (x < y || x > T(5)));
       CHECK(lane((!(a <= b)) & (b >= V(0.0)), i) == (!(x <= y) && y >= T(0)));
+      CHECK_FALSE(lane(a < a, i));
+      CHECK(lane((a <= a) & (a >= a), i));
+      V sum = a, difference = a, product = a;
+      sum += b, difference -= b, product *= b;
+      CHECK(same_bits(lane(sum, i), x + y));
+      CHECK(same_bits(lane(difference, i), x - y));
+      CHECK(same_bits(lane(product, i), x * y));
+      CHECK((bits(a < b) >> i & 1u) == (x < y ? 1u : 0u));
     }
   }
 }
@@ -48,14 +56,36 @@ TEST_CASE("every lane computes the same bits as a scalar") {
   SUBCASE("floats") { check_against_scalars<Lanes<float, 8>>(); }
 }
 
-TEST_CASE("one lane is enough for any") {
-  using V = Lanes<double, 8>;
-  for (int i = 0; i < 8; ++i) {
+template <class V> void check_single_lanes() {
+  using T = typename LaneTraits<V>::Scalar;
+  CHECK(bits(V(0.0) > V(0.5)) == 0);
+  for (int i = 0; i < LaneTraits<V>::count; ++i) {
     V x(0.0);
-    set_lane(x, i, 1.0);
+    set_lane(x, i, T(1));
     CHECK(any(x > V(0.5)));
     CHECK_FALSE(any(x > V(1.5)));
+    CHECK(bits(x > V(0.5)) == 1u << i);
+    CHECK(any(!(x > V(0.5))) == (LaneTraits<V>::count > 1));
+    for (int k = 0; k < LaneTraits<V>::count; ++k)
+      CHECK(lane(x, k) == (k == i ? T(1) : T(0)));
   }
+}
+
+TEST_CASE("one lane is enough for any, and is the one bit") {
+  SUBCASE("one double") { check_single_lanes<double>(); }
+  SUBCASE("doubles") { check_single_lanes<Lanes<double, 8>>(); }
+  SUBCASE("floats") { check_single_lanes<Lanes<float, 16>>(); }
+}
+
+TEST_CASE("of two numbers of which one is none, minimum and maximum take the first") {
+  // As C++'s (b < a ? b : a): nothing compares less than what is no number.
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  using V = Lanes<double, 2>;
+  CHECK(minimum(3.0, nan) == 3.0);
+  CHECK(maximum(3.0, nan) == 3.0);
+  CHECK(std::isnan(minimum(nan, 3.0)));
+  CHECK(lane(minimum(V(3.0), V(nan)), 1) == 3.0);
+  CHECK(std::isnan(lane(maximum(V(nan), V(3.0)), 0)));
 }
 
 TEST_CASE("a comparison with no number is false in its lane alone") {
