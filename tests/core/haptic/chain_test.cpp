@@ -123,6 +123,19 @@ TEST_CASE("fixed interpolation takes its time, none takes one tick") {
   CHECK(fast[10] == 3.0);
 }
 
+TEST_CASE("a target is reached in the time since the one before it, in 50 ticks at most") {
+  const auto f = run(plain(), {{0, 0}, {30, 3}, {230, 13}}, 300);
+  for (const int tick : {30, 44, 59})
+    CHECK(f[static_cast<std::size_t>(tick)] == doctest::Approx(3 * (tick - 29) / 30.0));
+  CHECK(f[229] == 3.0);
+  ChainSettings strong = plain();
+  strong.force_limit_n = 20;
+  const auto g = run(strong, {{0, 0}, {30, 3}, {230, 13}}, 300);
+  for (const int tick : {230, 254, 279})
+    CHECK(g[static_cast<std::size_t>(tick)] == doctest::Approx(3 + 10 * (tick - 229) / 50.0));
+  CHECK(g[280] == 13.0);
+}
+
 TEST_CASE("a second target in the same tick keeps the way's length") {
   ChainSettings settings = plain();
   ChainState state;
@@ -310,6 +323,28 @@ TEST_CASE("targets may put their allowance into the hand, local models nothing")
     }
     CHECK(state.energy_j == test::approx(local ? -4e-3 : -3e-3).epsilon(1e-9));
   }
+}
+
+TEST_CASE("what was forgiven is taken back when the hand returns, as often as it goes to and fro") {
+  // 1 N of the patch along 4 mm and back: no work in the mean, no credit and no debt at any time.
+  ChainSettings settings = plain();
+  settings.allowance_w = 10;
+  settings.tank_j = 0.1;
+  ChainState state;
+  command(state, settings, {1, 0, 0}, 0);
+  ChainInput input;
+  for (int tick = 0; tick <= 1000; ++tick) {
+    input.time_s = input.heartbeat_s = tick * 1e-3;
+    input.position.x = 4e-5 * (tick % 200 < 100 ? tick % 200 : 200 - tick % 200);
+    step(state, settings, input);
+    CHECK(std::abs(state.energy_j) < 1e-15);
+    CHECK(state.forgiven_j == doctest::Approx(input.position.x).scale(1e-6));
+  }
+  // Beyond where it began the hand pushes against the patch: that is credit.
+  input.time_s = input.heartbeat_s = 1.001;
+  input.position.x = -1e-3;
+  step(state, settings, input);
+  CHECK(state.energy_j == doctest::Approx(1e-3).epsilon(1e-9));
 }
 
 TEST_CASE("what is forgiven is never more than the work that was done") {

@@ -151,6 +151,22 @@ TEST_CASE("the sphere pushes and never pulls, and lets go") {
   CHECK(rig.tick({0, 0, 0.5}) == Vec3{});
 }
 
+TEST_CASE("the handle begins where it is first read, not with a way from the origin") {
+  for (const bool again : {false, true}) {
+    NetworkRig rig;
+    rig.network.touch = {0.01, 1000, 1};
+    const std::size_t mass = rig.mass(1e-3, {0, 0.25, 0}); // between the origin and the hand
+    rig.publish();
+    if (again) { // another device takes the network over, with its handle elsewhere
+      rig.tick({0, -0.5, 0});
+      rig.model.begin();
+    }
+    CHECK(rig.tick({0, 0.5, 0}) == Vec3{});
+    CHECK(rig.model.velocity(mass) == Vec3{});
+    CHECK(rig.model.position(mass) == Vec3{0, 0.25, 0});
+  }
+}
+
 TEST_CASE("a mass that flies at the sphere is met within the tick, however fast") {
   NetworkRig rig;
   rig.network.touch = {0.01, 1000, 0};

@@ -49,6 +49,17 @@ TEST_CASE("a mass on a spring and a damper moves as the solution of its differen
   CHECK(decay == approx(0.5 * b / m).epsilon(1e-3));
 }
 
+TEST_CASE("without a network, and with one at rest, there is no energy and no force") {
+  NetworkRig rig;
+  CHECK(rig.model.energy_j() == 0);
+  CHECK(rig.tick() == Vec3{});
+  rig.mass(0.01, {});
+  rig.publish();
+  CHECK(rig.tick() == Vec3{});
+  CHECK(rig.model.energy_j() == 0);
+  CHECK(rig.model.samples().size() == 48);
+}
+
 TEST_CASE("drag alone slows a free mass exponentially") {
   NetworkRig rig;
   rig.network.drag_per_s = 20;

@@ -349,3 +349,10 @@ TEST_CASE("without work nothing is known to be far") {
   CHECK(is_farther(ball, far, 2e-4, enough));
   CHECK(!is_farther(ball, far, 2e-4, none));
 }
+
+TEST_CASE("a mesh leaves out triangles without an area and those of corners that it has not") {
+  const std::vector<Vec3> corners{{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0.02, 0, 0}};
+  const std::vector<Triangle> triangles{{0, 1, 2}, {4, 1, 2}, {0, 4, 2}, {0, 1, 4},
+                                        {9, 9, 9}, {0, 1, 3}, {1, 1, 2}};
+  CHECK(TriangleMesh(corners, triangles).size() == 1);
+}

@@ -328,6 +328,50 @@ TEST_CASE("the newest request to the motors wins, however many came before it") 
   }
 }
 
+TEST_CASE("the report says what the tick read, wrote and counted, and the state of the motors") {
+  PushedServo rig;
+  rig.device.reading.position = {0.01, -0.02, 0.03};
+  rig.device.reading.buttons = 5;
+  const auto report = [&rig] {
+    REQUIRE(rig.servo.exchange().reports.read());
+    return rig.servo.exchange().reports.latest();
+  };
+  rig.run(50);
+  Report now = report();
+  CHECK(now.tick.index == 49);
+  CHECK(now.tick.time_s == doctest::Approx(0.049));
+  CHECK(now.state.position == rig.device.reading.position);
+  CHECK(now.state.buttons == 5);
+  CHECK(now.force_n == Vec3{2, 0, 0});
+  CHECK(now.counters.ticks == 50);
+  CHECK(now.motors);
+  CHECK_FALSE(now.latched);
+  CHECK(now.fault == Fault::kNone);
+  CHECK(now.faults == 0);
+  rig.motors().disable();
+  rig.run(1);
+  CHECK_FALSE(report().motors);
+  rig.motors().emergency_stop();
+  rig.run(1);
+  CHECK(report().latched);
+  rig.motors().enable();
+  rig.run(1);
+  now = report();
+  CHECK(now.motors);
+  CHECK_FALSE(now.latched);
+  // The hand gives way by 1 mm under 1 N of the force that returns: energy that the world gave.
+  rig.run(249);
+  rig.device.reading.position.x += 1e-3;
+  rig.run(1);
+  now = report();
+  CHECK(now.energy_j == doctest::Approx(-1e-3).epsilon(0.01));
+  CHECK(now.lowest_energy_j == now.energy_j);
+  rig.device.reading.flags |= State::kFault;
+  rig.run(1);
+  CHECK(report().fault == Fault::kReported);
+  CHECK(rig.servo.exchange().reports.latest().faults == 1);
+}
+
 TEST_CASE("an emergency stop outlives every new attachment until the motors are enabled") {
   PushedServo rig;
   REQUIRE(rig.run(50) == 2.0);

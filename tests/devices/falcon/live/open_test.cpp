@@ -18,6 +18,16 @@ TEST_CASE("a Falcon on the bus is listed, and one that has left is not") {
   CHECK(found[0].driver == "falcon");
   CHECK(found[0].state == "ready");
   CHECK(found[0].identity.model == "Falcon");
+  const std::string serial = found[0].identity.serial;
+  REQUIRE(rig.open() == "");
+  found = driver->list(); // beside the open device, without touching it
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].index == 0);
+  CHECK(found[0].identity.serial == serial);
+  CHECK(found[0].state == "open in this program");
+  rig.falcon.close();
+  REQUIRE(driver->list().size() == 1);
+  CHECK(driver->list()[0].state == "ready");
   rig.control.ask("unplug");
   CHECK(driver->list().empty());
   CHECK(rig.falcon.open().find("plugged in") != std::string::npos);
