@@ -7,6 +7,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 namespace tactus::reed {
 namespace {
@@ -24,6 +26,65 @@ TEST_CASE("the tuned bore has its linear playing frequency at f_b") {
       const double linear = linear_playing_frequency(p, length, p.reed_frequency, f);
       CHECK(std::abs(cents(linear, f)) < 1);
     }
+}
+
+TEST_CASE("above its threshold a tuned bore sends back in phase what the valve would play on") {
+  // At so many times the threshold valve and bore agree in the phase of the round trip alone: the
+  // note grows. (1 - y)/(1 + y), y = Z_0 (Y - what lies at the input: cup and cone).
+  using Complex = std::complex<double>;
+  for (const char* name : {"clarinet", "sax"})
+    for (const double f : {147.0, 262.0})
+      for (const double over : {1.0, 1.5, 1.7}) { // half way to the highest at most
+        const Parameters p = find_preset(name).value();
+        const double reed = p.reed_frequency;
+        const LinearStability first(p, tuned_length(p, f, reed));
+        const double threshold = first.threshold(reed, f).mouth_pressure;
+        REQUIRE(threshold > 0);
+        const LinearStability theory(p, tuned_length(p, f, reed, over));
+        const Complex s(0, 2 * std::numbers::pi * f);
+        const double area = std::numbers::pi * p.input_radius * p.input_radius;
+        const double speed = 331.45 * std::sqrt(1 + 20 / 273.15);
+        const double density = 1.2929 * 273.15 / 293.15;
+        const Complex lumped =
+            s * p.cup_volume / (density * speed * speed) +
+            (p.shape == BoreShape::kCone ? area / (s * density * p.apex_distance) : Complex(0));
+        const auto round_trip = [&](Complex admittance) {
+          const Complex y = density * speed / area * (admittance - lumped);
+          return (1.0 - y) / (1.0 + y);
+        };
+        const Complex valve = round_trip(
+            theory.valve_admittance(s, theory.equilibrium(over * threshold, reed), reed));
+        const Complex bore = round_trip(theory.input_admittance(s));
+        CAPTURE(name);
+        CAPTURE(f);
+        CAPTURE(over);
+        CHECK(std::abs(std::arg(valve / bore)) < 2e-3); // of a turn of 2 pi: half a cent
+        if (over == 1.0)
+          CHECK(std::abs(valve / bore) == doctest::Approx(1).epsilon(2e-3));
+      }
+}
+
+TEST_CASE("a player tunes reeds at one and a half times the threshold, lips at two and a half") {
+  for (const char* name : {"clarinet", "oboe", "trumpet", "trombone"}) {
+    Parameters p = find_preset(name).value();
+    p.aim = 20;
+    const double f = std::string(name) == "trombone" ? 147 : 262, aimed = f * std::exp2(20 / 1200.);
+    const double reed = p.reed_frequency;
+    const Playing playing = tuned(p, f, reed);
+    const bool lips = p.embouchure > 0;
+    CAPTURE(name);
+    CHECK(playing.length ==
+          doctest::Approx(tuned_length(playing.valve, aimed, lips ? p.embouchure * aimed : reed,
+                                       lips ? 2.5 : 1.5))
+              .epsilon(1e-9));
+    // The lips go with the note at constant stiffness m w^2: f_r of the note, not of the table.
+    const double scale = lips ? p.embouchure * aimed / reed : 1;
+    CHECK(playing.reed_scale == doctest::Approx(scale));
+    CHECK(playing.valve.mass == doctest::Approx(p.mass * p.lip_mass / (scale * scale)));
+    CHECK(playing.valve.rest_angle == doctest::Approx(p.rest_angle * p.lip_opening));
+    CHECK(playing.valve.width == doctest::Approx(p.width * p.lip_width));
+    CHECK(playing.valve.quality == doctest::Approx(p.quality * p.lip_quality));
+  }
 }
 
 TEST_CASE("a tuned clarinet plays its note, an untuned one is flat") {
