@@ -3,7 +3,7 @@
 
     tests/mutation/mutate.py [ROOM...] [--count 40] [--seed 1] [--everything] [--changed REVISION]
                              [--only PATH[:LINE]] [--folder build-mutation] [--jobs 2]
-                             [--again RESULTS.json...] [--record docs/results/mutation.md]
+                             [--again | --read RESULTS.json...] [--record docs/results/mutation.md]
 
 A room is a folder of `rooms.py`. --count changes are drawn from each room with a fixed seed. Each is
 made in a copy of the sources, only what depends on it is built, and the room's unit tests run, from the
@@ -17,7 +17,8 @@ that use the room. --changed draws only from lines that differ from REVISION.
 
 The same seed and sources give the same changes. Prints progress, one line a change, and a table by room.
 Results are kept in FOLDER/ROOM-SEED.json. --again runs only what the unit tests missed by those
-files, after tests were written for it, and brings the files up to date. --record puts the rows into the table of a page.
+files, after tests were written for it, and brings the files up to date; --read runs nothing. --record
+puts the rows into the table of a page.
 """
 import argparse
 import random
@@ -99,19 +100,25 @@ def main():
     words.add_argument("--folder", type=Path, default=ROOT / "build-mutation")
     words.add_argument("--jobs", type=int, default=2)
     words.add_argument("--again", metavar="RESULTS.json", nargs="+", type=Path)
+    words.add_argument("--read", metavar="RESULTS.json", nargs="+", type=Path)
     words.add_argument("--record", metavar="PAGE.md", type=Path)
     order = words.parse_args()
     unknown = [r for r in order.room if r not in ROOMS]
     if unknown:
         raise SystemExit(f"no room is called {unknown[0]}; expected one of {', '.join(ROOMS)}")
     equivalents, results = Equivalents(), []
-    workshop = Workshop(order.folder.resolve(), order.jobs)
+    workshop = None if order.read else Workshop(order.folder.resolve(), order.jobs)
 
     def room_of(name):
         print(f"{name}: building and running its tests unchanged", file=sys.stderr)
         return Room(name, workshop, order.everything)
 
-    if order.again:
+    if order.read:
+        for path in order.read:
+            name, seed, everything, former = load(path)
+            judged = [(c, "equivalent" if v == "missed" and equivalents.reason(c) else v) for c, v in former]
+            results.append((name, seed, everything, judged))
+    elif order.again:
         for path in order.again:
             name, seed, everything, former = load(path)
             open_ones = [c for c, v in former if v in ("missed", "all", "equivalent")]

@@ -116,7 +116,7 @@ TEST_CASE("a debt is paid by min(debt/(T u^2), 3 K T, b_device) of damping, at e
         const double device = kDevice * std::min(1.0, 1e-3 / period_s);
         const double damping =
             std::min({debt_j / (period_s * u * u), 3 * stiffness * period_s, device});
-        CHECK(force.x == doctest::Approx(-stiffness * x - damping * u).epsilon(1e-9));
+        CHECK(force.x == doctest::Approx(-stiffness * x - damping * u).epsilon(1e-9).scale(1e-3));
         CHECK(force.y == 0);
         CHECK(motion.controller.acted());
       }
@@ -148,8 +148,9 @@ TEST_CASE("the braked velocity is the reading, no faster than 2 ms of displaceme
       const Vec3 force = motion.with_energy(-10, {reading * true_speed, 0, 0});
       const double agreed =
           reading < 0 ? 0.0 : std::min(mean * window_s / period_s, reading * true_speed);
-      CHECK(force.x + 1e5 * x ==
-            doctest::Approx(-2 * std::min(1.0, 1e-3 / period_s) * agreed).epsilon(1e-6));
+      CHECK(
+          force.x + 1e5 * x ==
+          doctest::Approx(-2 * std::min(1.0, 1e-3 / period_s) * agreed).epsilon(1e-6).scale(1e-3));
     }
   }
 }
@@ -161,7 +162,8 @@ TEST_CASE("an encoder's step is no debt, and a displacement counts beyond the re
     slow.settings.position_noise_m = kNoise_m;
     slow.run(40);
     const double force = slow.with_energy(-10, {1, 0, 0}).x + 1e6 * slow.x();
-    CHECK(force == doctest::Approx(-5 * std::max(moved_m - kNoise_m, 0.0) / 1e-3).epsilon(1e-6));
+    CHECK(force ==
+          doctest::Approx(-5 * std::max(moved_m - kNoise_m, 0.0) / 1e-3).epsilon(1e-6).scale(1e-3));
   }
   // A step q = 2 kNoise_m of a spring is an energy K q^2/2 that nobody has given.
   const double step_j = 0.5 * kStiffness * 4 * kNoise_m * kNoise_m;
@@ -173,7 +175,7 @@ TEST_CASE("an encoder's step is no debt, and a displacement counts beyond the re
     const double x = motion.x();
     const Vec3 force = motion.with_energy(-debt * step_j, {kSpeed, 0, 0});
     const double expected = debt > 1 ? (debt - 1) * step_j / (1e-3 * kSpeed) : 0.0;
-    CHECK(force.x + kStiffness * x == doctest::Approx(-expected).epsilon(1e-6));
+    CHECK(force.x + kStiffness * x == doctest::Approx(-expected).epsilon(1e-6).scale(1e-3));
     CHECK(motion.controller.acted() == (debt > 1));
   }
   // A spring stiffer than any that the device could damp counts as b_device/T.
@@ -182,7 +184,8 @@ TEST_CASE("an encoder's step is no debt, and a displacement counts beyond the re
   stiff.run(40);
   const double x = stiff.x(), most_j = 0.5 * (5 / 1e-3) * 4 * kNoise_m * kNoise_m;
   const Vec3 force = stiff.with_energy(-1.1 * most_j, {kSpeed, 0, 0});
-  CHECK(force.x + 1e6 * x == doctest::Approx(-0.1 * most_j / (1e-3 * kSpeed)).epsilon(1e-6));
+  CHECK(force.x + 1e6 * x ==
+        doctest::Approx(-0.1 * most_j / (1e-3 * kSpeed)).epsilon(1e-6).scale(1e-3));
 }
 
 TEST_CASE("the damper acts along the force, or along the last one when there is none") {
@@ -223,7 +226,8 @@ TEST_CASE("the stiffness that bounds the damper is forgotten over 50 ms") {
     forces += age >= held ? weight : 0.0;
   }
   const double remaining = 1000 * std::sqrt(forces / positions);
-  CHECK(braked == doctest::Approx(std::min(5.0, 3 * remaining * 1e-3) * 0.1).epsilon(0.01));
+  CHECK(braked ==
+        doctest::Approx(std::min(5.0, 3 * remaining * 1e-3) * 0.1).epsilon(0.01).scale(1e-3));
   CHECK(3 * remaining * 1e-3 < 4); // so that it is the bound that acts
 }
 
@@ -314,9 +318,10 @@ TEST_CASE("no more is cut from a contact than it is, than a credit asks, or than
   CHECK(let(101, 0, 0.1, wanted) == wanted); // held there: it swings against the hand
   // E = v (F T + F^2/(2 slew)) at a constant velocity.
   const double v = 0.1, kept = 0.7, energy_j = v * (kept * 1e-3 + kept * kept / (2 * 2000.0));
-  CHECK(let(20, energy_j, v, wanted).x == doctest::Approx(1 + kept).epsilon(1e-9));
+  CHECK(let(20, energy_j, v, wanted).x == doctest::Approx(1 + kept).epsilon(1e-9).scale(1e-3));
   // An exact device that reads more than the last 2 ms show is believed: the handle speeds up.
   const auto slower = [&](double times) { return let(20, times * energy_j, v, wanted, 3).x; };
   settings.slew_n_per_s = 1e9; // of which the acceleration that is seen takes its share, too
-  CHECK(slower(3 * 1e-3 * kept * v / energy_j) == doctest::Approx(1 + kept).epsilon(1e-6));
+  CHECK(slower(3 * 1e-3 * kept * v / energy_j) ==
+        doctest::Approx(1 + kept).epsilon(1e-6).scale(1e-3));
 }

@@ -113,8 +113,8 @@ TEST_CASE("a steady stream is played the set delay behind the newest reading, in
   }
   const double lag_s = -std::atan2(quadrature, in_phase) / (kTwoPi * 2);
   CHECK(std::hypot(in_phase, quadrature) * 2 / (64 * kBlocks) ==
-        doctest::Approx(0.01).epsilon(0.01));
-  CHECK(lag_s == doctest::Approx(3e-3 + 0.5e-3 + 32 / 48000.0).epsilon(0.05));
+        doctest::Approx(0.01).epsilon(0.01).scale(0));
+  CHECK(lag_s == doctest::Approx(3e-3 + 0.5e-3 + 32 / 48000.0).epsilon(0.05).scale(0));
 }
 
 TEST_CASE("an absurd sample rate makes 64 ticks a sample and no more") {
@@ -129,11 +129,9 @@ TEST_CASE("an absurd sample rate makes 64 ticks a sample and no more") {
   for (int i = 0; i < 10; ++i) {
     const int before = steps;
     static_cast<void>(player.process({}));
-    CHECK(steps > before);
-    CHECK(steps - before <= 64);
+    CHECK(steps - before == (i == 0 ? 1 : 64)); // the first lies at the first sample
   }
   player.end_block(0);
-  CHECK(steps >= 5 * 64);
 }
 
 TEST_CASE("positions are played normalised to the workspace that was set last") {
