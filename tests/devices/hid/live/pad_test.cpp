@@ -22,6 +22,8 @@ TEST_CASE("any HID with axes works by its own description" * doctest::skip(skipp
   REQUIRE(rig.set({"deadzone", "0"}) == "");
   REQUIRE(rig.device.open() == "");
   CHECK(rig.device.identity().model == "Pad");
+  // Half a count of 255 from edge to edge, 100 mm.
+  CHECK(rig.device.caps().position_noise_m == doctest::Approx(0.5 * 0.1 / 255).scale(0));
   // X right, Y towards, Rx, Ry, slider up; buttons 1 and 10
   rig.control.ask("report ff 00 80 80 ff 0102");
   CHECK(rig.reaches({50, 50, -50}));

@@ -54,6 +54,16 @@ TEST_CASE("full deflection to the right is the workspace's edge" * doctest::skip
             rig.state.position) == Vec3{1, 0.5, 0.5});
   CHECK(caps.axes_out == 0);
   CHECK(caps.has_rotation);
+  CHECK(caps.has_buttons);
+  // Half a count of 350 to the edge at 50 mm.
+  CHECK(caps.position_noise_m == doctest::Approx(0.5 / 350 * 0.05).scale(0));
+  for (const char* unknown : {"report 55 0102", "report 01 02", "report 02"}) { // and goes on
+    rig.control.ask(unknown);
+    rig.control.ask(report(0, 0, 0));
+    CHECK(rig.reaches({0, 0, 0}));
+    rig.control.ask(report(350, 0, 0));
+    CHECK(rig.reaches({50, 0, 0}));
+  }
   // towards the user and down: HID's Y and Z
   rig.control.ask(report(0, 350, 350));
   CHECK(rig.reaches({0, -50, 50}));
