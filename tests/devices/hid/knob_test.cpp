@@ -81,6 +81,24 @@ TEST_CASE("a described device's axes are shares of their range around its middle
   CHECK(decoder.knob().buttons == 5); // two choices at once: buttons 3 and 1
   CHECK(decoder.take(Bytes{0, 255, 0, 0}));
   CHECK(decoder.knob().buttons == 0);
+  // Without report numbers the first byte is the first axis, whatever its value.
+  CHECK(decoder.take(Bytes{9, 255, 2, 0}));
+  CHECK(decoder.knob().buttons == 2);
+  CHECK(decoder.take(Bytes{9, 255, 0, 0}));
+  CHECK(decoder.knob().buttons == 0);
+}
+
+TEST_CASE("a described device without buttons says so, and its axes are the description's") {
+  const Bytes text{0x05, 0x01, 0x09, 0x05, 0xa1, 0x01, 0x15, 0x00, 0x26, 0xff,
+                   0x00, 0x75, 0x08, 0x95, 0x01, 0x09, 0x31, 0x81, 0x02, 0xc0}; // Y alone, 8 bits
+  Decoder decoder = Decoder::described(parse_report_descriptor(text));
+  CHECK(decoder.axes() == 0x02u);
+  CHECK_FALSE(decoder.has_buttons());
+  CHECK(decoder.take(Bytes{255}));
+  CHECK(decoder.knob().share[1] == 1);
+  CHECK(decoder.knob().share[0] == 0);
+  CHECK(Decoder::space_mouse({}).has_buttons());
+  CHECK(Decoder::space_mouse({}).axes() == 0x3fu);
 }
 
 TEST_CASE("random reports leave shares within one") {
