@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -141,6 +142,38 @@ TEST_CASE("the gradient is the same bits however the stream is cut") {
     CHECK(cut.gradient.y == whole.gradient.y);
     CHECK(cut.gradient.z == whole.gradient.z);
     CHECK(cut.sound == whole.sound);
+  }
+}
+
+TEST_CASE("after reset a gradient is a new one, to the bit, wherever it was stopped") {
+  const auto feel_on = [](ReedGradient& gradient, double y, double z, int readings) {
+    std::vector<double> felt;
+    std::array<double, ReedGradient::kHold> sound;
+    for (int n = 0; n < readings; ++n) {
+      gradient.move(y + 1e-3 * n, z, 0);
+      gradient.process(sound);
+      felt.insert(felt.end(), sound.begin(), sound.end());
+      felt.push_back(gradient.force().y);
+      felt.push_back(gradient.force().z);
+    }
+    return felt;
+  };
+  for (const int readings : {40, 41}) { // of which every second one moves the force
+    const auto prepare = [](ReedGradient& gradient) {
+      gradient.set(reference::trumpet());
+      gradient.set_range({0, 8000, 80, 900});
+      gradient.prepare(kRate);
+    };
+    ReedGradient used, fresh;
+    prepare(used);
+    prepare(fresh);
+    static_cast<void>(feel_on(used, 0.3, 0.7, readings));
+    used.reset();
+    CHECK(used.force().y == 0);
+    CHECK(used.force().z == 0);
+    const auto again = feel_on(used, 0.5, 0.4, 300), first = feel_on(fresh, 0.5, 0.4, 300);
+    CHECK(again == first);
+    CHECK(std::any_of(first.begin(), first.end(), [](double x) { return x != 0; }));
   }
 }
 
