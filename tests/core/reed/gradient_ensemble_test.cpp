@@ -145,6 +145,47 @@ TEST_CASE("the gradient is the same bits however the stream is cut") {
   }
 }
 
+TEST_CASE("each neighbour of the hand is what a hand in its place would hear") {
+  // Lane k of a gradient at (y, z) against lane 0 of one at the stencil's k-th position: lanes do
+  // not depend on each other. And the gradient is their central difference.
+  const double y = 0.6, z = 0.42, delta = 0.02;
+  const GradientStencil stencil(y, z, delta);
+  const auto at = [&](double there_y, double there_z) {
+    ReedGradient gradient;
+    gradient.set(reference::trumpet());
+    gradient.set_range({0, 8000, 80, 900});
+    gradient.set_delta(delta);
+    gradient.prepare(kRate);
+    std::array<double, ReedGradient::kHold> sound;
+    std::array<double, GradientStencil::kPoints + 2> found{};
+    for (int n = 0; n < 601; ++n) {
+      gradient.move(there_y, there_z, 0);
+      if (n == 600) // the force has just been made anew, from what the lanes are now
+        break;
+      gradient.process(sound);
+    }
+    for (std::size_t lane = 0; lane < GradientStencil::kPoints; ++lane)
+      found[lane] = gradient.ensemble().playability(lane);
+    gradient.move(there_y, there_z, 0); // one of two moves makes it
+    found[GradientStencil::kPoints] = gradient.gradient().y;
+    found[GradientStencil::kPoints + 1] = gradient.gradient().z;
+    return found;
+  };
+  const auto here = at(y, z);
+  for (std::size_t lane = 1; lane < GradientStencil::kPoints; ++lane) {
+    CAPTURE(lane);
+    CHECK(here[lane] == doctest::Approx(at(stencil.y[lane], stencil.z[lane])[0]).epsilon(1e-6));
+    CHECK(here[lane] != here[0]);
+  }
+  const auto slope = [&](std::size_t a, std::size_t b, double distance) {
+    return (here[a] - here[b]) / distance;
+  };
+  CHECK(here[GradientStencil::kPoints] ==
+        doctest::Approx(slope(1, 2, stencil.y[1] - stencil.y[2])).epsilon(1e-9));
+  CHECK(here[GradientStencil::kPoints + 1] ==
+        doctest::Approx(slope(3, 4, stencil.z[3] - stencil.z[4])).epsilon(1e-9));
+}
+
 TEST_CASE("after reset a gradient is a new one, to the bit, wherever it was stopped") {
   const auto feel_on = [](ReedGradient& gradient, double y, double z, int readings) {
     std::vector<double> felt;
