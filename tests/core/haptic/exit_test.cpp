@@ -112,3 +112,48 @@ TEST_CASE("a tool whose centre lies on a face, in a solid's middle or under a pl
   CHECK(plane->normal == Vec3{0, 0, 1});
   CHECK_FALSE(nearest_exit(Plane{}, 4e-3, {0, 0, 0.0041}, work));
 }
+
+TEST_CASE("round an edge, a corner or a rim a tool stays on the rounding that it touches") {
+  // Its centre lies at R from the solid's nearest point: exactly, where the face goes on there.
+  const double radius = 4e-3;
+  const Box box{{0.03, 0.01, 0.02}};
+  const auto check_box = [&](const Vec3& side, const Vec3& gap) {
+    Vec3 core{0.005, 0.002, -0.003}; // along an edge: anywhere
+    for (int axis = 0; axis < 3; ++axis)
+      if (side[axis] != 0)
+        core[axis] = side[axis] * box.half[axis];
+    const auto found = nearest_on_curve(box, radius, side * (1 / norm(side)), core + gap);
+    REQUIRE(found);
+    CHECK(norm(found->normal - gap * (1 / norm(gap))) < 1e-12);
+    CHECK(norm(found->point - core - found->normal * radius) < 1e-15);
+  };
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0}) {
+      check_box({x, y, 0}, {1e-3 * x, 2e-3 * y, 0});
+      check_box({0, x, y}, {0, 1e-4 * x, 2e-3 * y});
+      check_box({x, y, 1}, {1e-3 * x, 2e-3 * y, 1e-3});
+      check_box({x, y, -1}, {2e-3 * x, 1e-3 * y, -1e-3});
+    }
+  const Vec3 beside{0.031, 0.012, 0.005}; // an edge at x > 0, y > 0
+  CHECK_FALSE(nearest_on_curve(box, radius, Vec3{-1, 1, 0} * std::sqrt(0.5), beside));
+  CHECK_FALSE(nearest_on_curve(box, radius, {1, 0, 0}, {0.031, 0.002, 0.005})); // flat
+  CHECK_FALSE(nearest_on_curve(box, radius, Vec3{1, 1, 0} * std::sqrt(0.5), {0.034, 0.013, 0}));
+  CHECK_FALSE(nearest_on_curve(box, 0, Vec3{1, 1, 0} * std::sqrt(0.5), beside));
+
+  const Disk disk{0.03, 0.01};
+  for (const double z : {-1.0, 1.0}) {
+    const Vec3 rim{0.018, 0.024, 0.01 * z}, gap{0.6e-3, 0.8e-3, 2e-3 * z};
+    const auto found =
+        nearest_on_curve(disk, radius, Vec3{0.6, 0.8, z} * std::sqrt(0.5), rim + gap);
+    REQUIRE(found);
+    CHECK(norm(found->point - rim - gap * (radius / norm(gap))) < 1e-12);
+    CHECK_FALSE(nearest_on_curve(disk, radius, Vec3{0.6, 0.8, -z} * std::sqrt(0.5), rim + gap));
+    CHECK_FALSE(nearest_on_curve(disk, radius, {0, 0, z}, {0.01, 0, 0.011 * z})); // a face
+  }
+  const auto side = nearest_on_curve(disk, radius, {0.6, 0.8, 0}, {0.0186, 0.0248, 0.002});
+  REQUIRE(side);
+  CHECK(norm(side->point - Vec3{0.034 * 0.6, 0.034 * 0.8, 0.002}) < 1e-12);
+  const auto ball = nearest_on_curve(Sphere{0.02}, radius, {0, 0, 1}, {0, 0.003, 0.004});
+  REQUIRE(ball);
+  CHECK(norm(ball->point - Vec3{0, 0.0144, 0.0192}) < 1e-15);
+}

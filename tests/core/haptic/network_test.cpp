@@ -60,6 +60,26 @@ TEST_CASE("without a network, and with one at rest, there is no energy and no fo
   CHECK(rig.model.samples().size() == 48);
 }
 
+TEST_CASE("a reset puts all at rest and ends what was plucked and held") {
+  NetworkRig rig;
+  rig.network.grab = {300, 0.1};
+  const std::size_t mass = rig.mass(0.01, {}), other = rig.mass(0.01, {0.05, 0, 0});
+  rig.publish();
+  rig.tick();
+  rig.model.act({NetworkModel::Action::Kind::kPluck, rig.key(mass), {0, 0, 2}, 1.0});
+  rig.model.act({NetworkModel::Action::Kind::kGrab, rig.key(other), {}, 0});
+  rig.tick_for(0.05);
+  REQUIRE(rig.model.velocity(mass).z > 1);
+  REQUIRE(norm(rig.model.velocity(other)) > 0.1);
+  rig.model.act({NetworkModel::Action::Kind::kReset, 0, {}, 0});
+  for (int n = 0; n < 100; ++n) {
+    CHECK(rig.tick() == Vec3{});
+    CHECK(rig.model.position(mass) == Vec3{});
+    CHECK(rig.model.position(other) == Vec3{0.05, 0, 0});
+    CHECK(rig.model.energy_j() == 0);
+  }
+}
+
 TEST_CASE("drag alone slows a free mass exponentially") {
   NetworkRig rig;
   rig.network.drag_per_s = 20;
