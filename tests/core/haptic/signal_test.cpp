@@ -117,6 +117,26 @@ TEST_CASE("a steady stream is played the set delay behind the newest reading, in
   CHECK(lag_s == doctest::Approx(3e-3 + 0.5e-3 + 32 / 48000.0).epsilon(0.05).scale(0));
 }
 
+TEST_CASE("playing begins anew where the servo's time leaps, forwards or back") {
+  for (const std::uint64_t after : {std::uint64_t{0}, std::uint64_t{9000}}) {
+    WallRig rig;
+    const auto play = [&rig](std::uint64_t first, int blocks) {
+      rig.tick = first;
+      double worst = 0;
+      for (int b = 0; b < blocks; ++b) {
+        const double wall_s = static_cast<double>(first) * 1e-3 + b * 64 / 48000.0;
+        rig.tick_until(wall_s);
+        const auto x = rig.block(wall_s, 64, 0);
+        if (b > blocks / 2) // at most 0.126 m/s, some 4 ms late
+          worst = std::max(worst, std::abs(x.back() - WallRig::x_m(wall_s)));
+      }
+      return worst;
+    };
+    CHECK(play(5000, 400) < 0.126 * 6e-3);
+    CHECK(play(after, 200) < 0.126 * 6e-3); // right again in an eighth of a second
+  }
+}
+
 TEST_CASE("an absurd sample rate makes 64 ticks a sample and no more") {
   auto link = std::make_unique<SignalLink>();
   int steps = 0;

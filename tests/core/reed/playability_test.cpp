@@ -108,6 +108,13 @@ TEST_CASE("a valve that only rises has not crossed") {
   follower.prepare(48000);
   feed(follower, 48000, 0.02, [](double t) { return t < 0.01 ? 0.0 : 0.05; });
   CHECK(follower.crossing_rate() == 0);
+  feed(follower, 48000, 0.2, [](double t) { return 0.05 * sine(300, t); });
+  CHECK(follower.crossing_rate() > 0);
+  follower.reset();
+  CHECK(follower.crossing_rate() == 0);
+  CHECK(follower.envelope() == 0);
+  CHECK(follower.jump() == 0);
+  CHECK(follower.playability() == 0);
 }
 
 TEST_CASE("the jump is (z/z_mean - 1.5)/1.5 between 1.5 and 3 times the mean") {
