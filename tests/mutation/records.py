@@ -1,6 +1,5 @@
 """What a run of mutate.py leaves: results (JSON), the list of equivalent changes, and the table in docs/."""
 import json
-import re
 import tomllib
 from datetime import date
 from pathlib import Path
@@ -91,14 +90,10 @@ def record(path, rooms):
     """Puts rows into the table of a page, in the place of older ones of the same room and seed."""
     lines = path.read_text().split("\n")
     for room in rooms:
-        new = row(*room)
-        key = re.compile(rf"\| {re.escape(room[0])} \| {room[1]} \|")
-        at = [i for i, line in enumerate(lines) if key.match(line)]
-        if at:
-            lines[at[0]] = new
-        else:
-            end = lines.index(HEAD[1]) + 1
-            while end < len(lines) and lines[end].startswith("|"):
-                end += 1
-            lines.insert(end, new)
+        begin = end = lines.index(HEAD[1]) + 1
+        while end < len(lines) and lines[end].startswith("|"):
+            end += 1
+        key = f"| {room[0]} | {room[1]} |"
+        at = next((i for i in range(begin, end) if lines[i].startswith(key)), None)
+        lines[end if at is None else at:end if at is None else at + 1] = [row(*room)]
     path.write_text("\n".join(lines))
