@@ -1,6 +1,7 @@
 #include "fem/radiation/spherical_waves.hpp"
 
 #include <algorithm>
+#include <cblas.h>
 #include <numbers>
 
 namespace tactus::fem {
@@ -46,80 +47,115 @@ std::vector<Complex> spherical_hankel(std::size_t highest, double x) {
   return h;
 }
 
-std::vector<Complex> regular_waves(std::size_t highest, double k, const Vector3& x) {
+RegularWaves::RegularWaves(std::size_t highest)
+    : highest_(highest), width_(highest + 3), along_(width_ * (highest + 2)),
+      across_(width_ * (2 * highest + 4)), real_(width_ * (highest + 3)), imaginary_(real_.size()) {
+  const long last = static_cast<long>(highest) + 1;
+  for (long l = 1; l <= last; ++l)
+    for (long m = -l; m <= l; ++m) {
+      const double a = static_cast<double>(l), b = static_cast<double>(m);
+      if (m >= 0)
+        along_[along(l, m)] = std::sqrt((a * a - b * b) / (4 * a * a - 1));
+      across_[across(l, m)] = std::sqrt((a + b) * (a + b - 1) / (4 * a * a - 1));
+    }
+}
+
+void RegularWaves::evaluate(double k, const Vector3& x, const Vector3& n, std::span<Complex> psi,
+                            std::span<Complex> slope) {
+  evaluate_values(k, x);
+  const double half_x = .5 * n.x, half_y = .5 * n.y;
+  for (std::size_t m = 0; m <= highest_; ++m) {
+    const long order = static_cast<long>(m);
+    const double sign = m % 2 ? -1 : 1;
+    const double* z = &along_[along(0, order)];
+    // Of B(l, m), B(l, -m), B(l + 1, m + 1) and B(l + 1, -m + 1).
+    const double *low = &across_[across(0, order)], *low_back = &across_[across(0, -order)];
+    const double *high = &across_[across(1, order + 1)],
+                 *high_back = &across_[across(1, 1 - order)];
+    const double *re = &real_[row(order)], *re_up = re + width_, *re_down = re - width_;
+    const double *im = &imaginary_[row(order)], *im_up = im + width_, *im_down = im - width_;
+    for (std::size_t l = m; l <= highest_; ++l) {
+      // d/dx + j d/dy raises m, d/dx - j d/dy lowers it. A row holds l = -1 first.
+      const double up = high[l] * re_up[l + 2] + low_back[l] * re_up[l];
+      const double up_j = high[l] * im_up[l + 2] + low_back[l] * im_up[l];
+      const double down = -high_back[l] * re_down[l + 2] - low[l] * re_down[l];
+      const double down_j = -high_back[l] * im_down[l + 2] - low[l] * im_down[l];
+      const double axial = z[l] * re[l] - z[l + 1] * re[l + 2];
+      const double axial_j = z[l] * im[l] - z[l + 1] * im[l + 2];
+      const double a = k * (n.z * axial + half_x * (up + down) + half_y * (up_j - down_j));
+      const double b = k * (n.z * axial_j + half_x * (up_j + down_j) + half_y * (down - up));
+      const std::size_t middle = l * l + l;
+      psi[middle - m] = sign * Complex(re[l + 1], -im[l + 1]);
+      psi[middle + m] = Complex(re[l + 1], im[l + 1]);
+      slope[middle - m] = sign * Complex(a, -b);
+      slope[middle + m] = Complex(a, b);
+    }
+  }
+}
+
+void RegularWaves::evaluate_values(double k, const Vector3& x) {
   const double r = length(x), cosine = r > 0 ? std::clamp(x.z / r, -1.0, 1.0) : 1;
   const double sine = std::sqrt(1 - cosine * cosine), azimuth = std::atan2(x.y, x.x);
-  const auto j = spherical_bessel(highest, k * r);
-  std::vector<Complex> psi((highest + 1) * (highest + 1));
+  const auto j = spherical_bessel(highest_ + 1, k * r);
   double diagonal = std::sqrt(1 / (4 * std::numbers::pi));
-  for (std::size_t m = 0; m <= highest; ++m) {
+  for (std::size_t m = 0; m <= highest_ + 1; ++m) {
     const double b = static_cast<double>(m);
     if (m > 0)
       diagonal *= -std::sqrt((2 * b + 1) / (2 * b)) * sine;
-    const Complex turn = std::polar(1.0, b * azimuth);
-    double before = 0, now = diagonal, back = 0;
-    for (std::size_t l = m; l <= highest; ++l) {
-      const Complex y = j[l] * now * turn;
-      psi[l * l + l + m] = y;
-      psi[l * l + l - m] = (m % 2 ? -1.0 : 1.0) * std::conj(y);
-      const double a = static_cast<double>(l) + 1;
-      const double scale = std::sqrt((4 * a * a - 1) / (a * a - b * b));
-      const double next = scale * (cosine * now - back * before);
-      back = 1 / scale;
+    const double turn = std::cos(b * azimuth), turn_j = std::sin(b * azimuth);
+    const double* a = &along_[along(0, static_cast<long>(m))];
+    double *re = &real_[row(static_cast<long>(m))], *im = &imaginary_[row(static_cast<long>(m))];
+    double before = 0, now = diagonal;
+    for (std::size_t l = m; l <= highest_ + 1; ++l) {
+      re[l + 1] = j[l] * now * turn;
+      im[l + 1] = j[l] * now * turn_j;
+      if (l > highest_)
+        break;
+      const double next = (cosine * now - a[l] * before) / a[l + 1];
       before = now;
       now = next;
     }
   }
-  return psi;
-}
-
-std::vector<Complex> regular_slopes(std::size_t highest, double k, std::span<const Complex> psi,
-                                    const Vector3& n) {
-  std::vector<Complex> slope((highest + 1) * (highest + 1));
-  const auto at = [&](long l, long m) -> Complex {
-    return l < 0 || m > l || m < -l ? Complex(0) : psi[static_cast<std::size_t>(l * l + l + m)];
-  };
-  const Complex plus(.5 * n.x, -.5 * n.y), minus(.5 * n.x, .5 * n.y);
-  for (long l = 0; l <= static_cast<long>(highest); ++l)
-    for (long m = -l; m <= l; ++m) {
-      const double a = static_cast<double>(l), b = static_cast<double>(m);
-      const double low = 1 / std::sqrt(std::max(4 * a * a - 1, 1.0));
-      const double high = 1 / std::sqrt((2 * a + 1) * (2 * a + 3));
-      const auto root = [](double product) { return std::sqrt(std::max(product, 0.0)); };
-      const Complex along_z = low * root(a * a - b * b) * at(l - 1, m) -
-                              high * root((a + 1) * (a + 1) - b * b) * at(l + 1, m);
-      // d/dx + j d/dy raises m, d/dx - j d/dy lowers it.
-      const Complex up = high * root((a + b + 1) * (a + b + 2)) * at(l + 1, m + 1) +
-                         low * root((a - b) * (a - b - 1)) * at(l - 1, m + 1);
-      const Complex down = -high * root((a - b + 1) * (a - b + 2)) * at(l + 1, m - 1) -
-                           low * root((a + b) * (a + b - 1)) * at(l - 1, m - 1);
-      slope[static_cast<std::size_t>(l * l + l + m)] =
-          k * (n.z * along_z + plus * up + minus * down);
-    }
-  return slope;
+  for (std::size_t l = 0; l < width_; ++l) { // psi_l,-1 = -psi*_l1
+    real_[row(-1) + l] = -real_[row(1) + l];
+    imaginary_[row(-1) + l] = imaginary_[row(1) + l];
+  }
 }
 
 std::vector<Complex> multipoles(const ExteriorField& field, double k, std::span<const Complex> mu,
                                 std::size_t columns, std::size_t highest, const Vector3& centre,
                                 double reference_radius) {
+  constexpr std::size_t kPanelsAtOnce = 32;
   const std::size_t terms = (highest + 1) * (highest + 1), n = field.unknowns();
-  std::vector<Complex> c(terms * columns, 0.0);
-  for (std::size_t t = 0; t < field.panels().size(); ++t) {
-    const Panel& p = field.panels()[t];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto psi = regular_waves(highest + 1, k, p.point[i] - centre);
-      const auto slope = regular_slopes(highest, k, psi, p.normal);
-      for (std::size_t column = 0; column < columns; ++column) {
-        Complex density = 0;
-        for (std::size_t j = 0; j < 3; ++j)
-          density += kHatAtPoint[i][j] *
-                     mu[column * n + static_cast<std::size_t>(field.skin().triangle[t][j])];
-        density *= p.area / 3;
-        for (std::size_t q = 0; q < terms; ++q)
-          c[column * terms + q] +=
-              density * (std::conj(slope[q]) + Complex(0, k) * std::conj(psi[q]));
+  std::vector<Complex> c(terms * columns), psi(terms), slope(terms);
+  std::vector<Complex> source(3 * kPanelsAtOnce * terms), density(3 * kPanelsAtOnce * columns);
+  RegularWaves waves(highest);
+  // The waves of unit layers at a few panels' points times the layers of all columns: a product of
+  // matrices.
+  for (std::size_t first = 0; first < field.panels().size(); first += kPanelsAtOnce) {
+    const std::size_t last = std::min(first + kPanelsAtOnce, field.panels().size());
+    const std::size_t points = 3 * (last - first);
+    for (std::size_t t = first; t < last; ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Panel& p = field.panels()[t];
+        const std::size_t point = 3 * (t - first) + i;
+        waves.evaluate(k, p.point[i] - centre, p.normal, psi, slope);
+        for (std::size_t q = 0; q < terms; ++q) // conj(slope) + j k conj(psi)
+          source[point * terms + q] =
+              Complex(slope[q].real() + k * psi[q].imag(), k * psi[q].real() - slope[q].imag());
+        for (std::size_t column = 0; column < columns; ++column) {
+          Complex sum = 0;
+          for (std::size_t j = 0; j < 3; ++j)
+            sum += kHatAtPoint[i][j] *
+                   mu[column * n + static_cast<std::size_t>(field.skin().triangle[t][j])];
+          density[column * points + point] = p.area / 3 * sum;
+        }
       }
-    }
+    const Complex one = 1;
+    const auto size = [](std::size_t value) { return static_cast<blasint>(value); };
+    cblas_zgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, size(terms), size(columns), size(points),
+                &one, source.data(), size(terms), density.data(), size(points), &one, c.data(),
+                size(terms));
   }
   const auto h = spherical_hankel(highest, k * reference_radius);
   for (std::size_t column = 0; column < columns; ++column)

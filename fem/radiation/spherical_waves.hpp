@@ -7,12 +7,39 @@ namespace tactus::fem {
 [[nodiscard]] std::vector<double> spherical_bessel(std::size_t highest, double x);
 /// h_0(x) ... h_highest(x) of the second kind, j - j y: outgoing for exp(+j omega t).
 [[nodiscard]] std::vector<Complex> spherical_hankel(std::size_t highest, double x);
-/// psi_lm = j_l(k r) Y_lm(direction) at [l^2 + l + m], Y_lm complex and orthonormal with Condon and
-/// Shortley's phase, polar axis z.
-[[nodiscard]] std::vector<Complex> regular_waves(std::size_t highest, double k, const Vector3& x);
-/// n . grad psi_lm for l up to `highest`, from psi up to highest + 1.
-[[nodiscard]] std::vector<Complex> regular_slopes(std::size_t highest, double k,
-                                                  std::span<const Complex> psi, const Vector3& n);
+/// Regular waves psi_lm = j_l(k r) Y_lm(direction) at a point and their slopes n . grad psi_lm, at
+/// [l^2 + l + m] for l up to a highest degree. Y_lm is complex and orthonormal with Condon and
+/// Shortley's phase, polar axis z. The roots of the recurrences are tabulated:
+///   cos Y_lm = A_lm Y_l-1,m + A_l+1,m Y_l+1,m,   A_lm = sqrt((l^2 - m^2)/(4 l^2 - 1)),
+///   (d/dx + j d/dy) psi_lm = k (B_l+1,m+1 psi_l+1,m+1 + B_l,-m psi_l-1,m+1),
+///   d/dz psi_lm = k (A_lm psi_l-1,m - A_l+1,m psi_l+1,m),
+///   B_lm = sqrt((l + m)(l + m - 1)/(4 l^2 - 1)).
+class RegularWaves {
+public:
+  explicit RegularWaves(std::size_t highest);
+  /// Fills psi (no unit) and slope (1/m), (highest + 1)^2 values each, at `x` in m from the centre;
+  /// k in 1/m, n of length 1.
+  void evaluate(double k, const Vector3& x, const Vector3& n, std::span<Complex> psi,
+                std::span<Complex> slope);
+
+private:
+  void evaluate_values(double k, const Vector3& x);
+  // Tables begin a row at l = 0; values at l = -1, and their rows at m = -1.
+  [[nodiscard]] std::size_t along(long l, long m) const noexcept {
+    return static_cast<std::size_t>(m) * width_ + static_cast<std::size_t>(l);
+  }
+  [[nodiscard]] std::size_t across(long l, long m) const noexcept {
+    return static_cast<std::size_t>(m + static_cast<long>(highest_) + 1) * width_ +
+           static_cast<std::size_t>(l);
+  }
+  [[nodiscard]] std::size_t row(long m) const noexcept {
+    return static_cast<std::size_t>(m + 1) * width_;
+  }
+
+  std::size_t highest_, width_;
+  std::vector<double> along_, across_;   ///< A_lm for m >= 0, B_lm
+  std::vector<double> real_, imaginary_; ///< psi_lm up to highest + 1, for m >= -1
+};
 
 /// Outgoing waves about `centre` of a field's layer mu (one column):
 ///   p = sum c_lm h_l(k r)/h_l(k r_ref) Y_lm for r beyond the surface; exact term by term, from

@@ -90,7 +90,8 @@ TEST_CASE("spheres that pulsate and flex radiate as their closed form, at resona
     const auto c = multipoles(field, k, mu, 1, 20, {}, kRadius);
     Complex sum = 0;
     const Vector3 x{.03, -.04, .07};
-    const auto psi = regular_waves(20, k, x);
+    std::vector<Complex> psi(21 * 21), slope(21 * 21);
+    RegularWaves(20).evaluate(k, x, {0, 0, 1}, psi, slope);
     const auto j = spherical_bessel(20, k * length(x));
     const auto at = spherical_hankel(20, k * length(x)), from = spherical_hankel(20, k * kRadius);
     for (std::size_t d = 0; d <= 20; ++d)
@@ -236,11 +237,46 @@ TEST_CASE("coarser skins stay closed and keep area and volume") {
   CHECK(through == doctest::Approx(exact).epsilon(1e-12));
 }
 
-TEST_CASE("waves' slopes are the derivatives of the waves") {
-  const Vector3 x{.02, -.03, .01}, n{.36, .48, .8};
+TEST_CASE("regular waves are Bessel functions times spherical harmonics") {
+  // Low degrees written out, and the sum over m, which does not depend on the direction.
+  constexpr std::size_t kHighest = 40;
+  const double pi = std::numbers::pi, k = 120;
+  RegularWaves waves(kHighest);
+  std::vector<Complex> psi((kHighest + 1) * (kHighest + 1)), slope(psi.size());
+  for (const Vector3& x : {Vector3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}}) {
+    const double r = length(x);
+    waves.evaluate(k, x, {0, 0, 1}, psi, slope);
+    const auto j = spherical_bessel(kHighest, k * r);
+    const Complex across = Complex(x.x, x.y) / r;
+    const double along = x.z / r;
+    CHECK(std::abs(psi[0] - j[0] / std::sqrt(4 * pi)) < 1e-14);
+    CHECK(std::abs(psi[2] - j[1] * std::sqrt(3 / (4 * pi)) * along) < 1e-14);
+    CHECK(std::abs(psi[3] + j[1] * std::sqrt(3 / (8 * pi)) * across) < 1e-14);
+    CHECK(std::abs(psi[1] - j[1] * std::sqrt(3 / (8 * pi)) * std::conj(across)) < 1e-14);
+    CHECK(std::abs(psi[7] + j[2] * std::sqrt(15 / (8 * pi)) * along * across) < 1e-14);
+    CHECK(std::abs(psi[8] - j[2] * std::sqrt(15 / (32 * pi)) * across * across) < 1e-14);
+    for (std::size_t l = 0; l <= kHighest; ++l) {
+      double sum = 0;
+      for (std::size_t q = l * l; q < (l + 1) * (l + 1); ++q)
+        sum += std::norm(psi[q]);
+      CHECK(sum == doctest::Approx(j[l] * j[l] * (2. * static_cast<double>(l) + 1) / (4 * pi))
+                       .epsilon(1e-11));
+    }
+  }
+}
+
+TEST_CASE("waves' slopes are the derivatives of the waves, at the poles and the centre too") {
+  const Vector3 n{.36, .48, .8};
   const double k = 120, step = 1e-6;
-  const auto slope = regular_slopes(6, k, regular_waves(7, k, x), n);
-  const auto ahead = regular_waves(6, k, x + step * n), behind = regular_waves(6, k, x - step * n);
-  for (std::size_t q = 0; q < slope.size(); ++q)
-    CHECK(std::abs((ahead[q] - behind[q]) / (2 * step) - slope[q]) < 1e-6 * k);
+  RegularWaves waves(12);
+  std::vector<Complex> psi(13 * 13), slope(psi.size()), ahead(psi.size()), behind(psi.size());
+  std::vector<Complex> unused(psi.size());
+  for (const Vector3& x :
+       {Vector3{.02, -.03, .01}, {-.1, .2, -.3}, {0, 0, .04}, {0, 0, -.04}, {}}) {
+    waves.evaluate(k, x + step * n, n, ahead, unused);
+    waves.evaluate(k, x - step * n, n, behind, unused);
+    waves.evaluate(k, x, n, psi, slope);
+    for (std::size_t q = 0; q < slope.size(); ++q)
+      CHECK(std::abs((ahead[q] - behind[q]) / (2 * step) - slope[q]) < 1e-6 * k);
+  }
 }
