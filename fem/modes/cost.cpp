@@ -143,7 +143,7 @@ Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
   stage(assembled + shapes + air + 700 * mesh.skin_triangles * (panels > 0), "the air around it");
 
   // Measured on one core: half of the dense speed in the factor, 1.5 Gentries/s in a solve, a
-  // microsecond a node pair to assemble, 120 ns a pair of panels.
+  // microsecond a node pair to assemble, 60 ns a pair of panels.
   const double solves = 2.5 * work.modes + 40;
   const double solutions = work.solutions > 0 ? work.solutions : work.modes;
   cost.factor_seconds = factor.operations / (.5 * work.flops_per_second);
@@ -151,7 +151,7 @@ Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
                  2 * solves * factor.entries / 3e9 + 4e-9 * mesh.dofs() * solves * solves;
   if (panels > 0)
     cost.seconds +=
-        solutions * (1.2e-7 * panels * panels +
+        solutions * (6e-8 * panels * panels +
                      8. / 3 * unknowns * unknowns * unknowns / (.5 * work.flops_per_second));
   return cost;
 }

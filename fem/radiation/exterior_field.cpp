@@ -59,6 +59,7 @@ ExteriorField::ExteriorField(AcousticSkin skin) : skin_(std::move(skin)) {
     panels_.emplace_back(std::array<Vector3, 3>{skin_.vertex[static_cast<std::size_t>(t[0])],
                                                 skin_.vertex[static_cast<std::size_t>(t[1])],
                                                 skin_.vertex[static_cast<std::size_t>(t[2])]});
+  arrays_ = PanelArrays(panels_);
   prepare_neighbours();
 }
 
@@ -96,84 +97,66 @@ void ExteriorField::prepare_neighbours() {
     }
 }
 
+std::vector<Complex> ExteriorField::matrix(double k) const {
+  const std::size_t n = unknowns(), count = panels_.size();
+  std::vector<Complex> matrix(n * n, 0.0);
+  const auto add = [&](int row, int column, double re, double im) {
+    matrix[static_cast<std::size_t>(column) * n + static_cast<std::size_t>(row)] += Complex(re, im);
+  };
+  PanelPairs pairs;
+  for (std::size_t t = 0; t < count; ++t) {
+    const Panel& p = panels_[t];
+    auto close = near_[t].begin();
+    for (std::size_t first = t; first < count; first += PanelPairs::kSize) {
+      const std::size_t last = std::min(first + PanelPairs::kSize, count);
+      const auto close_end = std::find_if(close, near_[t].end(), [&](const Neighbours& pair) {
+        return static_cast<std::size_t>(pair.second) >= last;
+      });
+      pairs.near.fill(0);
+      for (auto pair = close; pair != close_end; ++pair)
+        pairs.near[static_cast<std::size_t>(pair->second) - first] = 1;
+      pairs.integrate(p, arrays_, first, last - first, k);
+      for (; close != close_end; ++close) {
+        const std::size_t u = static_cast<std::size_t>(close->second) - first;
+        for (std::size_t ab = 0; ab < 9; ++ab) {
+          pairs.value.re[ab][u] += close->potential[ab];
+          pairs.slope.re[ab][u] += close->slope[ab];
+          pairs.slope_back.re[ab][u] += close->slope_back[ab];
+        }
+      }
+      for (std::size_t u = first; u < last; ++u) {
+        const Panel& q = panels_[u];
+        const std::size_t i = u - first;
+        Complex total = 0;
+        for (std::size_t ab = 0; ab < 9; ++ab)
+          total += Complex(pairs.value.re[ab][i], pairs.value.im[ab][i]);
+        const double turn = k * k * dot(p.normal, q.normal);
+        for (std::size_t a = 0; a < 3; ++a)
+          for (std::size_t b = 0; b < 3; ++b) {
+            const std::size_t ab = 3 * a + b;
+            const double curls = dot(p.curl[a], q.curl[b]);
+            const double re = turn * pairs.value.re[ab][i] - curls * total.real();
+            const double im = turn * pairs.value.im[ab][i] - curls * total.imag();
+            // eta times a slope: j k (x + j y) = -k y + j k x
+            const int row = skin_.triangle[t][a], column = skin_.triangle[u][b];
+            add(row, column, re - k * pairs.slope.im[ab][i], im + k * pairs.slope.re[ab][i]);
+            if (t != u)
+              add(column, row, re - k * pairs.slope_back.im[ab][i],
+                  im + k * pairs.slope_back.re[ab][i]);
+            else
+              add(row, column, 0, -k * p.area / (a == b ? 12 : 24));
+          }
+      }
+    }
+  }
+  return matrix;
+}
+
 std::vector<Complex> ExteriorField::solve(double k, std::span<const double> flow,
                                           std::size_t columns, double air_density,
                                           double sound_speed) const {
   const std::size_t n = unknowns();
-  std::vector<Complex> matrix(n * n, 0.0);
-  const Complex eta(0, k);
-  const auto entry = [&](int row, int column) -> Complex& {
-    return matrix[static_cast<std::size_t>(column) * n + static_cast<std::size_t>(row)];
-  };
-  for (std::size_t t = 0; t < panels_.size(); ++t) {
-    const Panel& p = panels_[t];
-    auto close = near_[t].begin();
-    for (std::size_t u = t; u < panels_.size(); ++u) {
-      const Panel& q = panels_[u];
-      const bool near = close != near_[t].end() && static_cast<std::size_t>(close->second) == u;
-      const double weight = kOver4Pi * p.area * q.area / 9;
-      // Values at point pairs; then hat functions from the left and the right.
-      std::array<std::array<Complex, 3>, 3> value{}, slope{}, slope_back{};
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-          const Vector3 way = p.point[i] - q.point[j];
-          const double r = length(way);
-          if (r == 0) {
-            value[i][j] = Complex(0, -k * weight);
-            continue;
-          }
-          const double x = k * r, c = std::cos(x), s = std::sin(x), over = weight / r;
-          const double cubed = over / (r * r);
-          Complex steep(cubed * (c + x * s), cubed * (x * c - s)); // (1 + jx) exp(-jx)/r^3
-          Complex wave(over * c, -over * s);
-          if (near) {
-            wave -= over;
-            steep -= cubed;
-          }
-          value[i][j] = wave;
-          slope[i][j] = -dot(way, p.normal) * steep;
-          slope_back[i][j] = dot(way, q.normal) * steep;
-        }
-      const auto hats = [&](std::array<std::array<Complex, 3>, 3>& m) {
-        // kHatAtPoint = 1/6 (everywhere) + 1/2 (identity), from both sides
-        for (std::size_t pass = 0; pass < 2; ++pass) {
-          std::array<std::array<Complex, 3>, 3> turned;
-          for (std::size_t i = 0; i < 3; ++i) {
-            const Complex sum = (m[i][0] + m[i][1] + m[i][2]) / 6.0;
-            for (std::size_t j = 0; j < 3; ++j)
-              turned[j][i] = sum + .5 * m[i][j];
-          }
-          m = turned;
-        }
-      };
-      hats(value);
-      hats(slope);
-      hats(slope_back);
-      if (near) {
-        for (std::size_t a = 0; a < 3; ++a)
-          for (std::size_t b = 0; b < 3; ++b) {
-            value[a][b] += close->potential[3 * a + b];
-            slope[a][b] += close->slope[3 * a + b];
-            slope_back[a][b] += close->slope_back[3 * a + b];
-          }
-        ++close;
-      }
-      Complex total = 0;
-      for (const auto& row : value)
-        total += row[0] + row[1] + row[2];
-      const double turn = k * k * dot(p.normal, q.normal);
-      for (std::size_t a = 0; a < 3; ++a)
-        for (std::size_t b = 0; b < 3; ++b) {
-          const Complex steep = turn * value[a][b] - dot(p.curl[a], q.curl[b]) * total;
-          const int row = skin_.triangle[t][a], column = skin_.triangle[u][b];
-          entry(row, column) += steep + eta * slope[a][b];
-          if (t != u)
-            entry(column, row) += steep + eta * slope_back[a][b];
-          else
-            entry(row, column) -= eta * (p.area / (a == b ? 12 : 24));
-        }
-    }
-  }
+  std::vector<Complex> galerkin = matrix(k);
   std::vector<Complex> mu(n * columns);
   const Complex drive(0, -k * sound_speed * air_density);
   for (std::size_t i = 0; i < mu.size(); ++i)
@@ -181,7 +164,7 @@ std::vector<Complex> ExteriorField::solve(double k, std::span<const double> flow
   std::vector<int> pivots(n);
   const int size = static_cast<int>(n), right = static_cast<int>(columns);
   int info = 0;
-  zgesv_(&size, &right, matrix.data(), &size, pivots.data(), mu.data(), &size, &info);
+  zgesv_(&size, &right, galerkin.data(), &size, pivots.data(), mu.data(), &size, &info);
   if (info != 0)
     throw Refusal("the boundary elements have no single solution: is the skin closed and sound?");
   return mu;

@@ -1,6 +1,6 @@
 #pragma once
 #include "fem/radiation/acoustic_skin.hpp"
-#include "fem/radiation/panel.hpp"
+#include "fem/radiation/panel_pairs.hpp"
 
 #include <complex>
 
@@ -46,9 +46,12 @@ private:
     std::array<double, 9> potential, slope, slope_back;
   };
   void prepare_neighbours();
+  /// Galerkin's matrix at a wavenumber, 1/m, column-major.
+  [[nodiscard]] std::vector<Complex> matrix(double k) const;
 
   AcousticSkin skin_;
   std::vector<Panel> panels_;
+  PanelArrays arrays_{{}};                    ///< the same panels
   std::vector<std::vector<Neighbours>> near_; ///< by first panel, second ascending
 };
 

@@ -280,3 +280,14 @@ TEST_CASE("waves' slopes are the derivatives of the waves, at the poles and the 
       CHECK(std::abs((ahead[q] - behind[q]) / (2 * step) - slope[q]) < 1e-6 * k);
   }
 }
+
+TEST_CASE("the vectorised cosine and sine are the C library's") {
+  for (const double step : {1e-5, 1e-3, .1, 7., 31.}) // up to 6e5
+    for (int i = 0; i < 20000; ++i) {
+      const double x = i * step;
+      double c, s;
+      cosine_and_sine(x, c, s);
+      REQUIRE(std::abs(c - std::cos(x)) < 2e-15);
+      REQUIRE(std::abs(s - std::sin(x)) < 2e-15);
+    }
+}
