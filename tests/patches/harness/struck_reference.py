@@ -213,13 +213,14 @@ class StruckReference:
 
 
 def transform(values, step, s):
-    """Laplace transform of values that hold for a step each."""
-    time = (numpy.arange(len(values)) + .5) * step
-    out = numpy.zeros(len(s), complex)
-    for i in range(0, len(s), 512):
-        part = s[i:i + 512]
-        out[i:i + 512] = numpy.exp(-numpy.outer(part, time)) @ values
-    return out * numpy.sinh(s * step / 2) / (s / 2)
+    """Laplace transform of values that hold for a step each, at the rates of line(): their
+    spacing is a whole part of 2 pi / step, so that a long FFT has them all."""
+    spacing = (s[1] - s[0]).imag
+    size, first = round(2 * numpy.pi / (spacing * step)), round(s[0].imag / spacing)
+    assert abs(size * spacing * step / (2 * numpy.pi) - 1) < 1e-9 and len(values) <= size
+    window = numpy.exp(-s[0].real * (numpy.arange(len(values)) + .5) * step)
+    found = numpy.fft.rfft(values * window, size)[first:first + len(s)]
+    return found * numpy.exp(-.5j * s.imag * step) * numpy.sinh(s * step / 2) / (s / 2)
 
 
 def line(samples, rate, beta):
