@@ -49,7 +49,7 @@ class DevicePatch:
         begun = time.monotonic()
         live = subprocess.run([os.environ.get("TACTUS_PD", "pd"), "-nogui", "-nosound", "-noprefs",
                                "-stderr", "-path", str(stage_folder()), "-open", str(file)],
-                              capture_output=True, text=True, timeout=60, check=True)
+                              capture_output=True, text=True, timeout=300, check=True)
         return Result(live.stderr, time.monotonic() - begun)
 
 
@@ -508,12 +508,16 @@ def test_any_messages_leave_it_alive_and_its_positions_in_range(tmp_path, seed):
 
 
 def test_the_wall_clock_steps_the_simulated_device_too(tmp_path):
-    """Live Pd: time is real, so only counts are checked, not lateness."""
-    patch = DevicePatch("-clock wall -path lissajous 0 0 0 20 10 5 1 1 1", 600)
-    patch.at(500, "stats")
-    result = patch.run(tmp_path, batch=False)
-    assert ["status", "sched"] in [row[:2] for row in result.info]
-    ran, skipped = result.stat("ticks"), result.stat("skipped")
-    assert ran >= 128 and ran % 128 == 0  # reported every 128 ticks
-    assert ran + skipped <= 1000 * result.wall_seconds
-    assert len(result.positions()) > 5  # every 10 ms; a busy machine leaves most of them out
+    """Live Pd: time is real, so only counts are checked, not lateness. A machine that is too busy
+    to step gets longer."""
+    for ms in (500, 4000, 30000):
+        patch = DevicePatch("-clock wall -path lissajous 0 0 0 20 10 5 1 1 1", ms + 100)
+        patch.at(ms, "stats")
+        result = patch.run(tmp_path, batch=False)
+        assert ["status", "sched"] in [row[:2] for row in result.info]
+        ran, skipped = result.stat("ticks"), result.stat("skipped")
+        assert ran % 128 == 0  # reported every 128 ticks
+        assert ran + skipped <= 1000 * result.wall_seconds
+        if ran >= 128 and len(result.positions()) > 5:  # one every 10 ms, fewer when it is busy
+            return
+    pytest.fail(f"{ran} ticks and {len(result.positions())} positions in {ms} ms")
