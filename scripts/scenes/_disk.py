@@ -29,12 +29,13 @@ between 6 and 13 kHz), and the paper's simulated 5720 Hz, 2.9 % below what its o
 that the fit was not asked for: 1338 Hz (the disk rocks on its post) and 13.06 kHz."""
 
 
-def held(young, radius_mm, stiffness, modes=40):
-    """Table of the disk on a post; stiffness None clamps the patch."""
+def held(young, radius_mm, stiffness, modes=40, tolerance=0.2):
+    """Table of the disk on a post; stiffness None clamps the patch. tolerance: %, of each mode's
+    frequency."""
     support = (("--fix", f"0,0,{-TOP},{radius_mm}") if stiffness is None
                else ("--spring", f"0,0,{-TOP},{radius_mm}:{stiffness:g}:z"))
     return _bodies.table(*DISK, "--young", f"{young:g}", "--patch-diameter", 2 * radius_mm, *support,
-                         "--modes", modes)
+                         "--modes", modes, "--tolerance", tolerance)
 
 
 def tables(progress=lambda text: None):
