@@ -130,9 +130,10 @@ TEST_CASE("silence is limited, progress is not silence") {
                 limits),
             "--time-limit"));
   CHECK(has(outcome([] { pause(); }, limits), "--time-limit"));
-  const Mesh mesh = run_isolated("a.step", limits, {}, [](const ChildProgress& progress) {
-    for (int i = 0; i < 12; ++i) {
-      progress.report("meshing", i / 12.);
+  const ChildLimits longer{1u << 30, 2}; // than a busy machine's stalls
+  const Mesh mesh = run_isolated("a.step", longer, {}, [](const ChildProgress& progress) {
+    for (int i = 0; i < 25; ++i) {
+      progress.report("meshing", i / 25.);
       usleep(100000);
     }
     return tetrahedron();

@@ -1,5 +1,6 @@
 """Foreign files run nothing, write nothing and crash nothing: scripts in every format and position."""
 import os
+import resource
 import signal
 import struct
 import subprocess
@@ -34,7 +35,7 @@ BODIES = {"msh2.msh": MSH_2, "msh4.msh": MSH_4, "a.step": STEP, "a.brep": BREP, 
 ENDINGS = ["msh", "step", "stp", "brep", "brp", "stl", "obj", "inp", "geo", "pos", "opt", "iges", "unv", "MSH"]
 
 
-def run(*words, folder, timeout=120, **extra):
+def run(*words, folder, timeout=600, **extra):
     """The program's status and its last line; in every case its death by a signal is a fault."""
     done = subprocess.run([PROGRAM, *map(str, words)], cwd=folder, capture_output=True, text=True, errors="replace",
                           timeout=timeout, **extra)
@@ -42,6 +43,12 @@ def run(*words, folder, timeout=120, **extra):
     assert done.returncode in (0, 1), done.stderr
     assert done.returncode == 0 or said.startswith("modal_fem: "), said
     return done.returncode, said
+
+
+def processor_seconds():
+    """Of all programs that have ended: no business of what else the machine does."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def try_all(folder, files):
@@ -52,7 +59,8 @@ def try_all(folder, files):
         path = folder / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         before = set(os.listdir(folder))
-        outcomes[name] = run(f"./{name}", "--modes", 1, "--multi", "--quiet", "--time-limit", 60, folder=folder)
+        outcomes[name] = run(f"./{name}", "--modes", 1, "--tolerance", 30, "--multi", "--quiet",
+                             "--time-limit", 60, folder=folder)
         assert set(os.listdir(folder)) == before, (name, content)
         path.unlink()
     assert not (folder / "canary").exists()
@@ -159,10 +167,10 @@ def test_a_pickle_in_a_table_is_not_loaded(tmp_path):
 @pytest.mark.parametrize("name", ["p.msh", "p.step", "p.stl", "p.inp", "p.obj", "p.brep"])
 def test_a_pipe_or_a_device_is_refused_at_once(name, tmp_path):
     os.mkfifo(tmp_path / name)
-    assert run(name, folder=tmp_path, timeout=20)[0] == 1
+    assert run(name, folder=tmp_path, timeout=120)[0] == 1
     (tmp_path / name).unlink()
     (tmp_path / name).symlink_to("/dev/zero")
-    assert run(name, folder=tmp_path, timeout=20)[0] == 1
+    assert run(name, folder=tmp_path, timeout=120)[0] == 1
 
 
 def test_claims_of_sizes_cost_nothing(tmp_path):
@@ -173,9 +181,9 @@ def test_claims_of_sizes_cost_nothing(tmp_path):
             ("s.inp", INP + "*NSET,NSET=A,GENERATE\n" + "1,4,1\n" * 200000),
             ("i.inp", INP.replace("4,0,0,1", "2147483647,0,0,1").replace("2,3,4", "2,3,2147483647")
              + "*NSET,NSET=A,GENERATE\n2147483647,2147483647,1\n")]
-    began = time.monotonic()
+    began = processor_seconds()
     outcomes = try_all(tmp_path, huge)
-    assert time.monotonic() - began < 60
+    assert processor_seconds() - began < 20
     assert all(status == 1 for name, (status, _) in outcomes.items() if name != "i.inp"), outcomes
     assert "entries in sets" in outcomes["s.inp"][1] and outcomes["i.inp"][0] == 0, outcomes
 
@@ -195,13 +203,13 @@ def test_the_reading_process_ends_with_the_program(signal_number, status, tmp_pa
         file.writelines(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
     program = subprocess.Popen([PROGRAM, "block.obj", "--h", "0.8", "--memory", "9000G", "-o", "b.modal.npz"], cwd=tmp_path,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    until = time.monotonic() + 30
+    until = time.monotonic() + 300
     while not (children := children_of(program.pid)):
         assert time.monotonic() < until and program.poll() is None
         time.sleep(0.01)
     program.send_signal(signal_number)
-    assert program.wait(20) == status
-    until = time.monotonic() + 10  # the child alone would go on for longer
+    assert program.wait(120) == status
+    until = time.monotonic() + 60  # the child alone would go on for longer
     while any(os.path.exists(f"/proc/{child}") and open(f"/proc/{child}/stat").read().split()[2] != "Z"
               for child in children):
         assert time.monotonic() < until
@@ -216,6 +224,6 @@ def test_a_file_that_takes_too_long_is_stopped_with_a_sentence(tmp_path):
         for a, b, c in [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6),
                         (0, 6, 2), (1, 3, 7), (1, 7, 5)]:
             file.write(f"f {a + 1} {b + 1} {c + 1}\n")
-    began = time.monotonic()
+    began = processor_seconds()
     status, said = run("plate.obj", "--h", "0.7", "--memory", "9000G", "--time-limit", 1, "--quiet", folder=tmp_path)
-    assert status == 1 and "plate.obj" in said and "--time-limit" in said and time.monotonic() - began < 30, said
+    assert status == 1 and "plate.obj" in said and "--time-limit" in said and processor_seconds() - began < 20, said

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include <chrono>
+#include <ctime>
 #include <functional>
 #include <limits>
 #include <random>
@@ -175,7 +175,7 @@ TEST_CASE("arrays that cannot be right are refused by name") {
 }
 
 TEST_CASE("a size that overflows is refused before anything is allocated") {
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock(); // of the processor
   says(refusal_with([](auto& m) {
          named(m, "xyz").shape = {std::size_t{1} << 62, std::size_t{1} << 62};
        }),
@@ -184,7 +184,7 @@ TEST_CASE("a size that overflows is refused before anything is allocated") {
          named(m, "xyz").shape = {std::size_t{1} << 50, 3};
        }),
        "bytes long");
-  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(1));
+  CHECK(std::clock() - begin < CLOCKS_PER_SEC);
 }
 
 TEST_CASE("multipoles and raw velocities must fit their own tables") {

@@ -19,7 +19,7 @@ def start(*words, before=(), **surroundings):
 
 def run(*words, before=(), **surroundings):
     process = start(*words, before=before, **surroundings)
-    output, errors = process.communicate(timeout=120)
+    output, errors = process.communicate(timeout=600)
     return process.returncode, output, errors
 
 
@@ -38,7 +38,7 @@ class Run:
 
     def report(self):
         if self.outcome is None:
-            self.outcome = self.process.communicate(timeout=120)
+            self.outcome = self.process.communicate(timeout=600)
         output, errors = self.outcome
         assert self.process.returncode == 0, output + errors
         text = self.file.read_text()
@@ -156,12 +156,12 @@ def test_a_falcon_goes_through_all_stations(runs):
 def test_an_interrupt_ends_in_order(tmp_path):
     file = tmp_path / "report.txt"
     process = start("--device", "sim", "--yes", "--seconds", "100", "--report", file)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 300
     while time.monotonic() < deadline and "1. Position" not in process.stdout.readline():
         pass
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
-    process.communicate(timeout=30)
+    process.communicate(timeout=300)
     assert process.returncode == 1
     assert "ENDED EARLY: interrupted" in file.read_text()
 
@@ -173,7 +173,7 @@ def test_an_interrupt_ends_a_call_that_does_not_return(tmp_path, call, seen):
     process = start("--device", "openhaptics", "--yes", "--seconds", "100", "--report",
                     tmp_path / "report.txt", PHANTOM_LIBHD=os.environ["HANGING_HD"],
                     HANG=str(hang), before=("stdbuf", "-o0"))
-    text, deadline = "", time.monotonic() + 60
+    text, deadline = "", time.monotonic() + 300
     while time.monotonic() < deadline and seen not in text:
         text += process.stdout.read(1)
     if seen != "Opening":  # written anew, the file would be empty for a moment and the call return
@@ -181,7 +181,7 @@ def test_an_interrupt_ends_a_call_that_does_not_return(tmp_path, call, seen):
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
     try:
-        _, errors = process.communicate(timeout=20)  # promised: 3 s
+        _, errors = process.communicate(timeout=60)  # promised: 3 s
     finally:
         process.kill()
     assert process.returncode == 1

@@ -105,7 +105,7 @@ class Live:
         self.text += (whole + line_end).decode()
         return self.text
 
-    def wait_for(self, pattern, count=1, seconds=40):
+    def wait_for(self, pattern, count=1, seconds=200):
         """Until the pattern has been printed so often."""
         end = time.monotonic() + seconds
         while len(re.findall(pattern, self.read(), re.M)) < count:
@@ -121,7 +121,7 @@ class Live:
 
         self.wait_until(heard)
 
-    def wait_until(self, true, seconds=40):
+    def wait_until(self, true, seconds=200):
         end = time.monotonic() + seconds
         while not true():
             assert time.monotonic() < end, f"in vain; Pd said:\n{self.read()[-3000:]}"

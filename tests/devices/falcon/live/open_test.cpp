@@ -106,7 +106,7 @@ TEST_CASE("the opening of a deaf Falcon is cancelled in a third of a second, whe
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked;
     opening.join();
     INFO("after " << wait_ms << " ms it took " << took.count() << " s");
-    CHECK(took.count() < 1.0); // 0.3 s, and what a busy machine adds
+    CHECK(took.count() < 10); // 0.3 s, and what a busy machine adds; uncancelled, 100 s
     CHECK(sentence.find("cancelled") != std::string::npos);
   }
   rig.control.ask("deaf 0");
@@ -124,7 +124,7 @@ TEST_CASE("a Falcon that falls silent in run mode is closed in less than a secon
   rig.falcon.close();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked;
   INFO("it took " << took.count() << " s");
-  CHECK(took.count() < 1.0);
+  CHECK(took.count() < 5); // 0.1 s, and what a busy machine adds; 10 s with the line
   rig.control.ask("stall 0");
 }
 
@@ -140,23 +140,26 @@ TEST_CASE("no force before homing, full force half a second after") {
         silent = silent && (rig.homed() || rig.control.value("motor2") == 0);
         return rig.homed();
       },
-      5000, {0, 0, 2}));
+      30000, {0, 0, 2}));
   CHECK(silent);
   // What the motors have at any instant is no more than the rise allows by then.
   const double homed_s = rig.tick.time_s;
   std::vector<std::pair<double, long>> rise;
-  rig.until(
-      [&] {
+  // Until the force has been the same for 100 ticks: a stall lets it rise anew.
+  CHECK(rig.until(
+      [&, held = 0]() mutable {
         const long motor = std::abs(rig.control.value("motor2"));
+        held =
+            motor > 100 && !rise.empty() && std::abs(motor - rise.back().second) < 3 ? held + 1 : 0;
         rise.emplace_back(rig.now_s() - homed_s, motor);
-        return rig.tick.time_s - homed_s > 0.8;
+        return rig.tick.time_s - homed_s > 0.8 && held > 100;
       },
-      5000, {0, 0, 2});
+      30000, {0, 0, 2}));
   const auto full = static_cast<double>(rise.back().second);
   CHECK(full > 100);
   for (const auto& [time_s, motor] : rise)
     CHECK(static_cast<double>(motor) <= (0.05 + 1.2 * time_s / 0.5) * full);
-  CHECK(rig.until([&] { return rig.saw("flags=2"); }, 5000, {0, 0, 2})); // green
+  CHECK(rig.until([&] { return rig.saw("flags=2"); }, 30000, {0, 0, 2})); // green
   CHECK(rig.until([&] { return rig.falcon.trouble().empty(); }));
 }
 
@@ -168,7 +171,7 @@ TEST_CASE("lights and homing follow their messages, and what is misspelt is expl
   CHECK(rig.until([&] { return rig.saw("flags=12"); }));
   CHECK(rig.set({"led", "auto"}) == "");
   CHECK(rig.set({"calibrate"}) == "");
-  CHECK(rig.until([&] { return !rig.homed() && rig.says("pull the grip out"); }, 5000, {0, 1, 0}));
+  CHECK(rig.until([&] { return !rig.homed() && rig.says("pull the grip out"); }, 30000, {0, 1, 0}));
   CHECK(rig.home());
   for (const auto& words : std::vector<std::vector<std::string>>{{},
                                                                  {"led"},

@@ -66,15 +66,28 @@ struct Rig {
     for (int i = 0; i < ticks; ++i)
       step(force);
   }
-  /// Steps until the condition holds; false when it does not within so many ticks.
+  /// Steps until the condition holds; false when it does not within so many ticks, of which a busy
+  /// machine may give the double few.
   template <class Condition>
-  bool until(Condition condition, int ticks = 5000, const tactus::haptic::Vec3& force = {}) {
+  bool until(Condition condition, int ticks = 30000, const tactus::haptic::Vec3& force = {}) {
     for (int i = 0; i < ticks; ++i) {
       step(force);
       if (condition())
         return true;
     }
     return false;
+  }
+  /// Steps until the hand has moved less than 0.1 mm in 200 ticks.
+  bool settle(const tactus::haptic::Vec3& force = {}) {
+    return until(
+        [this, last = state.position, held = 0]() mutable {
+          if (norm(state.position - last) > 1e-4) {
+            last = state.position;
+            held = 0;
+          }
+          return ++held > 200;
+        },
+        30000, force);
   }
   [[nodiscard]] bool homed() const { return (state.flags & tactus::haptic::State::kHomed) != 0; }
   bool home() {

