@@ -294,6 +294,7 @@ def errors(table):
     return np.array(json.loads(bytes(table["meta"]))["accuracy"]["est_rel_error"])
 
 
+@slow
 def test_every_mode_of_a_bar_is_within_the_tolerance_by_default(tmp_path):
     # On the standard meshes of before, 5.3 % of 20 modes and 11.5 % of 40 were missed.
     bar = ["bar", "--length", 400, "--width", 30, "--thickness", 10, "--modes", 20]
@@ -427,6 +428,7 @@ def test_a_prism_with_holes_is_swept_and_a_stepped_block_is_not(tmp_path):
     assert float(np.load(tmp_path / "step.modal.npz")["mass"]) == pytest.approx(2700e-9 * 28000, rel=1e-6)
 
 
+@slow
 def test_a_curved_step_body_is_refined_in_curved_quadratic_elements(tmp_path):
     write_step(tmp_path, "Sphere(1) = {0,0,0, 50, -Pi/2, 0}; Sphere(2) = {0,0,0, 46, -Pi/2, 0}; "
                "BooleanDifference(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};")
@@ -440,6 +442,7 @@ def test_a_curved_step_body_is_refined_in_curved_quadratic_elements(tmp_path):
     assert max(estimates) <= 0.007 and true.max() < 1.5 * 0.007 and true.min() > -0.001
 
 
+@slow
 def test_a_step_file_is_refined_at_its_concave_edge(tmp_path):
     # A hole across makes it no prism.
     write_step(tmp_path, "Box(1) = {0,0,0, 60,20,10}; Box(2) = {0,0,10, 12,20,30}; Cylinder(4) = {50,10,-1, 0,0,12, 6};"

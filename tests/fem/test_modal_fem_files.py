@@ -300,7 +300,9 @@ def test_a_body_whose_curved_elements_cannot_be_mended_gets_straight_ones(tmp_pa
     part = Path("/usr/share/opencascade/data/occ/MODERN_Exhaust_1.brep")
     if not part.exists():
         pytest.skip("Open CASCADE's example data (occt-misc) is not installed")
-    run(part, "--modes", 3, "--tolerance", 2, "-o", "out.modal.npz", folder=tmp_path)
+    # 2 % refines it once, straight.
+    tolerance = 30 if os.environ.get("TACTUS_QUICK") else 2
+    run(part, "--modes", 3, "--tolerance", tolerance, "-o", "out.modal.npz", folder=tmp_path)
     assert np.load(tmp_path / "out.modal.npz")["freq"][0] > 100
 
 
