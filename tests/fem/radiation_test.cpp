@@ -291,3 +291,76 @@ TEST_CASE("the vectorised cosine and sine are the C library's") {
       REQUIRE(std::abs(s - std::sin(x)) < 2e-15);
     }
 }
+
+TEST_CASE("integrals over pairs of panels are the sums over their points") {
+  // Two panels askew, and a panel with itself, against the sums written out.
+  const std::vector<Panel> panels{
+      Panel({Vector3{0, 0, 0}, {.01, 0, .001}, {.002, .008, 0}}),
+      Panel({Vector3{.03, .01, .02}, {.03, .019, .017}, {.022, .013, .026}})};
+  const PanelArrays arrays(panels);
+  const double k = 180;
+  for (const bool near : {false, true}) {
+    PanelPairs pairs;
+    pairs.near.fill(near);
+    pairs.integrate(panels[0], arrays, 0, 2, k);
+    for (std::size_t u = 0; u < 2; ++u)
+      for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b) {
+          Complex value = 0, slope = 0, slope_back = 0;
+          for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) {
+              const Panel &p = panels[0], &q = panels[u];
+              const double weight =
+                  kHatAtPoint[i][a] * kHatAtPoint[j][b] * p.area * q.area / (36 * std::numbers::pi);
+              const Vector3 d = p.point[i] - q.point[j];
+              const double r = length(d);
+              if (r == 0) { // of (exp(-jkr) - 1)/r; of exp(-jkr)/r the part that is finite
+                value += weight * Complex(0, -k);
+                continue;
+              }
+              const Complex wave = std::polar(1.0, -k * r);
+              const double rest = near ? 1 : 0;
+              value += weight / r * (wave - rest);
+              const Complex steep = weight / (r * r * r) * (Complex(1, k * r) * wave - rest);
+              slope += -dot(d, p.normal) * steep;
+              slope_back += dot(d, q.normal) * steep;
+            }
+          const std::size_t ab = 3 * a + b;
+          const auto of = [&](const PanelPairs::Integrals& x) {
+            return Complex(x.re[ab][u], x.im[ab][u]);
+          };
+          CHECK(std::abs(of(pairs.value) - value) < 1e-12 * std::abs(value));
+          CHECK(std::abs(of(pairs.slope) - slope) < 1e-12 * std::abs(value) / .01);
+          CHECK(std::abs(of(pairs.slope_back) - slope_back) < 1e-12 * std::abs(value) / .01);
+        }
+  }
+}
+
+TEST_CASE("multipoles carry the field of any layers to where its direct sum does") {
+  const ExteriorField field(ball(2));
+  const std::size_t n = field.unknowns();
+  std::vector<Complex> mu(2 * n);
+  for (std::size_t i = 0; i < mu.size(); ++i)
+    mu[i] = std::polar(1.0, 2.4 * static_cast<double>(i * i % 97));
+  constexpr std::size_t kHighest = 60, kTerms = (kHighest + 1) * (kHighest + 1);
+  const double k = 90;
+  const Vector3 centre{.004, -.003, .002};
+  const auto c = multipoles(field, k, mu, 2, kHighest, centre, .06);
+  RegularWaves waves(kHighest);
+  std::vector<Complex> psi(kTerms), slope(kTerms);
+  for (const Vector3& x : {Vector3{.07, -.05, .09}, {-.2, .1, .03}}) {
+    const Vector3 from = x - centre;
+    const double r = length(from);
+    waves.evaluate(k, from, {0, 0, 1}, psi, slope);
+    const auto j = spherical_bessel(kHighest, k * r);
+    const auto at = spherical_hankel(kHighest, k * r), ref = spherical_hankel(kHighest, k * .06);
+    for (std::size_t column = 0; column < 2; ++column) {
+      Complex sum = 0;
+      for (std::size_t l = 0; l <= kHighest; ++l)
+        for (std::size_t q = l * l; q < (l + 1) * (l + 1); ++q)
+          sum += c[column * kTerms + q] * at[l] / ref[l] * psi[q] / j[l];
+      const Complex direct = field.pressure(k, std::span(mu).subspan(column * n, n), x);
+      CHECK(std::abs(sum / direct - 1.0) < 1e-6);
+    }
+  }
+}
