@@ -4,6 +4,7 @@
 #include "devices/falcon/falcon.hpp"
 #include "tests/devices/mock/control.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
