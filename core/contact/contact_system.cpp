@@ -12,36 +12,37 @@ constexpr double kLeastPivot = 0.5;
 } // namespace
 
 ContactSystem::ContactSystem(std::size_t max_contacts)
-    : dense_(&dense_kernel()), stride_(whole_lanes(max_contacts)), terms_(max_contacts),
-      coupling_(max_contacts * stride_), matrix_(max_contacts * stride_), right_(max_contacts),
-      other_(max_contacts), root_(max_contacts), answers_(max_contacts), column_(max_contacts) {
+    : dense_(&dense_kernel()), stride_(whole_lanes(max_contacts)), block_{0, 0, stride_},
+      terms_(max_contacts), coupling_(max_contacts * stride_), matrix_(max_contacts * stride_),
+      right_(max_contacts), other_(max_contacts), root_(max_contacts), answers_(max_contacts),
+      column_(max_contacts) {
   acting_.reserve(max_contacts);
 }
 
 void ContactSystem::clear_coupling(std::size_t contacts) noexcept {
-  std::fill_n(coupling_.data(), contacts * stride_, 0.0);
+  std::fill_n(coupling_.data() + block_.at, contacts * block_.stride, 0.0);
 }
 
 void ContactSystem::leave_out(std::size_t contacts) noexcept {
   for (std::size_t c = 0; c < contacts; ++c) {
-    ContactTerm& t = terms_[c];
+    ContactTerm& t = (*this)[c];
     if (t.acts)
       continue;
     t.force = 0;
     t.mean = t.free;
     for (const std::size_t other : acting_)
-      t.mean -= coupling(c, other) * terms_[other].force;
+      t.mean -= coupling(c, other) * (*this)[other].force;
   }
 }
 
 void ContactSystem::solve_one() noexcept {
-  ContactTerm& t = terms_[acting_[0]];
+  ContactTerm& t = (*this)[acting_[0]];
   t.solve(coupling(acting_[0], acting_[0]) + t.own);
 }
 
 /// Two by elimination; the pivots are those of solve_acting(), 1 and above.
 void ContactSystem::solve_two() noexcept {
-  ContactTerm &a = terms_[acting_[0]], &b = terms_[acting_[1]];
+  ContactTerm &a = (*this)[acting_[0]], &b = (*this)[acting_[1]];
   const double y = coupling(acting_[1], acting_[0]);
   const double ya = coupling(acting_[0], acting_[0]) + a.own,
                yb = coupling(acting_[1], acting_[1]) + b.own;
@@ -70,10 +71,10 @@ void ContactSystem::solve_acting(std::size_t contacts) noexcept {
   std::fill_n(root, stride, 0.0);
   std::fill_n(answer, stride, 0.0);
   for (std::size_t i = 0; i < count; ++i)
-    root[i] = std::sqrt(terms_[acting_[i]].law.slope_ns_per_m);
+    root[i] = std::sqrt((*this)[acting_[i]].law.slope_ns_per_m);
   for (std::size_t j = 0; j < count; ++j) {
-    const ContactTerm& t = terms_[acting_[j]];
-    const double* column = coupling_.data() + acting_[j] * stride_;
+    const ContactTerm& t = (*this)[acting_[j]];
+    const double* column = coupling_.data() + block_.at + acting_[j] * block_.stride;
     if (count < contacts) { // those that act, without the others
       for (std::size_t i = 0; i < count; ++i)
         column_[i] = column[acting_[i]];
@@ -87,14 +88,14 @@ void ContactSystem::solve_acting(std::size_t contacts) noexcept {
   std::fill_n(right_.data(), stride, 0.0);
   std::fill_n(other_.data(), stride, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
-    const ContactTerm& t = terms_[acting_[i]];
+    const ContactTerm& t = (*this)[acting_[i]];
     right_[i] = root[i] * (t.free - answer[i]);
     other_[i] = t.law.offset_n / root[i] + root[i] * t.free;
   }
   dense_->factorise(matrix, kLeastPivot);
   dense_->substitute(matrix, right_.data(), other_.data());
   for (std::size_t i = 0; i < count; ++i) {
-    ContactTerm& t = terms_[acting_[i]];
+    ContactTerm& t = (*this)[acting_[i]];
     t.mean = right_[i] / root[i];
     t.force = root[i] * other_[i];
   }

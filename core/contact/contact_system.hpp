@@ -21,15 +21,27 @@ class ContactSystem {
 public:
   explicit ContactSystem(std::size_t max_contacts);
 
+  /// One of several independent systems in the same memory: its first contact among all of them,
+  /// and where its coupling begins, columns of `stride` numbers.
+  struct Block {
+    std::size_t first = 0, at = 0, stride = 0;
+  };
+  /// From now on the system is this one.
+  void select(const Block& block) noexcept { block_ = block; }
+  /// The only one, of up to max_contacts.
+  void select_all() noexcept { block_ = {0, 0, stride_}; }
+
   /// One contact's part in the step, by its position among those that take part.
-  [[nodiscard]] ContactTerm& operator[](std::size_t contact) noexcept { return terms_[contact]; }
+  [[nodiscard]] ContactTerm& operator[](std::size_t contact) noexcept {
+    return terms_[block_.first + contact];
+  }
   [[nodiscard]] const ContactTerm& operator[](std::size_t contact) const noexcept {
-    return terms_[contact];
+    return terms_[block_.first + contact];
   }
   /// Y without the exciters' own masses, m/(N s): mean velocity of one place for a force at
   /// another. Columns of whole lanes, symmetric; all of a column is read.
   [[nodiscard]] double& coupling(std::size_t row, std::size_t column) noexcept {
-    return coupling_[column * stride_ + row];
+    return coupling_[block_.at + column * block_.stride + row];
   }
   void clear_coupling(std::size_t contacts) noexcept;
 
@@ -38,12 +50,12 @@ public:
   template <class Otherwise>
   void solve(std::size_t contacts, const Otherwise& solve_otherwise) noexcept {
     for (std::size_t c = 0; c < contacts; ++c)
-      terms_[c].acts = terms_[c].law.slope_ns_per_m > kLeastSlope;
+      (*this)[c].acts = (*this)[c].law.slope_ns_per_m > kLeastSlope;
     // Every round takes out at least one: it ends.
     for (bool pulls = true; pulls;) {
       acting_.clear();
       for (std::size_t c = 0; c < contacts; ++c)
-        if (terms_[c].acts)
+        if ((*this)[c].acts)
           acting_.push_back(c);
       if (acting_.empty())
         return;
@@ -51,8 +63,8 @@ public:
         solve_acting(contacts);
       pulls = false;
       for (const std::size_t c : acting_)
-        if (terms_[c].force < 0 && !terms_[c].may_pull) {
-          terms_[c].acts = false;
+        if (ContactTerm& t = (*this)[c]; t.force < 0 && !t.may_pull) {
+          t.acts = false;
           pulls = true;
         }
     }
@@ -68,14 +80,16 @@ public:
   void use_baseline() noexcept { dense_ = &baseline_dense_kernel(); }
   [[nodiscard]] const DenseKernel& dense() const noexcept { return *dense_; }
 
-private:
   static constexpr double kLeastSlope = 1e-250; ///< N s/m; a softer contact has no force
+
+private:
   void solve_acting(std::size_t contacts) noexcept;
   void solve_one() noexcept;
   void solve_two() noexcept;
 
   const DenseKernel* dense_;
   std::size_t stride_;
+  Block block_;
   std::vector<ContactTerm> terms_;
   std::vector<std::size_t> acting_;
   ModeArray coupling_, matrix_;

@@ -16,8 +16,21 @@ TouchedBody::TouchedBody(std::size_t max_modes, std::size_t exciters, std::size_
       ear_shape_(ears, std::vector<double>(max_modes, 1)), place_(exciters, ModeArray(max_modes)),
       ear_real_(ears, ModeArray(max_modes)), ear_imaginary_(ears, ModeArray(max_modes)),
       outer_(max_modes), mean_(max_modes), push_real_(max_modes), push_imaginary_(max_modes),
-      ahead_real_(max_modes), ahead_imaginary_(max_modes), system_(exciters) {
-  order_.reserve(exciters);
+      ahead_real_(max_modes), ahead_imaginary_(max_modes), system_(exciters),
+      place_modes_(max_modes, exciters), in_use_(max_modes, exciters),
+      islands_(max_modes, exciters), before_real_(max_modes), before_imaginary_(max_modes),
+      few_(exciters), sleep_(exciters), community_(exciters) {
+  for (std::vector<std::size_t>* const slots :
+       {&order_, &sorted_, &lone_, &lone_awake_, &lone_near_})
+    slots->reserve(exciters);
+  shapes_.reserve(exciters);
+  packed_.reserve(exciters);
+  wakes_at_.reserve(exciters);
+  // Each island's modes are rounded up to whole lanes.
+  const ModeArray none(max_modes + kModeLanes * std::min(exciters, max_modes));
+  packed_level_ = {none, none, none, none, none, none, none};
+  packed_real_ = packed_imaginary_ = packed_slowing_ = packed_outer_ = none;
+  packed_shapes_ = ModeArray(exciters * whole_lanes(max_modes));
   like_the_one_before_.reserve(exciters);
   work_out_steps();
   close_.reserve(exciters);
@@ -52,10 +65,13 @@ void TouchedBody::set_modes(std::span<const Mode> modes) noexcept {
 void TouchedBody::set_place(std::size_t slot, std::span<const double> shape) noexcept {
   if (slot >= exciters_.size())
     return;
-  measure_places();
+  wake(slot);
+  measure_place(slot);
   for (std::size_t i = 0; i < shape_[slot].size(); ++i)
     shape_[slot][i] = i < shape.size() ? bounded(shape[i], kMostShape) : 0;
-  keep_places();
+  work_out_place(slot);
+  unsorted_ = true;
+  coupled_ = false;
 }
 
 void TouchedBody::set_ear(std::size_t ear, std::span<const double> shape) noexcept {
@@ -73,11 +89,17 @@ void TouchedBody::work_out_ear(std::size_t ear) noexcept {
   }
 }
 
+/// Before the place changes: where the mass is above its surface.
+void TouchedBody::measure_place(std::size_t slot) noexcept {
+  if (exciters_[slot].kind == Exciter::Kind::kImpact)
+    exciters_[slot].depth_m = exciters_[slot].place_m - surface(slot);
+}
+
 /// Before the body changes: where every mass is above its surface.
 void TouchedBody::measure_places() noexcept {
+  wake_all();
   for (std::size_t i = 0; i < exciters_.size(); ++i)
-    if (exciters_[i].kind == Exciter::Kind::kImpact)
-      exciters_[i].depth_m = exciters_[i].place_m - surface(i);
+    measure_place(i);
 }
 
 /// After the body has changed: the masses are where they were above it.
@@ -86,6 +108,9 @@ void TouchedBody::keep_places() noexcept {
     work_out_place(i);
   for (std::size_t ear = 0; ear < ear_shape_.size(); ++ear)
     work_out_ear(ear);
+  sounding_ = 0;
+  for (std::size_t i = 0; i < body_.modes(); ++i)
+    sounding_ += body_.per_root_mass(i) > 0;
   unsorted_ = true;
   coupled_ = false;
 }
@@ -96,13 +121,20 @@ void TouchedBody::work_out_place(std::size_t slot) noexcept {
   const bool strikes = e.kind == Exciter::Kind::kImpact;
   e.per_mass = strikes && !e.held ? 1 / e.mass_kg : 0;
   e.quick_mobility = e.per_mass;
-  for (std::size_t i = 0; i < body_.max_modes(); ++i) {
+  for (std::size_t i = 0; i < body_.max_modes(); ++i)
     place[i] = shape_[slot][i] * body_.per_root_mass(i);
-    e.quick_mobility += place[i] * place[i];
+  place_modes_.set(slot, {place.data(), body_.modes()});
+  FewModes& few = few_[slot];
+  few.count = static_cast<std::uint32_t>(place_modes_[slot].size());
+  for (std::size_t k = 0; k < std::min<std::size_t>(few.count, kFewModes); ++k) {
+    few.mode[k] = place_modes_[slot][k];
+    few.shape[k] = place[few.mode[k]];
   }
+  for (const std::uint32_t i : place_modes_[slot])
+    e.quick_mobility += place[i] * place[i];
   for (std::size_t l = 0; l < kLevels; ++l) {
     double sum = 0.5 * step_s_[l] * e.per_mass;
-    for (std::size_t i = 0; i < body_.modes(); ++i)
+    for (const std::uint32_t i : place_modes_[slot])
       sum += place[i] * place[i] * body_.level(l).mobility[i];
     e.mobility[l] = sum;
   }
@@ -116,6 +148,7 @@ void TouchedBody::work_out_place(std::size_t slot) noexcept {
 void TouchedBody::set_impact(std::size_t slot, const ImpactLaw& law, double mass_kg) noexcept {
   if (slot >= exciters_.size())
     return;
+  wake(slot);
   Exciter& e = exciters_[slot];
   const double mass = std::isfinite(mass_kg) ? std::clamp(mass_kg, 1e-6, 1e6) : 0.01;
   if (e.kind == Exciter::Kind::kImpact && !e.held && mass > e.mass_kg) // no energy from nowhere
@@ -130,6 +163,7 @@ void TouchedBody::set_held(std::size_t slot, const ImpactLaw& law) noexcept {
 }
 
 void TouchedBody::become_impact(std::size_t slot, const ImpactLaw& law, bool held) noexcept {
+  wake(slot);
   Exciter& e = exciters_[slot];
   if (e.kind != Exciter::Kind::kImpact || e.held != held) {
     clear(slot);
@@ -148,6 +182,7 @@ void TouchedBody::become_impact(std::size_t slot, const ImpactLaw& law, bool hel
 void TouchedBody::set_friction(std::size_t slot, const FrictionLaw& law) noexcept {
   if (slot >= exciters_.size())
     return;
+  wake(slot);
   Exciter& e = exciters_[slot];
   if (e.kind != Exciter::Kind::kFriction) {
     clear(slot);
@@ -162,6 +197,7 @@ void TouchedBody::set_friction(std::size_t slot, const FrictionLaw& law) noexcep
 void TouchedBody::clear(std::size_t slot) noexcept {
   if (slot >= exciters_.size())
     return;
+  wake(slot);
   Exciter& e = exciters_[slot];
   e.kind = Exciter::Kind::kNone;
   e.impact.release();
@@ -175,6 +211,7 @@ void TouchedBody::clear(std::size_t slot) noexcept {
 void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) noexcept {
   if (slot >= exciters_.size() || exciters_[slot].kind != Exciter::Kind::kImpact)
     return;
+  wake(slot);
   Exciter& e = exciters_[slot];
   e.impact.release();
   e.open = {};
@@ -187,6 +224,7 @@ void TouchedBody::throw_mass(std::size_t slot, double gap_m, double velocity) no
 void TouchedBody::lead(std::size_t slot, double velocity_m_per_s) noexcept {
   if (slot >= exciters_.size() || !exciters_[slot].held)
     return;
+  wake(slot);
   exciters_[slot].move_at(velocity_m_per_s);
   moved_ = true;
 }
@@ -194,13 +232,19 @@ void TouchedBody::lead(std::size_t slot, double velocity_m_per_s) noexcept {
 void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {
   if (slot >= exciters_.size())
     return;
-  exciters_[slot].outer_force_n = bounded(force_n, kMostForce);
+  const double force = bounded(force_n, kMostForce);
+  if (force == exciters_[slot].outer_force_n)
+    return;
+  wake(slot);
+  exciters_[slot].outer_force_n = force;
   moved_ = true;
 }
 
 void TouchedBody::rub(std::size_t slot, double normal_force_n, double velocity) noexcept {
   if (slot >= exciters_.size())
     return;
+  if (normal_force_n > 0) // otherwise it stays away
+    wake(slot);
   exciters_[slot].rub(normal_force_n, velocity);
   moved_ = true;
 }
@@ -214,7 +258,9 @@ void TouchedBody::push_body(std::size_t slot, double force_n) noexcept {
   const double force = bounded(force_n, kMostForce);
   if (slot >= exciters_.size() || force == 0)
     return;
-  kernel_->add(outer_.data(), place_[slot].data(), force, body_.padded());
+  wake_around(slot);
+  for (const std::uint32_t i : place_modes_[slot])
+    outer_[i] += force * place_[slot][i];
   has_outer_ = sounds_ = true;
 }
 
@@ -222,7 +268,9 @@ void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
   const double impulse = bounded(impulse_ns, kMostForce);
   if (slot >= exciters_.size() || impulse == 0)
     return;
-  kernel_->add(body_.real.data(), place_[slot].data(), impulse, body_.padded());
+  wake_around(slot);
+  for (const std::uint32_t i : place_modes_[slot])
+    body_.real[i] += impulse * place_[slot][i];
   sounds_ = true;
   foreseen_ = false;
   for (Exciter& e : exciters_)
@@ -232,6 +280,7 @@ void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
 void TouchedBody::set_modal_velocity(std::size_t mode, double velocity_m_per_s) noexcept {
   if (mode >= body_.modes() || !(body_.per_root_mass(mode) > 0))
     return;
+  wake_all();
   body_.real[mode] = bounded(velocity_m_per_s, kFastest) / body_.per_root_mass(mode) +
                      body_.slowing[mode] * body_.imaginary[mode];
   sounds_ = true;
@@ -246,16 +295,35 @@ void TouchedBody::set_least_steps(unsigned steps) noexcept {
     ++least_level_;
 }
 
+/// Sums over a place's few modes run over these alone: with one or two, the bits are those of the
+/// sum over all.
+/// Sums over a place's one or two modes run over these alone: the bits are those of the sum over
+/// all.
 double TouchedBody::surface(std::size_t slot) const noexcept {
-  return sounds_ ? kernel_->dot(place_[slot].data(), body_.imaginary.data(),
-                                body_.displacement.data(), body_.padded())
-                 : 0.0;
+  if (!sounds_)
+    return 0;
+  const FewModes& few = few_[slot];
+  if (few.count > 2)
+    return kernel_->dot(place_[slot].data(), body_.imaginary.data(), body_.displacement.data(),
+                        body_.padded());
+  double sum = 0;
+  for (std::size_t k = 0; k < few.count; ++k)
+    sum += few.shape[k] * body_.imaginary[few.mode[k]] * body_.displacement[few.mode[k]];
+  return sum;
 }
 
 double TouchedBody::surface_velocity(std::size_t slot) const noexcept {
-  return sounds_ ? kernel_->velocity(place_[slot].data(), body_.real.data(), body_.imaginary.data(),
-                                     body_.slowing.data(), body_.padded())
-                 : 0.0;
+  if (!sounds_)
+    return 0;
+  const FewModes& few = few_[slot];
+  if (few.count > 2)
+    return kernel_->velocity(place_[slot].data(), body_.real.data(), body_.imaginary.data(),
+                             body_.slowing.data(), body_.padded());
+  double sum = 0;
+  for (std::size_t k = 0; k < few.count; ++k)
+    sum += few.shape[k] *
+           (body_.real[few.mode[k]] - body_.slowing[few.mode[k]] * body_.imaginary[few.mode[k]]);
+  return sum;
 }
 
 double TouchedBody::hear(std::size_t ear) const noexcept {
@@ -266,12 +334,13 @@ double TouchedBody::hear(std::size_t ear) const noexcept {
 
 double TouchedBody::energy() const noexcept {
   double sum = body_.energy();
-  for (const Exciter& e : exciters_)
-    sum += e.energy();
+  for (std::size_t i = 0; i < exciters_.size(); ++i)
+    sum += exciter(i).energy();
   return sum;
 }
 
 void TouchedBody::reset() noexcept {
+  wake_all();
   body_.silence();
   foreseen_ = false;
   outer_.clear();
@@ -287,24 +356,26 @@ void TouchedBody::reset() noexcept {
     e.level = 0;
   }
   level_ = quiet_ = near_ = 0;
+  close_.clear();
+  lone_near_.clear();
   clock_ = 0;
   unsorted_ = true;
   coupled_ = false;
 }
 
-ModesView TouchedBody::view(std::size_t index) noexcept {
+ModesView TouchedBody::view(std::size_t index, std::size_t first, std::size_t end) noexcept {
   const ModalBody::Level& level = body_.level(index);
-  return {body_.real.data(),
-          body_.imaginary.data(),
-          level.turn_real.data(),
-          level.turn_imaginary.data(),
-          level.response_real.data(),
-          level.response_imaginary.data(),
-          level.mean_real.data(),
-          level.mean_imaginary.data(),
-          level.mobility.data(),
-          body_.slowing.data(),
-          body_.padded()};
+  return {body_.real.data() + first,
+          body_.imaginary.data() + first,
+          level.turn_real.data() + first,
+          level.turn_imaginary.data() + first,
+          level.response_real.data() + first,
+          level.response_imaginary.data() + first,
+          level.mean_real.data() + first,
+          level.mean_imaginary.data() + first,
+          level.mobility.data() + first,
+          body_.slowing.data() + first,
+          end - first};
 }
 
 } // namespace tactus::contact

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "core/contact/body_kernel.hpp"
+#include "core/contact/contact_islands.hpp"
 #include "core/contact/contact_system.hpp"
 #include "core/contact/exciter.hpp"
 #include "core/contact/modal_body.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,15 +18,19 @@ namespace tactus::contact {
 /// A vibrating body that any number of masses strike and surfaces rub at once, at places of its own
 /// each; heard at others.
 ///
-/// All contacts of a step are solved together (ContactSystem). Friction's second stage solves once
-/// more with the coefficients that the first led to. The system has one unknown a contact, or one a
-/// mode if there are fewer modes than contacts. Sums run over the contacts in an order that follows
-/// from what the contacts are, not from their numbers: contacts that change places give the same
-/// bits.
+/// The contacts that are near are divided into islands, which share no mode (Islands): separate
+/// bodies in one list of modes, or bodies that do not touch each other at the moment. Each island
+/// has a solution and steps of its own; modes that no contact moves ring once a sample.
 ///
-/// Steps are a sample or a power of two finer, to 1/64, as the stiffest contact that is near needs.
-/// A contact too short even for these gives an impulse with the restitution of its law; impulses of
-/// one moment are found together as well, and never add energy.
+/// All contacts of an island's step are solved together (ContactSystem). Friction's second stage
+/// solves once more with the coefficients that the first led to. The system has one unknown a
+/// contact, or one a mode if there are fewer modes than contacts. Sums run over the contacts in an
+/// order that follows from what the contacts are, not from their numbers: contacts that change
+/// places give the same bits.
+///
+/// Steps are a sample or a power of two finer, to 1/64, as the stiffest contact of the island
+/// needs. A contact too short even for these gives an impulse with the restitution of its law;
+/// impulses of one moment are found together as well, and never add energy.
 class TouchedBody {
 public:
   /// Allocates for so many modes, exciters (slots 0...) and places to listen at.
@@ -84,15 +90,19 @@ public:
   [[nodiscard]] double force(std::size_t exciter) const noexcept {
     return exciters_[exciter].force_n;
   }
-  [[nodiscard]] const Exciter& exciter(std::size_t slot) const noexcept { return exciters_[slot]; }
+  [[nodiscard]] const Exciter& exciter(std::size_t slot) const noexcept {
+    if (sleep_[slot].sleeps)
+      catch_up(slot);
+    return exciters_[slot];
+  }
   [[nodiscard]] std::size_t exciters() const noexcept { return exciters_.size(); }
   [[nodiscard]] const ModalBody& body() const noexcept { return body_; }
-  /// Steps that the last sample took.
+  /// Steps that the last sample took; of several islands, the most.
   [[nodiscard]] unsigned steps() const noexcept { return 1U << level_; }
   /// Of modes, masses and contacts, J. Without outer forces it never grows.
   [[nodiscard]] double energy() const noexcept;
   /// True while modes ring or something is near.
-  [[nodiscard]] bool active() const noexcept { return sounds_ || near_ > 0; }
+  [[nodiscard]] bool active() const noexcept { return sounds_ || near_ > 0 || !lone_near_.empty(); }
   /// Instructions that every processor has, for comparison.
   void use_baseline() noexcept {
     kernel_ = &baseline_body_kernel();
@@ -102,7 +112,10 @@ public:
   void reset() noexcept;
 
 private:
+  static constexpr std::size_t kMaxWork = std::size_t{1} << 17; ///< products in a sample
+  static constexpr std::uint64_t kTidyEvery = 64;               ///< samples
   void work_out_steps() noexcept;
+  void measure_place(std::size_t exciter) noexcept;
   void measure_places() noexcept;
   void keep_places() noexcept;
   void work_out_place(std::size_t exciter) noexcept;
@@ -113,28 +126,71 @@ private:
   [[nodiscard]] double surface(std::size_t exciter) const noexcept;
   [[nodiscard]] double surface_velocity(std::size_t exciter) const noexcept;
   void look_around() noexcept;
+  [[nodiscard]] bool look_at(std::size_t exciter, bool look) noexcept;
+  void choose_level() noexcept;
   void judge(Exciter& e) const noexcept;
   void fly(Exciter& e) const noexcept;
   void change_level(std::size_t level) noexcept;
   void work_out_ear(std::size_t ear) noexcept;
-  void touch_many() noexcept;
-  void knock_many() noexcept;
-  void solve() noexcept;
-  void couple() noexcept;
+  /// What one solution needs: contacts, the modes that they move (all arrays from the same mode on)
+  /// and the length of the steps.
+  struct Group {
+    std::span<const std::size_t> slots;
+    ModesView modes;
+    std::size_t mode_count;
+    const double* outer; ///< forces from outside, null: none
+    std::size_t level;
+  };
+  void touch_many(const Group& group) noexcept;
+  void knock_many(const Group& group) noexcept;
+  void solve(const Group& group) noexcept;
+  void solve_by_mode(const Group& group, std::span<const std::size_t> acting) noexcept;
+  void couple(const Group& group) noexcept;
   void touch_one() noexcept;
+  void touch_in_place() noexcept;
+  void ring(std::size_t first, std::size_t end) noexcept;
+
+  // Several islands (touched_islands.cpp).
+  void divide_in_use() noexcept;
+  void divide() noexcept;
+  void find_range() noexcept;
+  void lay_out() noexcept;
+  void touch_islands() noexcept;
+  void touch_lone(std::size_t exciter, std::size_t level) noexcept;
+  [[nodiscard]] Group pack(std::size_t island, std::size_t level) noexcept;
+  [[nodiscard]] bool few(std::size_t island) const noexcept;
+  [[nodiscard]] std::size_t island_level(std::size_t island) const noexcept;
+  [[nodiscard]] std::size_t island_work(std::size_t island) const noexcept;
+  [[nodiscard]] std::size_t granted(std::size_t work, std::size_t level) const noexcept;
+  void share_work() noexcept;
+
+  // Exciters that stay away (touched_sleep.cpp).
+  void list_awake() noexcept;
+  void put_to_sleep() noexcept;
+  [[nodiscard]] bool stays_away(std::size_t exciter, double samples) const noexcept;
+  void catch_up(std::size_t exciter) const noexcept;
+  void wake(std::size_t exciter) noexcept;
+  void wake_around(std::size_t exciter) noexcept;
+  void wake_all() noexcept;
   void run(std::size_t exciter, const Stretch& whole) noexcept;
   std::size_t rest(std::size_t exciter, const Stretch& whole) noexcept;
   [[nodiscard]] bool steady(std::size_t exciter) const noexcept;
   [[nodiscard]] PlaceView place_view(std::size_t exciter) const noexcept;
   void look_back() noexcept;
   void focus(std::size_t exciter) noexcept;
-  void solve_by_mode(std::span<const std::size_t> acting) noexcept;
-  [[nodiscard]] ModesView view(std::size_t level) noexcept;
+  [[nodiscard]] ModesView view(std::size_t level, std::size_t first, std::size_t end) noexcept;
+  [[nodiscard]] ModesView view() noexcept { return view(level_, range_first_, range_end_); }
   [[nodiscard]] double step_length() const noexcept { return step_s_[level_]; }
+  /// Products that a step's solution of so many contacts on so many modes takes.
+  [[nodiscard]] static std::size_t work(std::size_t contacts, std::size_t modes) noexcept {
+    const std::size_t small = std::min(contacts, modes), big = std::max(contacts, modes);
+    return small * small * (big + small) / 2 + 4 * small * big;
+  }
 
   ModalBody body_;
   const BodyKernel* kernel_;
-  std::vector<Exciter> exciters_;
+  /// Mutable: where a mass that sleeps has flown to is found when it is asked for.
+  mutable std::vector<Exciter> exciters_;
   std::vector<std::vector<double>> shape_, ear_shape_;
   std::vector<ModeArray> place_;                    ///< shapes over sqrt(m)
   std::vector<ModeArray> ear_real_, ear_imaginary_; ///< velocity there = these times the state
@@ -149,11 +205,58 @@ private:
   std::array<double, kLevels> step_s_{}; ///< length of a step, by level
   std::size_t level_ = 0, least_level_ = 0, quiet_ = 0, near_ = 0;
   std::uint64_t clock_ = 0;
-  std::vector<std::size_t> order_, close_; ///< slots: all in use; those near
-  std::vector<char> like_the_one_before_;  ///< by position in order_: the same but for its drive
-  ContactSystem system_;                   ///< of one step, by position in close_
+  /// Slots: in use and awake but for the lone ones; those of them that are near.
+  std::vector<std::size_t> order_, close_;
+  std::vector<char> like_the_one_before_; ///< by position in order_: the same but for its drive
+  ContactSystem system_;                  ///< of one step, by position in close_
   std::vector<Push> pushes_;
-  ModeArray matrix_, right_, other_; ///< of solve_by_mode()
+  ModeArray matrix_, right_, other_;  ///< of solve_by_mode()
+  std::vector<const double*> shapes_; ///< of a Group's contacts
+
+  PlaceModes place_modes_;
+  static constexpr std::size_t kFewModes = 4; ///< of a contact that is solved without vectors
+  /// A place's modes where they are no more than that: by slot, side by side in memory.
+  struct alignas(64) FewModes {
+    std::uint32_t count = 0;
+    std::array<std::uint32_t, kFewModes> mode{};
+    std::array<double, kFewModes> shape{};
+  };
+  Islands in_use_;           ///< of all exciters in use: what may ever touch what
+  Islands islands_;          ///< of those near, but for the lone ones
+  bool divided_ = false;     ///< islands_ is of close_
+  bool range_known_ = false; ///< and so are these: one island, and its modes, whole lanes
+  bool one_range_ = true;
+  std::size_t range_first_ = 0, range_end_ = 0;
+  bool in_place_ = true;     ///< that is all
+  std::size_t sounding_ = 0; ///< modes that are not left out
+  std::size_t used_ = 0;     ///< exciters in use
+  /// Exciters that no other shares a mode with and that move few: in use, awake, near.
+  std::vector<std::size_t> lone_, lone_awake_, lone_near_;
+  std::vector<std::size_t> sorted_;            ///< in use but for the lone ones
+  std::array<std::size_t, kLevels> lone_at_{}; ///< how many are near, by the level they need
+  std::size_t share_ = kMaxWork;               ///< products that an island's fine steps may take
+  /// An island's modes in a row, with its contacts' shapes; parts of arrays, whole lanes.
+  struct Packed {
+    std::size_t at, lanes, shapes_at, level;
+    ContactSystem::Block block;
+    bool ready;
+  };
+  std::vector<Packed> packed_;
+  ModeArray before_real_, before_imaginary_; ///< state before the sample
+  ModalBody::Level packed_level_;
+  ModeArray packed_real_, packed_imaginary_, packed_slowing_, packed_outer_, packed_shapes_;
+
+  std::vector<FewModes> few_;
+  /// By exciter: asleep since when, and from where its mass flies freely.
+  struct Sleep {
+    bool sleeps = false;
+    std::uint64_t since = 0;
+    double place_m = 0, velocity_m_per_s = 0;
+  };
+  std::vector<Sleep> sleep_;
+  std::vector<std::size_t> community_;  ///< by exciter: its island in in_use_
+  std::vector<std::uint64_t> wakes_at_; ///< by island in in_use_: asleep until then; 0: awake
+  bool awake_changed_ = false;
 };
 
 } // namespace tactus::contact

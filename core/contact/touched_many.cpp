@@ -11,69 +11,65 @@ constexpr int kKnockRounds = 8;
 
 } // namespace
 
-/// Y of those near.
-void TouchedBody::couple() noexcept {
-  system_.clear_coupling(near_);
-  for (std::size_t c = 0; c < near_; ++c)
+/// Y of a group's contacts.
+void TouchedBody::couple(const Group& group) noexcept {
+  const std::size_t count = group.slots.size();
+  system_.clear_coupling(count);
+  for (std::size_t c = 0; c < count; ++c)
     for (std::size_t d = 0; d <= c; ++d)
       system_.coupling(d, c) = system_.coupling(c, d) =
-          kernel_->dot(place_[close_[c]].data(), place_[close_[d]].data(),
-                       body_.level(level_).mobility.data(), body_.padded());
-  coupled_ = near_ > 1; // one alone has a PlaceView
+          kernel_->dot(shapes_[c], shapes_[d], group.modes.mobility, group.modes.padded);
 }
 
-void TouchedBody::touch_many() noexcept {
-  const double h = step_length();
-  const ModesView modes = view(level_);
-  sounds_ = true;
-  foreseen_ = false;
-  if (!coupled_ || near_ == 1)
-    couple();
-  const double* const outer = has_outer_ ? outer_.data() : nullptr;
-  for (std::size_t n = std::size_t{1} << level_; n-- > 0;) {
-    knock_many();
-    if (outer)
-      kernel_->mean(modes, outer, {}, mean_.data());
+void TouchedBody::touch_many(const Group& group) noexcept {
+  const double h = step_s_[group.level];
+  const ModesView& modes = group.modes;
+  const std::span<const std::size_t> slots = group.slots;
+  const std::size_t count = slots.size();
+  for (std::size_t n = std::size_t{1} << group.level; n-- > 0;) {
+    knock_many(group);
+    if (group.outer)
+      kernel_->mean(modes, group.outer, {}, mean_.data());
     else
       kernel_->free_mean(modes, mean_.data());
     bool any_friction = false;
-    for (std::size_t c = 0; c < near_; ++c) {
-      Exciter& e = exciters_[close_[c]];
-      e.enter_step(system_[c], kernel_->dot(place_[close_[c]].data(), mean_.data(), modes.padded),
+    for (std::size_t c = 0; c < count; ++c) {
+      Exciter& e = exciters_[slots[c]];
+      e.enter_step(system_[c], kernel_->dot(shapes_[c], mean_.data(), modes.padded),
                    system_.coupling(c, c), h);
       any_friction = any_friction || e.kind == Exciter::Kind::kFriction;
     }
-    solve();
+    solve(group);
     if (any_friction) {
-      for (std::size_t c = 0; c < near_; ++c)
-        if (Exciter& e = exciters_[close_[c]]; e.kind == Exciter::Kind::kFriction)
+      for (std::size_t c = 0; c < count; ++c)
+        if (Exciter& e = exciters_[slots[c]]; e.kind == Exciter::Kind::kFriction)
           e.refine(system_[c]);
-      solve();
+      solve(group);
     }
     pushes_.clear();
     for (const std::size_t c : system_.acting())
-      pushes_.push_back({place_[close_[c]].data(), system_[c].force});
-    if (pushes_.size() < near_) // the others' velocities follow from the modes'
-      kernel_->mean(modes, outer, pushes_, mean_.data());
-    kernel_->advance(modes, outer, pushes_);
-    for (std::size_t c = 0; c < near_; ++c) {
+      pushes_.push_back({shapes_[c], system_[c].force});
+    if (pushes_.size() < count) // the others' velocities follow from the modes'
+      kernel_->mean(modes, group.outer, pushes_, mean_.data());
+    kernel_->advance(modes, group.outer, pushes_);
+    for (std::size_t c = 0; c < count; ++c) {
       ContactTerm& t = system_[c];
       if (!t.acts) {
         t.force = 0;
-        t.mean = t.own_free - kernel_->dot(place_[close_[c]].data(), mean_.data(), modes.padded);
+        t.mean = t.own_free - kernel_->dot(shapes_[c], mean_.data(), modes.padded);
       }
-      exciters_[close_[c]].leave_step(t, h);
+      exciters_[slots[c]].leave_step(t, h);
     }
   }
-  for (const std::size_t i : close_)
+  for (const std::size_t i : slots)
     exciters_[i].force_n = exciters_[i].impulse_ns * body_.sample_rate();
 }
 
-void TouchedBody::solve() noexcept {
-  system_.solve(near_, [this](std::span<const std::size_t> acting) {
-    const bool by_mode = acting.size() > body_.modes();
+void TouchedBody::solve(const Group& group) noexcept {
+  system_.solve(group.slots.size(), [&](std::span<const std::size_t> acting) {
+    const bool by_mode = acting.size() > group.mode_count;
     if (by_mode)
-      solve_by_mode(acting);
+      solve_by_mode(group, acting);
     return by_mode;
   });
 }
@@ -81,9 +77,9 @@ void TouchedBody::solve() noexcept {
 /// With more contacts than modes. Each contact is eliminated, F = (offset + slope (free - g.d)) /
 /// (1 + slope own), d the change of the modes' mean velocities, which remain:
 /// d/y + sum g kappa (g.d) = sum g (offset + slope free)/(1 + slope own), y a mode's mobility.
-void TouchedBody::solve_by_mode(std::span<const std::size_t> acting) noexcept {
-  const std::size_t count = body_.modes(), stride = body_.padded();
-  const ModeArray& mobility = body_.level(level_).mobility;
+void TouchedBody::solve_by_mode(const Group& group, std::span<const std::size_t> acting) noexcept {
+  const std::size_t count = group.mode_count, stride = group.modes.padded;
+  const double* const mobility = group.modes.mobility;
   const DenseView matrix{matrix_.data(), count, stride};
   std::fill_n(matrix_.data(), count * stride, 0.0);
   std::fill_n(right_.data(), stride, 0.0);
@@ -92,7 +88,7 @@ void TouchedBody::solve_by_mode(std::span<const std::size_t> acting) noexcept {
     matrix(i, i) = mobility[i] > 0 ? 1 / mobility[i] : 1;
   for (const std::size_t c : acting) {
     const ContactTerm& t = system_[c];
-    const double* shape = place_[close_[c]].data();
+    const double* shape = shapes_[c];
     const double over = 1 / (1 + t.law.slope_ns_per_m * t.own);
     kernel_->add(right_.data(), shape, over * (t.law.offset_n + t.law.slope_ns_per_m * t.free),
                  stride);
@@ -102,7 +98,7 @@ void TouchedBody::solve_by_mode(std::span<const std::size_t> acting) noexcept {
   system_.dense().substitute(matrix, right_.data(), other_.data());
   for (const std::size_t c : acting) {
     ContactTerm& t = system_[c];
-    const double change = kernel_->dot(place_[close_[c]].data(), right_.data(), stride);
+    const double change = kernel_->dot(shapes_[c], right_.data(), stride);
     const double over = 1 / (1 + t.law.slope_ns_per_m * t.own);
     t.force = over * (t.law.offset_n + t.law.slope_ns_per_m * (t.free - change));
     t.mean = over * (t.free - change - t.own * t.law.offset_n);
@@ -113,20 +109,24 @@ void TouchedBody::solve_by_mode(std::span<const std::size_t> acting) noexcept {
 /// J = (1 + e) rate/mobility; all at once get theta J, theta <= 1 the largest for which
 /// dE = -theta J.v + theta^2 J.A J/2 is no gain, with the least restitution among them kept.
 /// Rounds go on while some still approach.
-void TouchedBody::knock_many() noexcept {
-  const double h = step_length();
-  const std::size_t padded = body_.padded();
-  for (std::size_t c = 0; c < near_; ++c) { // these need the velocity at this moment
-    Exciter& e = exciters_[close_[c]];
+void TouchedBody::knock_many(const Group& group) noexcept {
+  const double h = step_s_[group.level];
+  const ModesView& m = group.modes;
+  const std::size_t padded = m.padded, count = group.slots.size();
+  const auto velocity_at = [&](std::size_t c) {
+    return kernel_->velocity(shapes_[c], m.real, m.imaginary, m.slowing, padded);
+  };
+  for (std::size_t c = 0; c < count; ++c) { // these need the velocity at this moment
+    Exciter& e = exciters_[group.slots[c]];
     if (e.kind == Exciter::Kind::kImpact && e.impulsive && !e.impact.touching())
-      e.approach_m_per_s = e.velocity_m_per_s - surface_velocity(close_[c]);
+      e.approach_m_per_s = e.velocity_m_per_s - velocity_at(c);
   }
   for (int round = 0; round < kKnockRounds; ++round) {
     double work = 0, own = 0, least = 1;
     std::fill_n(mean_.data(), padded, 0.0);
     bool any = false;
-    for (std::size_t c = 0; c < near_; ++c) {
-      const Exciter& e = exciters_[close_[c]];
+    for (std::size_t c = 0; c < count; ++c) {
+      const Exciter& e = exciters_[group.slots[c]];
       ContactTerm& t = system_[c];
       t.acts = e.kind == Exciter::Kind::kImpact && e.impulsive && !e.impact.touching() &&
                e.approach_m_per_s > 0 && Impact::meets(e.depth_m, e.approach_m_per_s, h);
@@ -137,16 +137,16 @@ void TouchedBody::knock_many() noexcept {
       work += t.force * e.approach_m_per_s;
       own += t.force * t.force * e.per_mass;
       least = std::min(least, kept);
-      kernel_->add(mean_.data(), place_[close_[c]].data(), t.force, padded);
+      kernel_->add(mean_.data(), shapes_[c], t.force, padded);
       any = true;
     }
     if (!any)
       return;
     const double answer = own + kernel_->dot(mean_.data(), mean_.data(), padded);
     const double theta = std::min(1.0, (1 + least) * work / answer);
-    kernel_->add(body_.real.data(), mean_.data(), theta, padded);
-    for (std::size_t c = 0; c < near_; ++c) {
-      Exciter& e = exciters_[close_[c]];
+    kernel_->add(m.real, mean_.data(), theta, padded);
+    for (std::size_t c = 0; c < count; ++c) {
+      Exciter& e = exciters_[group.slots[c]];
       if (system_[c].acts) {
         const double impulse = theta * system_[c].force;
         e.velocity_m_per_s -= impulse * e.per_mass;
@@ -154,11 +154,10 @@ void TouchedBody::knock_many() noexcept {
         e.book_impulse(impulse, h);
       }
     }
-    for (std::size_t c = 0; c < near_; ++c) {
-      Exciter& e = exciters_[close_[c]];
+    for (std::size_t c = 0; c < count; ++c) {
+      Exciter& e = exciters_[group.slots[c]];
       const bool strikes = e.kind == Exciter::Kind::kImpact;
-      e.approach_m_per_s =
-          (strikes ? e.velocity_m_per_s : e.rubbing_m_per_s) - surface_velocity(close_[c]);
+      e.approach_m_per_s = (strikes ? e.velocity_m_per_s : e.rubbing_m_per_s) - velocity_at(c);
       e.mean_velocity_m_per_s = e.approach_m_per_s;
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 /// How a touched body goes on in time: who is near, how fine the steps are, and the steps of one.
 namespace tactus::contact {
@@ -11,9 +12,8 @@ namespace {
 constexpr double kStepsFor = 0.15;   // most angle, rad, that a contact may turn in a step
 constexpr double kImpulseFrom = 0.5; // the same in the finest steps: an impulse instead
 constexpr double kReach = 2;         // samples ahead in which a mass may arrive
-constexpr std::uint64_t kTidyEvery = 64, kLookEvery = 16;
-constexpr std::size_t kPatience = 8;                    // samples before coarser steps
-constexpr std::size_t kMostWork = std::size_t{1} << 17; // products in a sample with many contacts
+constexpr std::uint64_t kLookEvery = 16;
+constexpr std::size_t kPatience = 8; // samples before coarser steps
 
 } // namespace
 
@@ -54,18 +54,27 @@ bool TouchedBody::goes_before(std::size_t a, std::size_t b) const noexcept {
 }
 
 void TouchedBody::sort() noexcept {
-  order_.clear();
-  for (std::size_t i = 0; i < exciters_.size(); ++i)
-    if (exciters_[i].kind != Exciter::Kind::kNone)
-      order_.push_back(i);
-  std::sort(order_.begin(), order_.end(),
+  wake_all();
+  divide_in_use();
+  std::sort(sorted_.begin(), sorted_.end(),
             [this](std::size_t a, std::size_t b) { return goes_before(a, b); });
+  list_awake();
+  unsorted_ = coupled_ = divided_ = range_known_ = moved_ = false;
+}
+
+/// Those that look_around() looks at, in the order of sort().
+void TouchedBody::list_awake() noexcept {
+  const auto awake = [this](std::size_t slot) { return !sleep_[slot].sleeps; };
+  order_.clear();
+  std::copy_if(sorted_.begin(), sorted_.end(), std::back_inserter(order_), awake);
+  lone_awake_.clear();
+  std::copy_if(lone_.begin(), lone_.end(), std::back_inserter(lone_awake_), awake);
+  awake_changed_ = false;
   tied_ = false;
   like_the_one_before_.assign(order_.size(), 0);
   for (std::size_t i = 1; i < order_.size(); ++i)
     if (!goes_before(order_[i - 1], order_[i]))
       like_the_one_before_[i] = tied_ = true;
-  unsorted_ = coupled_ = moved_ = false;
 }
 
 /// Exciters that were alike until now get an order when they are driven differently.
@@ -108,59 +117,85 @@ void TouchedBody::fly(Exciter& e) const noexcept {
   }
 }
 
+/// True if the exciter may touch within this sample. `look`: from where all is.
+bool TouchedBody::look_at(std::size_t i, bool look) noexcept {
+  Exciter& e = exciters_[i];
+  if (e.kind == Exciter::Kind::kFriction) {
+    e.near = e.normal_force_n > 0;
+    if (!e.fresh)
+      e.approach_m_per_s = e.mean_velocity_m_per_s = e.rubbing_m_per_s - surface_velocity(i);
+    if (!e.near) {
+      e.friction.release();
+      e.last_force_n = 0;
+    }
+  } else {
+    if (!e.fresh || look) {
+      e.depth_m = e.place_m - surface(i);
+      e.approach_m_per_s = e.velocity_m_per_s - surface_velocity(i);
+      if (!e.fresh)
+        e.mean_velocity_m_per_s = e.approach_m_per_s;
+    }
+    const double sample = step_s_[0];
+    const double soon = e.approach_m_per_s + sample * e.outer_force_n * e.per_mass;
+    e.near = e.impact.touching() || e.depth_m + kReach * sample * std::max(soon, 0.0) > 0;
+    if (e.near)
+      judge(e);
+    else
+      fly(e);
+  }
+  e.fresh = e.near;
+  e.force_n = e.impulse_ns = e.dissipated_j = 0;
+  return e.near;
+}
+
 /// Which exciters may touch within this sample, and how fine its steps must be.
 void TouchedBody::look_around() noexcept {
-  const double sample = step_s_[0];
+  if (used_ > 1 && clock_ % kTidyEvery == 0)
+    put_to_sleep();
+  if (awake_changed_)
+    list_awake();
   const bool look = clock_ % kLookEvery == 0;
-  std::size_t wanted = least_level_, before = near_;
+  const std::size_t before = near_;
   bool same = true;
   near_ = 0;
   for (const std::size_t i : order_) {
-    Exciter& e = exciters_[i];
-    if (e.kind == Exciter::Kind::kFriction) {
-      e.near = e.normal_force_n > 0;
-      if (!e.fresh)
-        e.approach_m_per_s = e.mean_velocity_m_per_s = e.rubbing_m_per_s - surface_velocity(i);
-      if (!e.near) {
-        e.friction.release();
-        e.last_force_n = 0;
-      }
-    } else {
-      if (!e.fresh || look) {
-        e.depth_m = e.place_m - surface(i);
-        e.approach_m_per_s = e.velocity_m_per_s - surface_velocity(i);
-        if (!e.fresh)
-          e.mean_velocity_m_per_s = e.approach_m_per_s;
-      }
-      const double soon = e.approach_m_per_s + sample * e.outer_force_n * e.per_mass;
-      e.near = e.impact.touching() || e.depth_m + kReach * sample * std::max(soon, 0.0) > 0;
-      if (e.near)
-        judge(e);
-      else
-        fly(e);
-    }
-    e.fresh = e.near;
-    e.force_n = e.impulse_ns = e.dissipated_j = 0;
-    if (e.near) {
-      same = same && near_ < before && close_[near_] == i;
-      if (near_ < close_.size())
-        close_[near_] = i;
-      else
-        close_.push_back(i);
-      ++near_;
-      if (e.kind == Exciter::Kind::kImpact)
-        wanted = std::max(wanted, e.level);
-    }
+    if (!look_at(i, look))
+      continue;
+    same = same && near_ < before && close_[near_] == i;
+    if (near_ < close_.size())
+      close_[near_] = i;
+    else
+      close_.push_back(i);
+    ++near_;
   }
   close_.resize(near_);
+  lone_near_.clear();
+  lone_at_ = {};
+  for (const std::size_t i : lone_awake_)
+    if (look_at(i, look)) {
+      lone_near_.push_back(i);
+      ++lone_at_[std::max(least_level_, exciters_[i].level)];
+    }
   coupled_ = coupled_ && same && near_ == before;
+  range_known_ = range_known_ && same && near_ == before;
+  divided_ = divided_ && range_known_;
   foreseen_ = foreseen_ && near_ == 1 && clock_ % kTidyEvery != 0;
-  if (near_ > 1) {
-    const std::size_t small = std::min(near_, body_.modes()), big = std::max(near_, body_.modes());
-    const std::size_t work = small * small * (big + small) / 2 + 4 * small * big;
-    while (wanted > 0 && (work << wanted) > kMostWork)
+  if (!range_known_)
+    find_range();
+  in_place_ = one_range_ && lone_near_.empty();
+  if (in_place_)
+    choose_level();
+}
+
+/// How fine the steps must be of the one island, or of nothing.
+void TouchedBody::choose_level() noexcept {
+  std::size_t wanted = least_level_;
+  for (const std::size_t i : close_)
+    if (exciters_[i].kind == Exciter::Kind::kImpact)
+      wanted = std::max(wanted, exciters_[i].level);
+  if (near_ > 1)
+    while (wanted > 0 && (work(near_, body_.modes()) << wanted) > kMaxWork)
       --wanted;
-  }
   quiet_ = wanted < level_ ? quiet_ + 1 : 0;
   if (wanted > level_ || (quiet_ > kPatience && (near_ == 0 || wanted + 1 < level_)) ||
       (near_ > 1 && wanted < level_))
@@ -180,17 +215,18 @@ void TouchedBody::focus(std::size_t slot) noexcept {
   const ModalBody::Level& level = body_.level(level_);
   const ModeArray& place = place_[slot];
   answer_ = 0;
-  for (std::size_t i = 0; i < body_.padded(); ++i) {
-    push_real_[i] = place[i] * level.response_real[i];
-    push_imaginary_[i] = place[i] * level.response_imaginary[i];
+  for (std::size_t k = range_first_; k < range_end_; ++k) {
+    const std::size_t i = k - range_first_;
+    push_real_[i] = place[k] * level.response_real[k];
+    push_imaginary_[i] = place[k] * level.response_imaginary[k];
     // The mean velocity of the step after a state z is Re((mean_real - j mean_imaginary) z).
-    ahead_real_[i] = place[i] * level.mean_real[i];
-    ahead_imaginary_[i] = place[i] * level.mean_imaginary[i];
+    ahead_real_[i] = place[k] * level.mean_real[k];
+    ahead_imaginary_[i] = place[k] * level.mean_imaginary[k];
     answer_ += ahead_real_[i] * push_real_[i] + ahead_imaginary_[i] * push_imaginary_[i];
     // That of the step after the next: the same of P z.
     const double real = ahead_real_[i], imaginary = ahead_imaginary_[i];
-    ahead_real_[i] = real * level.turn_real[i] + imaginary * level.turn_imaginary[i];
-    ahead_imaginary_[i] = imaginary * level.turn_real[i] - real * level.turn_imaginary[i];
+    ahead_real_[i] = real * level.turn_real[k] + imaginary * level.turn_imaginary[k];
+    ahead_imaginary_[i] = imaginary * level.turn_real[k] - real * level.turn_imaginary[k];
   }
   coupled_ = true;
   foreseen_ = false;
@@ -199,13 +235,10 @@ void TouchedBody::focus(std::size_t slot) noexcept {
 void TouchedBody::touch_one() noexcept {
   const std::size_t slot = close_[0];
   Exciter& e = exciters_[slot];
-  if (has_outer_) // the general way knows of outer forces
-    return touch_many();
-  sounds_ = true;
   if (!coupled_)
     focus(slot);
   const PlaceView place = place_view(slot);
-  const ModesView modes = view(level_);
+  const ModesView modes = view();
   if (!foreseen_)
     foresight_ = kernel_->foresee(modes, place);
   foreseen_ = true;
@@ -216,15 +249,54 @@ void TouchedBody::touch_one() noexcept {
 }
 
 PlaceView TouchedBody::place_view(std::size_t slot) const noexcept {
-  return {place_[slot].data(), push_real_.data(),       push_imaginary_.data(),
-          ahead_real_.data(),  ahead_imaginary_.data(), answer_};
+  return {place_[slot].data() + range_first_,
+          push_real_.data(),
+          push_imaginary_.data(),
+          ahead_real_.data(),
+          ahead_imaginary_.data(),
+          answer_};
+}
+
+/// A sample of modes that nothing touches.
+void TouchedBody::ring(std::size_t first, std::size_t end) noexcept {
+  if (first == end)
+    return;
+  if (has_outer_)
+    kernel_->advance(view(0, first, end), outer_.data() + first, {});
+  else
+    kernel_->ring(view(0, first, end));
+}
+
+/// The contacts of the one island, on its range of modes.
+void TouchedBody::touch_in_place() noexcept {
+  sounds_ = true;
+  if (near_ == 1 && !has_outer_) { // the general way knows of outer forces
+    touch_one();
+  } else {
+    system_.select_all();
+    shapes_.clear();
+    for (const std::size_t i : close_)
+      shapes_.push_back(place_[i].data() + range_first_);
+    const Group group{close_, view(), std::min(range_end_, body_.modes()) - range_first_,
+                      has_outer_ ? outer_.data() + range_first_ : nullptr, level_};
+    foreseen_ = false;
+    if (!coupled_ || near_ == 1) {
+      couple(group);
+      packed_.clear(); // their coupling was in the same memory
+    }
+    coupled_ = near_ > 1; // one alone has a PlaceView
+    touch_many(group);
+  }
+  ring(0, range_first_);
+  ring(range_end_, body_.padded());
 }
 
 /// True while a sample needs nothing but its steps (look_around() would change nothing).
 bool TouchedBody::steady(std::size_t slot) const noexcept {
   const Exciter& e = exciters_[slot];
-  if (unsorted_ || order_.size() != 1 || near_ != 1 || close_[0] != slot || !e.fresh ||
-      !foreseen_ || !coupled_ || has_outer_ || clock_ % kLookEvery == 0)
+  if (unsorted_ || used_ != 1 || near_ != 1 || close_[0] != slot || !e.fresh || !foreseen_ ||
+      !coupled_ || has_outer_ || range_end_ - range_first_ != body_.padded() ||
+      clock_ % kLookEvery == 0)
     return false;
   if (e.kind == Exciter::Kind::kFriction)
     return least_level_ == level_;
@@ -236,8 +308,7 @@ bool TouchedBody::steady(std::size_t slot) const noexcept {
 /// How many samples from the first nothing stirs: the body is still and the exciter stays away.
 std::size_t TouchedBody::rest(std::size_t slot, const Stretch& whole) noexcept {
   Exciter& e = exciters_[slot];
-  if (sounds_ || near_ > 0 || unsorted_ || has_outer_ || order_.size() != 1 ||
-      level_ != least_level_)
+  if (sounds_ || near_ > 0 || unsorted_ || has_outer_ || used_ != 1 || level_ != least_level_)
     return 0;
   std::size_t n = 0;
   if (e.kind == Exciter::Kind::kImpact) {
@@ -272,7 +343,7 @@ void TouchedBody::run(std::size_t slot, const Stretch& whole) noexcept {
       const std::size_t room =
           std::min<std::size_t>(whole.count - n, kLookEvery - clock_ % kLookEvery);
       const std::size_t done = kernel_->touch(
-          view(level_), place_view(slot), foresight_, e, {step_length(), level_},
+          view(), place_view(slot), foresight_, e, {step_length(), level_},
           {whole.drive + n, whole.normal ? whole.normal + n : nullptr, whole.heard + n,
            whole.force + n, ear_real_[0].data(), ear_imaginary_[0].data(), room});
       if (done > 0) {
@@ -316,16 +387,13 @@ void TouchedBody::step() noexcept {
     sort();
   look_around();
   ++clock_;
-  if (near_ == 1) {
-    touch_one();
-  } else if (near_ > 1) {
-    touch_many();
+  if (!in_place_) {
+    touch_islands();
+  } else if (near_ > 0) {
+    touch_in_place();
   } else if (sounds_) {
     foreseen_ = false;
-    if (has_outer_)
-      kernel_->advance(view(0), outer_.data(), {});
-    else
-      kernel_->ring(view(0));
+    ring(0, body_.padded());
   }
   if (has_outer_) {
     outer_.clear();
@@ -337,21 +405,22 @@ void TouchedBody::step() noexcept {
 /// After a sample: is everything still of this world?
 void TouchedBody::look_back() noexcept {
   bool sane = true;
-  for (const std::size_t i : close_) {
-    Exciter& e = exciters_[i];
-    sane =
-        sane && std::abs(e.force_n) < kMostState && std::abs(e.mean_velocity_m_per_s) < kMostState;
-    if (e.kind == Exciter::Kind::kImpact && !(std::abs(e.velocity_m_per_s) < kFastest)) {
-      e.velocity_m_per_s = bounded(e.velocity_m_per_s, kFastest);
-      e.fresh = false;
+  for (const std::vector<std::size_t>* const near : {&close_, &lone_near_})
+    for (const std::size_t i : *near) {
+      Exciter& e = exciters_[i];
+      sane = sane && std::abs(e.force_n) < kMostState &&
+             std::abs(e.mean_velocity_m_per_s) < kMostState;
+      if (e.kind == Exciter::Kind::kImpact && !(std::abs(e.velocity_m_per_s) < kFastest)) {
+        e.velocity_m_per_s = bounded(e.velocity_m_per_s, kFastest);
+        e.fresh = false;
+      }
     }
-  }
   if (!sane)
     return reset();
   if (clock_ % kTidyEvery == 0 && sounds_) {
     if (!body_.tidy())
       reset();
-    else if (near_ == 0)
+    else if (near_ == 0 && lone_near_.empty())
       sounds_ = body_.energy() > 0;
   }
 }

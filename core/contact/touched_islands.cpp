@@ -1,0 +1,295 @@
+#include "core/contact/touched_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+/// Contacts that share no mode: each island of them in steps of its own. All modes ring once a
+/// sample; an island goes on from the state before the sample and writes the modes that it moves.
+namespace tactus::contact {
+namespace {
+
+constexpr std::size_t kContactWork = 64; // products that take as long as one contact's law
+
+} // namespace
+
+/// Who may ever touch a mode that another touches.
+void TouchedBody::divide_in_use() noexcept {
+  sorted_.clear();
+  for (std::size_t i = 0; i < exciters_.size(); ++i)
+    if (exciters_[i].kind != Exciter::Kind::kNone)
+      sorted_.push_back(i);
+  used_ = sorted_.size();
+  place_modes_.divide(sorted_, in_use_);
+  sorted_.clear();
+  lone_.clear();
+  wakes_at_.assign(in_use_.size(), 0);
+  for (std::size_t k = 0; k < in_use_.size(); ++k) {
+    const std::span<const std::size_t> slots = in_use_.slots(k);
+    for (const std::size_t i : slots)
+      community_[i] = k;
+    const bool lone = used_ > 1 && slots.size() == 1 && in_use_.modes(k).size() <= kFewModes;
+    std::vector<std::size_t>& list = lone ? lone_ : sorted_;
+    list.insert(list.end(), slots.begin(), slots.end());
+  }
+}
+
+/// Are those near one island, on modes that lie close together? It is then solved in place.
+void TouchedBody::find_range() noexcept {
+  const std::size_t padded = body_.padded();
+  one_range_ = range_known_ = true;
+  range_first_ = 0;
+  range_end_ = padded;
+  const bool all_move = std::none_of(close_.begin(), close_.end(),
+                                     [this](std::size_t i) { return place_modes_[i].empty(); });
+  const bool one_moves_all = std::any_of(close_.begin(), close_.end(), [this](std::size_t i) {
+    return place_modes_[i].size() == sounding_;
+  });
+  if (near_ == 0 || (all_move && one_moves_all))
+    return;
+  std::span<const std::uint32_t> modes = place_modes_[close_[0]];
+  if (near_ > 1) {
+    divide();
+    one_range_ = islands_.size() == 1;
+    modes = islands_.modes(0);
+  }
+  const std::size_t first = modes.empty() ? 0 : modes.front() / kModeLanes * kModeLanes;
+  const std::size_t end = modes.empty() ? 0 : whole_lanes(modes.back() + 1);
+  one_range_ = one_range_ && end - first <= 2 * whole_lanes(modes.size());
+  if (one_range_ && 2 * (end - first) <= padded) {
+    range_first_ = first;
+    range_end_ = end;
+  }
+}
+
+void TouchedBody::divide() noexcept {
+  if (divided_)
+    return;
+  place_modes_.divide(close_, islands_);
+  divided_ = true;
+  packed_.clear();
+}
+
+bool TouchedBody::few(std::size_t island) const noexcept {
+  return islands_[island].slots == 1 && islands_[island].modes <= kFewModes;
+}
+
+/// Where in the packed arrays each island has its part.
+void TouchedBody::lay_out() noexcept {
+  std::size_t at = 0, shapes_at = 0, block_at = 0;
+  packed_.clear();
+  for (std::size_t k = 0; k < islands_.size(); ++k) {
+    const std::size_t count = islands_[k].slots,
+                      lanes = few(k) ? 0 : whole_lanes(islands_[k].modes),
+                      stride = whole_lanes(count);
+    packed_.push_back({at, lanes, shapes_at, 0, {islands_[k].first_slot, block_at, stride}, false});
+    at += lanes;
+    shapes_at += count * lanes;
+    block_at += count * stride;
+  }
+}
+
+/// An island in arrays of its own: its modes in a row, as if no others were there.
+TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index) noexcept {
+  Packed& p = packed_[island];
+  const std::span<const std::size_t> slots = islands_.slots(island);
+  const std::span<const std::uint32_t> modes = islands_.modes(island);
+  const auto gather = [&](ModeArray& to, const ModeArray& from) {
+    double* const part = to.data() + p.at;
+    for (std::size_t k = 0; k < modes.size(); ++k)
+      part[k] = from[modes[k]];
+    std::fill(part + modes.size(), part + p.lanes, 0.0);
+  };
+  shapes_.clear();
+  for (std::size_t c = 0; c < slots.size(); ++c)
+    shapes_.push_back(packed_shapes_.data() + p.shapes_at + c * p.lanes);
+  ModalBody::Level& to = packed_level_;
+  const Group group{slots,
+                    {packed_real_.data() + p.at, packed_imaginary_.data() + p.at,
+                     to.turn_real.data() + p.at, to.turn_imaginary.data() + p.at,
+                     to.response_real.data() + p.at, to.response_imaginary.data() + p.at,
+                     to.mean_real.data() + p.at, to.mean_imaginary.data() + p.at,
+                     to.mobility.data() + p.at, packed_slowing_.data() + p.at, p.lanes},
+                    modes.size(),
+                    has_outer_ ? packed_outer_.data() + p.at : nullptr,
+                    level_index};
+  system_.select(p.block);
+  if (!p.ready) {
+    gather(packed_slowing_, body_.slowing);
+    for (std::size_t c = 0; c < slots.size(); ++c) {
+      double* const shape = packed_shapes_.data() + p.shapes_at + c * p.lanes;
+      for (std::size_t k = 0; k < modes.size(); ++k)
+        shape[k] = place_[slots[c]][modes[k]];
+      std::fill(shape + modes.size(), shape + p.lanes, 0.0);
+    }
+  }
+  if (!p.ready || p.level != level_index) {
+    const ModalBody::Level& from = body_.level(level_index);
+    gather(to.turn_real, from.turn_real);
+    gather(to.turn_imaginary, from.turn_imaginary);
+    gather(to.response_real, from.response_real);
+    gather(to.response_imaginary, from.response_imaginary);
+    gather(to.mean_real, from.mean_real);
+    gather(to.mean_imaginary, from.mean_imaginary);
+    gather(to.mobility, from.mobility);
+    couple(group);
+    p.level = level_index;
+    p.ready = true;
+  }
+  gather(packed_real_, before_real_);
+  gather(packed_imaginary_, before_imaginary_);
+  if (has_outer_)
+    gather(packed_outer_, outer_);
+  return group;
+}
+
+std::size_t TouchedBody::island_level(std::size_t island) const noexcept {
+  std::size_t level = least_level_;
+  for (const std::size_t i : islands_.slots(island))
+    if (exciters_[i].kind == Exciter::Kind::kImpact)
+      level = std::max(level, exciters_[i].level);
+  return level;
+}
+
+std::size_t TouchedBody::island_work(std::size_t island) const noexcept {
+  const Islands::Island& k = islands_[island];
+  return k.slots == 1 ? kContactWork + 2 * k.modes : work(k.slots, k.modes);
+}
+
+/// The finest steps that an island gets whose step takes this work.
+std::size_t TouchedBody::granted(std::size_t work, std::size_t level) const noexcept {
+  while (level > 0 && (work << level) > share_)
+    --level;
+  return level;
+}
+
+/// Bounds the work of a sample: all fine steps together take kMaxWork, and as long as they want
+/// more, the dearest islands get coarser ones. None depends on their order.
+void TouchedBody::share_work() noexcept {
+  share_ = 2 * kMaxWork;
+  std::size_t sum = 0;
+  do {
+    share_ /= 2;
+    sum = 0;
+    for (std::size_t level = 1; level < kLevels; ++level)
+      if (const std::size_t fine = granted(kContactWork, level); fine > 0)
+        sum += lone_at_[level] * (kContactWork << fine);
+    for (std::size_t k = 0; k < islands_.size(); ++k)
+      if (const std::size_t fine = granted(island_work(k), island_level(k)); fine > 0)
+        sum += island_work(k) << fine;
+  } while (sum > kMaxWork && share_ > kContactWork);
+}
+
+void TouchedBody::touch_islands() noexcept {
+  sounds_ = true;
+  foreseen_ = coupled_ = false;
+  divide();
+  if (packed_.empty())
+    lay_out();
+  share_work();
+  const std::size_t padded = body_.padded();
+  std::copy_n(body_.real.data(), padded, before_real_.data());
+  std::copy_n(body_.imaginary.data(), padded, before_imaginary_.data());
+  ring(0, padded);
+  level_ = quiet_ = 0;
+  for (const std::size_t i : lone_near_) {
+    const std::size_t level = granted(kContactWork, std::max(least_level_, exciters_[i].level));
+    level_ = std::max(level_, level);
+    touch_lone(i, level);
+  }
+  for (std::size_t k = 0; k < islands_.size(); ++k) {
+    const std::size_t level = granted(island_work(k), island_level(k));
+    level_ = std::max(level_, level);
+    if (few(k)) {
+      touch_lone(islands_.slots(k)[0], level);
+      continue;
+    }
+    const Group group = pack(k, level);
+    touch_many(group);
+    const std::span<const std::uint32_t> modes = islands_.modes(k);
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      body_.real[modes[i]] = group.modes.real[i];
+      body_.imaginary[modes[i]] = group.modes.imaginary[i];
+    }
+  }
+}
+
+/// A sample of one contact alone on a few modes.
+void TouchedBody::touch_lone(std::size_t slot, std::size_t level_index) noexcept {
+  Exciter& e = exciters_[slot];
+  const ModalBody::Level& level = body_.level(level_index);
+  const double h = step_s_[level_index];
+  const FewModes& few = few_[slot];
+  const std::span<const std::uint32_t> modes{few.mode.data(), few.count};
+  struct LoneMode {
+    double shape, real, imaginary, outer;
+  };
+  std::array<LoneMode, kFewModes> state;
+  double outer_mean = 0;
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const std::uint32_t i = modes[k];
+    state[k] = {few.shape[k], before_real_[i], before_imaginary_[i], has_outer_ ? outer_[i] : 0.0};
+    outer_mean += state[k].shape * level.mobility[i] * state[k].outer;
+  }
+  ContactTerm t;
+  const bool strikes = e.kind == Exciter::Kind::kImpact;
+  const double own = strikes ? 0.5 * h * e.per_mass : 0;
+  const double mobility = e.mobility[level_index];
+  for (std::size_t n = std::size_t{1} << level_index; n-- > 0;) {
+    if (strikes && e.impulsive && !e.impact.touching()) { // as in knock_many()
+      double rate = e.velocity_m_per_s;
+      for (std::size_t k = 0; k < modes.size(); ++k)
+        rate -= state[k].shape * (state[k].real - body_.slowing[modes[k]] * state[k].imaginary);
+      e.approach_m_per_s = rate;
+      if (rate > 0 && Impact::meets(e.depth_m, rate, h)) {
+        const double kept = restitution(e.impact.law().dissipation_s_per_m * rate);
+        const double impulse = (1 + kept) * rate * e.effective_mass_kg;
+        for (std::size_t k = 0; k < modes.size(); ++k)
+          state[k].real += impulse * state[k].shape;
+        e.velocity_m_per_s -= impulse * e.per_mass;
+        e.impulse_ns += impulse;
+        e.book_impulse(impulse, h);
+        e.approach_m_per_s = e.mean_velocity_m_per_s = -kept * rate;
+      }
+    }
+    double body_free = outer_mean;
+    for (std::size_t k = 0; k < modes.size(); ++k)
+      body_free += state[k].shape * (level.mean_real[modes[k]] * state[k].real +
+                                     level.mean_imaginary[modes[k]] * state[k].imaginary);
+    e.enter_step(t, body_free, mobility - own, h);
+    const auto solve = [&] {
+      t.force = 0;
+      t.mean = t.free;
+      t.acts = t.law.slope_ns_per_m > ContactSystem::kLeastSlope;
+      if (!t.acts)
+        return;
+      t.solve(mobility);
+      if (t.force < 0 && !t.may_pull) {
+        t.acts = false;
+        t.force = 0;
+        t.mean = t.free;
+      }
+    };
+    solve();
+    if (e.kind == Exciter::Kind::kFriction) {
+      e.refine(t);
+      solve();
+    }
+    for (std::size_t k = 0; k < modes.size(); ++k) {
+      const std::uint32_t i = modes[k];
+      LoneMode& z = state[k];
+      const double force = z.outer + z.shape * t.force, real = z.real;
+      z.real = level.turn_real[i] * real - level.turn_imaginary[i] * z.imaginary +
+               level.response_real[i] * force;
+      z.imaginary = level.turn_real[i] * z.imaginary + level.turn_imaginary[i] * real +
+                    level.response_imaginary[i] * force;
+    }
+    e.leave_step(t, h);
+  }
+  e.force_n = e.impulse_ns * body_.sample_rate();
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    body_.real[modes[k]] = state[k].real;
+    body_.imaginary[modes[k]] = state[k].imaginary;
+  }
+}
+
+} // namespace tactus::contact

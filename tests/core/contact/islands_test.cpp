@@ -1,0 +1,435 @@
+#include "core/contact/contact_islands.hpp"
+#include "core/contact/touched_body.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <vector>
+
+// Many separate bodies whose modes stand in one list: contacts that share no mode are islands of
+// their own.
+
+using namespace tactus::contact;
+
+namespace {
+
+double random(std::mt19937& source, double low, double high) {
+  return std::uniform_real_distribution<>(low, high)(source);
+}
+double log_random(std::mt19937& source, double low, double high) {
+  return std::exp(random(source, std::log(low), std::log(high)));
+}
+
+/// A body with the strikers that are to meet it.
+struct Part {
+  struct Striker {
+    ImpactLaw law;
+    double mass_kg, gap_m, speed_m_per_s, push_n;
+    std::vector<double> shape;
+  };
+  std::vector<Mode> modes;
+  std::vector<Striker> strikers;
+};
+
+Part random_part(std::mt19937& source, std::size_t modes, std::size_t strikers, double softest,
+                 double stiffest) {
+  Part part;
+  for (std::size_t i = 0; i < modes; ++i)
+    part.modes.push_back(
+        {log_random(source, 40, 15000), log_random(source, .01, 2), log_random(source, .05, 5)});
+  for (std::size_t i = 0; i < strikers; ++i) {
+    Part::Striker s{
+        {log_random(source, softest, stiffest), random(source, 1, 3), random(source, 0, 1)},
+        log_random(source, 1e-3, 1),
+        random(source, 0, 1e-3),
+        random(source, .1, 3),
+        random(source, 0, 20),
+        {}};
+    for (std::size_t k = 0; k < modes; ++k)
+      s.shape.push_back(random(source, -1, 1));
+    part.strikers.push_back(s);
+  }
+  return part;
+}
+
+/// Bodies in one list of modes, which are its parts one after another or, `interleaved`, mode by
+/// mode in turn; `slots` names the slot of each striker of the first part, then the second...
+std::unique_ptr<TouchedBody> together(const std::vector<Part>& parts, bool interleaved,
+                                      const std::vector<std::size_t>& slots) {
+  std::vector<std::vector<std::size_t>> at(parts.size());
+  std::vector<Mode> modes;
+  const auto take = [&](std::size_t part) {
+    at[part].push_back(modes.size());
+    modes.push_back(parts[part].modes[at[part].size() - 1]);
+  };
+  if (interleaved) {
+    for (std::size_t round = 0; round < 100; ++round)
+      for (std::size_t p = 0; p < parts.size(); ++p)
+        if (round < parts[p].modes.size())
+          take(p);
+  } else {
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (std::size_t k = 0; k < parts[p].modes.size(); ++k)
+        take(p);
+  }
+  auto body = std::make_unique<TouchedBody>(modes.size(), slots.size(), parts.size());
+  body->prepare(48000);
+  body->set_modes(modes);
+  std::size_t next = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    std::vector<double> ear(modes.size(), 0.0);
+    for (const std::size_t k : at[p])
+      ear[k] = 1;
+    body->set_ear(p, ear);
+    for (const Part::Striker& s : parts[p].strikers) {
+      const std::size_t slot = slots[next++];
+      std::vector<double> shape(modes.size(), 0.0);
+      for (std::size_t k = 0; k < s.shape.size(); ++k)
+        shape[at[p][k]] = s.shape[k];
+      body->set_place(slot, shape);
+      body->set_impact(slot, s.law, s.mass_kg);
+      body->throw_mass(slot, s.gap_m, s.speed_m_per_s);
+      body->push_mass(slot, s.push_n);
+    }
+  }
+  return body;
+}
+
+std::vector<std::size_t> in_order(std::size_t count) {
+  std::vector<std::size_t> slots(count);
+  std::iota(slots.begin(), slots.end(), 0);
+  return slots;
+}
+std::size_t strikers(const std::vector<Part>& parts) {
+  std::size_t sum = 0;
+  for (const Part& part : parts)
+    sum += part.strikers.size();
+  return sum;
+}
+
+/// Bodies of one, few and many modes, met by one, two and several strikers.
+std::vector<Part> mixed(std::mt19937& source, double softest, double stiffest) {
+  std::vector<Part> parts;
+  for (const auto& [modes, count] : std::array<std::array<std::size_t, 2>, 8>{
+           {{1, 1}, {3, 1}, {9, 1}, {20, 1}, {1, 2}, {5, 2}, {11, 4}, {2, 6}}})
+    parts.push_back(random_part(source, modes, count, softest, stiffest));
+  return parts;
+}
+
+} // namespace
+
+TEST_CASE("contacts are divided by the modes that they share, directly or by way of others") {
+  PlaceModes places(10, 6);
+  places.set(0, std::array{1., 0., 1., 0., 0., 0., 0., 0., 0., 0.});
+  places.set(1, std::array{0., 1., 0., 0., 0., 0., 0., 0., 0., 0.});
+  places.set(2, std::array{0., 0., 0., 1., 0., 0., 0., 0., 0., 1e-300});
+  places.set(3, std::array{0., 0., 1., 1., 0., 0., 0., 0., 0., 0.});
+  places.set(4, std::array{0., 0., 0., 0., 0., 0., 0., 0., 0., 0.});
+  places.set(5, std::array{0., -1., 0., 0., 0., 0., 0., 0., 0., 0.});
+  Islands islands(10, 6);
+  const auto slots = [&](std::size_t k) {
+    return std::vector(islands.slots(k).begin(), islands.slots(k).end());
+  };
+  const auto modes = [&](std::size_t k) {
+    return std::vector(islands.modes(k).begin(), islands.modes(k).end());
+  };
+  for (int again = 0; again < 2; ++again) {
+    places.divide(std::array<std::size_t, 6>{2, 1, 0, 4, 5, 3}, islands);
+    REQUIRE(islands.size() == 3);
+    CHECK(slots(0) == std::vector<std::size_t>{2, 0, 3}); // 2 and 0 by way of 3
+    CHECK(modes(0) == std::vector<std::uint32_t>{0, 2, 3, 9});
+    CHECK(slots(1) == std::vector<std::size_t>{1, 5});
+    CHECK(modes(1) == std::vector<std::uint32_t>{1});
+    CHECK(slots(2) == std::vector<std::size_t>{4});
+    CHECK(modes(2).empty());
+    places.divide(std::array<std::size_t, 2>{0, 2}, islands); // without 3 they are apart
+    CHECK(islands.size() == 2);
+  }
+}
+
+TEST_CASE("bodies in one list of modes do what each does alone") {
+  // With the same steps to rounding; with steps of each contact's own to the error of a step, since
+  // one contact alone on a body waits before its steps become coarser.
+  std::mt19937 source(3);
+  for (int set = 0; set < 6; ++set) {
+    const bool same_steps = set % 3 < 2;
+    const std::vector<Part> parts = mixed(source, 1e4, same_steps ? 1e8 : 1e12);
+    for (const bool interleaved : {false, true}) {
+      auto all = together(parts, interleaved, in_order(strikers(parts)));
+      std::vector<std::unique_ptr<TouchedBody>> alone;
+      for (const Part& part : parts)
+        alone.push_back(together({part}, false, in_order(part.strikers.size())));
+      if (same_steps) {
+        all->set_least_steps(16);
+        for (auto& body : alone)
+          body->set_least_steps(16);
+      }
+      std::vector<double> worst(parts.size(), 0), loudest(parts.size(), 0);
+      for (int n = 0; n < (same_steps ? 400 : 120); ++n) {
+        all->step();
+        CHECK((!same_steps || all->steps() == 16));
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+          alone[p]->step();
+          worst[p] = std::max(worst[p], std::abs(all->hear(p) - alone[p]->hear()));
+          loudest[p] = std::max(loudest[p], std::abs(alone[p]->hear()));
+        }
+      }
+      for (std::size_t p = 0; p < parts.size(); ++p) {
+        CAPTURE(set);
+        CAPTURE(interleaved);
+        CAPTURE(p);
+        CHECK(loudest[p] > 1e-6);
+        CHECK(worst[p] < (same_steps ? 1e-8 : 2e-2) * loudest[p]);
+      }
+    }
+  }
+}
+
+TEST_CASE("an island takes no finer steps because another does") {
+  // The hard strike's 64 steps leave the soft contacts' bits as they are without it.
+  std::mt19937 source(8);
+  const Part soft = random_part(source, 1, 1, 1e4, 1e5), pair = random_part(source, 6, 2, 1e4, 1e5),
+             other = random_part(source, 1, 1, 1e4, 1e5);
+  Part hard = random_part(source, 7, 2, 1e12, 1e13);
+  for (Part::Striker& s : hard.strikers)
+    s.gap_m = 0;
+  auto calm = together({soft, pair, other}, false, in_order(4));
+  auto both = together({soft, pair, other, hard}, false, in_order(6));
+  unsigned finest_calm = 0, finest = 0;
+  bool same = true;
+  for (int n = 0; n < 300; ++n) {
+    calm->step();
+    both->step();
+    finest_calm = std::max(finest_calm, calm->steps());
+    finest = std::max(finest, both->steps());
+    for (std::size_t i = 0; i < 4; ++i)
+      same = same && calm->force(i) == both->force(i);
+  }
+  CHECK(finest_calm <= 2);
+  CHECK(finest == 64);
+  CHECK(same);
+}
+
+TEST_CASE("islands whose contacts change slots give the same bits") {
+  std::mt19937 source(14);
+  for (int set = 0; set < 4; ++set) {
+    const std::vector<Part> parts = mixed(source, 1e4, 1e11);
+    std::vector<std::size_t> slots = in_order(strikers(parts));
+    auto one = together(parts, set % 2, slots);
+    std::shuffle(slots.begin(), slots.end(), source);
+    auto other = together(parts, set % 2, slots);
+    bool same = true;
+    for (int n = 0; n < 1500; ++n) {
+      one->step();
+      other->step();
+      for (std::size_t i = 0; i < slots.size(); ++i)
+        same = same && one->force(i) == other->force(slots[i]);
+    }
+    CHECK(same);
+  }
+}
+
+TEST_CASE("islands at different levels, with friction and outer forces, never gain energy") {
+  std::mt19937 source(6);
+  for (int set = 0; set < 40; ++set) {
+    std::vector<Part> parts = mixed(source, 1e3, std::array{1e8, 1e12, 1e16}[set % 3]);
+    for (Part& part : parts)
+      for (Part::Striker& s : part.strikers)
+        s.push_n = 0;
+    auto body = together(parts, set % 2, in_order(strikers(parts)));
+    for (const std::size_t i : {0UL, 5UL, 8UL}) {
+      body->set_friction(
+          i, {.8, .3, .1, .5, log_random(source, 1e3, 1e8), log_random(source, 1, 1e3), .5, 1});
+      body->rub(i, log_random(source, .1, 100), 0);
+    }
+    const double whole = body->energy();
+    double before = whole, worst = 0;
+    unsigned finest = 0;
+    for (int n = 0; n < 800; ++n) {
+      body->step();
+      finest = std::max(finest, body->steps());
+      worst = std::max(worst, (body->energy() - before) / whole);
+      before = body->energy();
+    }
+    CAPTURE(set);
+    CHECK(worst < 1e-12);
+    CHECK(before < whole);
+  }
+}
+
+TEST_CASE("rigid chains in one list keep their momentum while links meet and part") {
+  // Two chains of five bars, their modes in turn; links touch now and then, so islands merge and
+  // part.
+  constexpr std::size_t kBars = 10, kOf = 4; // a rigid motion and three bending modes
+  std::vector<Mode> modes;
+  for (std::size_t bar = 0; bar < kBars; ++bar) {
+    const double mass = .1 + .02 * static_cast<double>(bar);
+    modes.push_back({0, 1, mass});
+    for (const double order : {1., 5.4, 13.3})
+      modes.push_back({300 * order + 11 * static_cast<double>(bar), 1e4, mass / 4});
+  }
+  const std::array<std::array<std::size_t, 5>, 2> chains{{{0, 2, 4, 6, 8}, {1, 3, 5, 7, 9}}};
+  TouchedBody body(modes.size(), 8, kBars);
+  body.prepare(48000);
+  body.set_modes(modes);
+  const std::array<double, kOf> middle{1, -.6, .6, -.6};
+  std::size_t link = 0;
+  for (const auto& chain : chains)
+    for (std::size_t i = 0; i + 1 < chain.size(); ++i, ++link) {
+      std::vector<double> shape(modes.size(), 0.0);
+      for (std::size_t k = 0; k < kOf; ++k) {
+        shape[chain[i] * kOf + k] = -middle[k];
+        shape[chain[i + 1] * kOf + k] = middle[k];
+      }
+      body.set_place(link, shape);
+      body.set_held(link, {3e8, 1.5, 0});
+      body.throw_mass(link, 1e-4 * static_cast<double>(1 + link % 3), 0);
+    }
+  for (std::size_t bar = 0; bar < kBars; ++bar) {
+    std::vector<double> shape(modes.size(), 0.0);
+    shape[bar * kOf] = 1;
+    body.set_ear(bar, shape);
+  }
+  body.set_modal_velocity(0, 1.5);
+  body.set_modal_velocity(8 * kOf, -.5);
+  body.set_modal_velocity(1 * kOf, .3);
+  body.set_modal_velocity(9 * kOf, -.9);
+  const auto momentum = [&](const std::array<std::size_t, 5>& chain) {
+    double sum = 0;
+    for (const std::size_t bar : chain)
+      sum += modes[bar * kOf].mass_kg * body.hear(bar);
+    return sum;
+  };
+  const double first = momentum(chains[0]), second = momentum(chains[1]), energy = body.energy();
+  double before = energy, growth = 0, drift = 0;
+  std::size_t most = 0;
+  for (int n = 0; n < 48000; ++n) {
+    body.step();
+    growth = std::max(growth, body.energy() - before);
+    before = body.energy();
+    drift = std::max(
+        {drift, std::abs(momentum(chains[0]) - first), std::abs(momentum(chains[1]) - second)});
+    std::size_t touching = 0;
+    for (std::size_t i = 0; i < 8; ++i)
+      touching += body.force(i) > 0;
+    most = std::max(most, touching);
+  }
+  CHECK(growth < 1e-13 * energy);
+  CHECK(drift < 1e-12);
+  CHECK(before == doctest::Approx(energy).epsilon(1e-2));
+  CHECK(most >= 3);
+  for (std::size_t i = 0; i < 8; ++i)
+    CHECK(body.exciter(i).blows > 0);
+}
+
+TEST_CASE("a mass that is far flies as gravity says, and arrives when it should") {
+  // Alone, the mass is stepped every sample; beside a second, far body it sleeps in between.
+  const std::vector<Mode> two{{500, .3, .1}, {800, .3, .1}};
+  TouchedBody alone(2, 1), both(2, 2);
+  for (TouchedBody* body : {&alone, &both}) {
+    body->prepare(48000);
+    body->set_modes(two);
+    for (std::size_t i = 0; i < body->exciters(); ++i) {
+      std::vector<double> shape(2, 0.0);
+      shape[i] = 1;
+      body->set_place(i, shape);
+      body->set_impact(i, {1e6, 1.5, .2}, .01);
+      body->throw_mass(i, i == 0 ? .05 : 5, i == 0 ? -.2 : 0);
+    }
+    body->push_mass(0, .01 * 9.81);
+  }
+  double flight = 0, worst = 0, loudest = 0;
+  for (int n = 0; n < 9600; ++n) {
+    alone.step();
+    both.step();
+    const double expected = alone.exciter(0).place_m;
+    if (n % 7 == 0) // looking changes nothing
+      flight = std::max(flight, std::abs(both.exciter(0).place_m - expected));
+    worst = std::max(worst, std::abs(both.hear() - alone.hear()));
+    loudest = std::max(loudest, std::abs(alone.hear()));
+  }
+  CHECK(alone.exciter(0).blows > 0);
+  CHECK(loudest > 1e-2);
+  CHECK(flight < 1e-9);
+  CHECK(worst < 1e-6 * loudest);
+  CHECK(both.exciter(1).place_m == doctest::Approx(-5));
+}
+
+TEST_CASE("an exciter that sleeps wakes for messages and for what its neighbours do") {
+  // Exciter 0 waits a hair above mode 0; exciter 1 moves that mode as well. Exciter 2 makes two
+  // separate bodies of it.
+  const auto make = [](std::size_t slots) {
+    auto body = std::make_unique<TouchedBody>(2, slots);
+    body->prepare(48000);
+    body->set_modes(std::array{Mode{100, 1, .1}, Mode{700, 1, .1}});
+    for (std::size_t i = 0; i < slots; ++i) {
+      body->set_place(i, std::array{i < 2 ? 1. : 0., i < 2 ? 0. : 1.});
+      body->set_impact(i, {1e6, 1.5, .2}, .01);
+      body->throw_mass(i, i == 0 ? 1e-3 : .5, 0);
+    }
+    for (int n = 0; n < 100; ++n)
+      body->step();
+    return body;
+  };
+  const auto struck = [](TouchedBody& body) {
+    for (int n = 0; n < 4800; ++n)
+      body.step();
+    return body.exciter(0).blows > 0;
+  };
+  CHECK_FALSE(struck(*make(3)));
+  {
+    auto body = make(3);
+    body->knock_body(0, -.2); // the body rises to the mass
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->knock_body(1, -.2);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->push_body(1, -2e4);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->set_modal_velocity(0, -2);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->push_mass(0, 10);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->throw_mass(1, 1e-4, 10); // strikes the mode, which swings back to the other mass
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->set_held(0, {1e6, 1.5, .2});
+    body->throw_mass(0, 1e-3, 0);
+    for (int n = 0; n < 100; ++n)
+      body->step();
+    body->lead(0, .5);
+    for (int n = 0; n < 200; ++n)
+      body->step();
+    CHECK(body->force(0) > 0);
+  }
+  {
+    auto body = make(3);
+    body->set_friction(0, {.8, .3, .1, .5, 1e5, 40, .5});
+    for (int n = 0; n < 100; ++n)
+      body->step();
+    body->rub(0, 5, .2);
+    body->step();
+    CHECK(body->force(0) != 0);
+  }
+}
