@@ -1,6 +1,6 @@
 // How dear is a contact? One mass pressed on a body of 8 modes, one surface rubbing it, a body that
-// rings alone, many masses at once; and STK's ModalBar, four filters without any contact, beside
-// them.
+// rings alone, many masses at once, many separate bodies in one list of modes; and STK's ModalBar,
+// four filters without any contact, beside them.
 //
 //   bench_contact_speed --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
 //
@@ -14,7 +14,9 @@
 #include <stk/ModalBar.h>
 #endif
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -119,6 +121,65 @@ private:
   Block drive_{}, sound_{}, force_{};
 };
 
+/// Separate bodies in one list of modes, a mass on each; on some it is pressed so that contact is
+/// never lost, over the others it waits far away.
+class Separate {
+public:
+  Separate(std::size_t bodies, std::size_t modes_each, std::size_t pressed)
+      : body_(bodies * modes_each, bodies), pressed_(pressed) {
+    std::vector<Mode> modes;
+    for (std::size_t i = 0; i < bodies; ++i)
+      for (Mode mode : bar(modes_each)) {
+        mode.frequency_hz *= 1 + 0.002 * static_cast<double>(i);
+        modes.push_back(mode);
+      }
+    body_.prepare(kRate);
+    body_.set_modes(modes);
+    std::vector<double> shape(modes.size(), 0.0);
+    for (std::size_t i = 0; i < bodies; ++i) {
+      const auto own = shape.begin() + static_cast<std::ptrdiff_t>(i * modes_each);
+      std::fill_n(own, modes_each, 1.0);
+      body_.set_place(i, shape);
+      std::fill_n(own, modes_each, 0.0);
+      body_.set_impact(i, {3e5, 1.5, 0.3}, 0.05);
+      body_.throw_mass(i, i < pressed ? 0 : 1, i < pressed ? 0.01 : 0);
+    }
+    for (int n = 0; n < 50; ++n)
+      block();
+  }
+  void block() {
+    for (double& x : sound_) {
+      phase_ = phase_ < 1 ? phase_ + 0.003 : 0;
+      for (std::size_t i = 0; i < pressed_; ++i)
+        body_.push_mass(i, 5 + phase_);
+      body_.step();
+      x = body_.hear();
+    }
+    benchmark::DoNotOptimize(sound_);
+  }
+  [[nodiscard]] std::size_t touching() const {
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < body_.exciters(); ++i)
+      sum += body_.force(i) > 0;
+    return sum;
+  }
+
+private:
+  TouchedBody body_;
+  std::size_t pressed_;
+  double phase_ = 0;
+  Block sound_{};
+};
+
+/// Two of a kind in turn.
+template <class Player> struct Two {
+  Player first, second;
+  void block() {
+    first.block();
+    second.block();
+  }
+};
+
 #ifdef TACTUS_HAS_STK
 class Peer {
 public:
@@ -151,6 +212,8 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   Pressed ball(8, 1, 1.5), felt(8, 1, 2.3), many(8, 64, 1.5), some(12, 4, 1.5);
   Rubbed rubbed(8);
+  Separate pebbles(1000, 1, 1000), few(1000, 1, 10), far(1000, 1, 0), bars(2, 20, 2);
+  Two<Separate> apart{Separate(1, 20, 1), Separate(1, 20, 1)};
   Free ringing(8, true), large(64, true), silent(8, false);
   add("impact in contact, 8 modes, exponent 1.5", ball);
   add("impact in contact, 8 modes, exponent 2.3", felt);
@@ -160,6 +223,11 @@ int main(int argc, char** argv) {
   add("silence", silent);
   add("4 masses in contact, 12 modes", some);
   add("64 masses in contact, 8 modes", many);
+  add("1000 pebbles of one mode, all in contact", pebbles);
+  add("1000 pebbles of one mode, ten in contact", few);
+  add("1000 pebbles of one mode, none near", far);
+  add("two bars of 20 modes in contact, one list", bars);
+  add("two bars of 20 modes in contact, each its own", apart);
 #ifdef TACTUS_HAS_STK
   Peer peer;
   add("STK ModalBar, 4 modes", peer);
@@ -167,8 +235,13 @@ int main(int argc, char** argv) {
   benchmark::RunSpecifiedBenchmarks();
   std::printf("\nsteps a sample: %u, %u, %u with 64 masses\n", ball.body().steps(),
               felt.body().steps(), many.body().steps());
+  std::printf("pebbles in contact: %zu, %zu, %zu\n", pebbles.touching(), few.touching(),
+              far.touching());
   std::printf("\nratio, median of paired rounds\n");
   print_ratio("64 masses in contact / one", many, ball);
+  print_ratio("1000 pebbles in contact / one mass on 8 modes", pebbles, ball);
+  print_ratio("1000 pebbles, ten in contact / one mass on 8 modes", few, ball);
+  print_ratio("two bars in contact in one list / two separate ones", bars, apart);
 #ifdef TACTUS_HAS_STK
   print_ratio("impact in contact, exponent 1.5 / STK ModalBar", ball, peer);
   print_ratio("impact in contact, exponent 2.3 / STK ModalBar", felt, peer);

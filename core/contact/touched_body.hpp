@@ -126,8 +126,9 @@ private:
   [[nodiscard]] double surface(std::size_t exciter) const noexcept;
   [[nodiscard]] double surface_velocity(std::size_t exciter) const noexcept;
   void look_around() noexcept;
-  [[nodiscard]] bool look_at(std::size_t exciter, bool look) noexcept;
+  [[nodiscard, gnu::always_inline]] inline bool look_at(std::size_t exciter, bool look) noexcept;
   void choose_level() noexcept;
+  void look_at_lone(bool look) noexcept;
   void judge(Exciter& e) const noexcept;
   void fly(Exciter& e) const noexcept;
   void change_level(std::size_t level) noexcept;
@@ -157,6 +158,7 @@ private:
   void lay_out() noexcept;
   void touch_islands() noexcept;
   void touch_lone(std::size_t exciter, std::size_t level) noexcept;
+  [[nodiscard]] bool press_lone(std::size_t exciter) noexcept;
   [[nodiscard]] Group pack(std::size_t island, std::size_t level) noexcept;
   [[nodiscard]] bool few(std::size_t island) const noexcept;
   [[nodiscard]] std::size_t island_level(std::size_t island) const noexcept;
@@ -169,7 +171,11 @@ private:
   void put_to_sleep() noexcept;
   [[nodiscard]] bool stays_away(std::size_t exciter, double samples) const noexcept;
   void catch_up(std::size_t exciter) const noexcept;
-  void wake(std::size_t exciter) noexcept;
+  void wake(std::size_t exciter) noexcept {
+    if (sleep_[exciter].sleeps)
+      wake_community(exciter);
+  }
+  void wake_community(std::size_t exciter) noexcept;
   void wake_around(std::size_t exciter) noexcept;
   void wake_all() noexcept;
   void run(std::size_t exciter, const Stretch& whole) noexcept;

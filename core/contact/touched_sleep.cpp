@@ -80,9 +80,7 @@ void TouchedBody::put_to_sleep() noexcept {
 }
 
 /// The exciter is no longer what it was, and nor is what its neighbours may feel.
-void TouchedBody::wake(std::size_t slot) noexcept {
-  if (!sleep_[slot].sleeps)
-    return;
+void TouchedBody::wake_community(std::size_t slot) noexcept {
   const std::size_t k = community_[slot];
   wakes_at_[k] = 0;
   awake_changed_ = true;

@@ -169,13 +169,8 @@ void TouchedBody::look_around() noexcept {
     ++near_;
   }
   close_.resize(near_);
-  lone_near_.clear();
-  lone_at_ = {};
-  for (const std::size_t i : lone_awake_)
-    if (look_at(i, look)) {
-      lone_near_.push_back(i);
-      ++lone_at_[std::max(least_level_, exciters_[i].level)];
-    }
+  if (!lone_awake_.empty() || !lone_near_.empty())
+    look_at_lone(look);
   coupled_ = coupled_ && same && near_ == before;
   range_known_ = range_known_ && same && near_ == before;
   divided_ = divided_ && range_known_;
@@ -185,6 +180,16 @@ void TouchedBody::look_around() noexcept {
   in_place_ = one_range_ && lone_near_.empty();
   if (in_place_)
     choose_level();
+}
+
+void TouchedBody::look_at_lone(bool look) noexcept {
+  lone_near_.clear();
+  lone_at_ = {};
+  for (const std::size_t i : lone_awake_)
+    if (look_at(i, look)) {
+      lone_near_.push_back(i);
+      ++lone_at_[std::max(least_level_, exciters_[i].level)];
+    }
 }
 
 /// How fine the steps must be of the one island, or of nothing.
@@ -405,16 +410,19 @@ void TouchedBody::step() noexcept {
 /// After a sample: is everything still of this world?
 void TouchedBody::look_back() noexcept {
   bool sane = true;
-  for (const std::vector<std::size_t>* const near : {&close_, &lone_near_})
-    for (const std::size_t i : *near) {
-      Exciter& e = exciters_[i];
-      sane = sane && std::abs(e.force_n) < kMostState &&
-             std::abs(e.mean_velocity_m_per_s) < kMostState;
-      if (e.kind == Exciter::Kind::kImpact && !(std::abs(e.velocity_m_per_s) < kFastest)) {
-        e.velocity_m_per_s = bounded(e.velocity_m_per_s, kFastest);
-        e.fresh = false;
-      }
+  const auto check = [&](std::size_t i) {
+    Exciter& e = exciters_[i];
+    sane =
+        sane && std::abs(e.force_n) < kMostState && std::abs(e.mean_velocity_m_per_s) < kMostState;
+    if (e.kind == Exciter::Kind::kImpact && !(std::abs(e.velocity_m_per_s) < kFastest)) {
+      e.velocity_m_per_s = bounded(e.velocity_m_per_s, kFastest);
+      e.fresh = false;
     }
+  };
+  for (const std::size_t i : close_)
+    check(i);
+  for (const std::size_t i : lone_near_)
+    check(i);
   if (!sane)
     return reset();
   if (clock_ % kTidyEvery == 0 && sounds_) {
