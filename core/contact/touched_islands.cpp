@@ -10,6 +10,18 @@ namespace {
 
 constexpr std::size_t kContactWork = 64; // products that take as long as one contact's law
 
+bool in_a_row(std::span<const std::uint32_t> modes) noexcept {
+  return !modes.empty() && modes.back() - modes.front() + 1 == modes.size();
+}
+
+void scatter(std::span<const std::uint32_t> modes, const double* from, ModeArray& to) noexcept {
+  if (in_a_row(modes))
+    std::copy_n(from, modes.size(), to.data() + modes.front());
+  else
+    for (std::size_t k = 0; k < modes.size(); ++k)
+      to[modes[k]] = from[k];
+}
+
 } // namespace
 
 /// Who may ever touch a mode that another touches.
@@ -95,8 +107,10 @@ TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index
   const std::span<const std::uint32_t> modes = islands_.modes(island);
   const auto gather = [&](ModeArray& to, const ModeArray& from) {
     double* const part = to.data() + p.at;
-    for (std::size_t k = 0; k < modes.size(); ++k)
-      part[k] = from[modes[k]];
+    if (in_a_row(modes))
+      std::copy_n(from.data() + modes.front(), modes.size(), part);
+    else
+      std::transform(modes.begin(), modes.end(), part, [&](std::uint32_t k) { return from[k]; });
     std::fill(part + modes.size(), part + p.lanes, 0.0);
   };
   shapes_.clear();
@@ -189,12 +203,19 @@ void TouchedBody::touch_islands() noexcept {
   const std::size_t padded = body_.padded();
   std::copy_n(body_.real.data(), padded, before_real_.data());
   std::copy_n(body_.imaginary.data(), padded, before_imaginary_.data());
-  ring(0, padded);
+  std::size_t moved = 0; // modes of the islands
+  for (const std::size_t i : lone_near_)
+    moved += few_[i].count;
+  for (std::size_t k = 0; k < islands_.size(); ++k)
+    moved += islands_[k].modes;
+  if (moved < sounding_)
+    ring(0, padded);
   level_ = quiet_ = 0;
   for (const std::size_t i : lone_near_) {
     const std::size_t level = granted(kContactWork, std::max(least_level_, exciters_[i].level));
     level_ = std::max(level_, level);
-    touch_lone(i, level);
+    if (level > 0 || !press_lone(i))
+      touch_lone(i, level);
   }
   for (std::size_t k = 0; k < islands_.size(); ++k) {
     const std::size_t level = granted(island_work(k), island_level(k));
@@ -206,10 +227,8 @@ void TouchedBody::touch_islands() noexcept {
     const Group group = pack(k, level);
     touch_many(group);
     const std::span<const std::uint32_t> modes = islands_.modes(k);
-    for (std::size_t i = 0; i < modes.size(); ++i) {
-      body_.real[modes[i]] = group.modes.real[i];
-      body_.imaginary[modes[i]] = group.modes.imaginary[i];
-    }
+    scatter(modes, group.modes.real, body_.real);
+    scatter(modes, group.modes.imaginary, body_.imaginary);
   }
 }
 

@@ -51,8 +51,6 @@ bool TouchedBody::press_lone(std::size_t slot) noexcept {
 
 /// A sample of one contact alone on a few modes.
 void TouchedBody::touch_lone(std::size_t slot, std::size_t level_index) noexcept {
-  if (level_index == 0 && exciters_[slot].kind == Exciter::Kind::kImpact && press_lone(slot))
-    return;
   Exciter& e = exciters_[slot];
   const ModalBody::Level& level = body_.level(level_index);
   const double h = step_s_[level_index];
