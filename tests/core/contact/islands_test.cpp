@@ -190,6 +190,79 @@ TEST_CASE("bodies in one list of modes do what each does alone") {
   }
 }
 
+TEST_CASE("forces, outer forces and impulses of bodies in one list are those of each alone") {
+  std::mt19937 source(31);
+  for (const bool impulses : {false, true}) {
+    const std::vector<Part> parts = mixed(source, impulses ? 1e17 : 1e4, impulses ? 1e18 : 1e7);
+    auto all = together(parts, false, in_order(strikers(parts)));
+    std::vector<std::unique_ptr<TouchedBody>> alone;
+    for (const Part& part : parts)
+      alone.push_back(together({part}, false, in_order(part.strikers.size())));
+    all->set_least_steps(8);
+    for (auto& body : alone)
+      body->set_least_steps(8);
+    // The first striker of some is a surface that rubs, either way.
+    for (std::size_t p = 0, slot = 0; p < parts.size(); slot += parts[p++].strikers.size())
+      if (!impulses && p % 2 == 0) {
+        const FrictionLaw law{.8, .3, .1, .5, 1e5, 40, .5};
+        all->set_friction(slot, law);
+        all->rub(slot, 5, p % 4 ? .2 : -.2);
+        alone[p]->set_friction(0, law);
+        alone[p]->rub(0, 5, p % 4 ? .2 : -.2);
+      }
+    std::vector<double> worst(parts.size(), 0), strongest(parts.size(), 0);
+    for (int n = 0; n < 150; ++n) {
+      for (std::size_t p = 0, slot = 0; p < parts.size(); slot += parts[p++].strikers.size())
+        if (!impulses) {
+          const double force = 30 * std::sin(.2 * n + static_cast<double>(p));
+          all->push_body(slot, force);
+          alone[p]->push_body(0, force);
+        }
+      all->step();
+      for (std::size_t p = 0, slot = 0; p < parts.size(); ++p) {
+        alone[p]->step();
+        for (std::size_t i = 0; i < parts[p].strikers.size(); ++i, ++slot) {
+          worst[p] = std::max(worst[p], std::abs(all->force(slot) - alone[p]->force(i)));
+          strongest[p] = std::max(strongest[p], std::abs(alone[p]->force(i)));
+        }
+      }
+    }
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      CAPTURE(impulses);
+      CAPTURE(p);
+      CHECK(strongest[p] > 1e-2);
+      CHECK(worst[p] < (impulses ? 1e-4 : 1e-6) * strongest[p]); // which chatter
+    }
+  }
+}
+
+TEST_CASE("the work of a sample is bounded however many islands want fine steps") {
+  std::mt19937 source(12);
+  std::vector<Part> parts;
+  for (int i = 0; i < 300; ++i) {
+    parts.push_back(random_part(source, 1, 1, 1e11, 1e11));
+    parts.back().modes[0].mass_kg = .01;
+    parts.back().strikers[0] = {{1e11, 1.5, .1}, .01, 0, 1, 0, {1}};
+  }
+  const auto finest = [](TouchedBody& body) {
+    unsigned steps = 0;
+    double before = body.energy(), worst = 0;
+    for (int n = 0; n < 100; ++n) {
+      body.step();
+      steps = n == 0 ? body.steps() : steps; // all touch
+      worst = std::max(worst, body.energy() / before - 1);
+      before = body.energy();
+    }
+    CHECK(worst < 1e-12);
+    return steps;
+  };
+  auto crowd = together(parts, false, in_order(300));
+  CHECK(finest(*crowd) == 4); // 300 contacts of 64 products each, of 2^17
+  parts.resize(2);
+  auto two = together(parts, false, in_order(2));
+  CHECK(finest(*two) >= 16);
+}
+
 TEST_CASE("an island takes no finer steps because another does") {
   // The hard strike's 64 steps leave the soft contacts' bits as they are without it.
   std::mt19937 source(8);
@@ -390,6 +463,11 @@ TEST_CASE("an exciter that sleeps wakes for messages and for what its neighbours
   {
     auto body = make(3);
     body->knock_body(1, -.2);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->knock_body(0, -.07); // it rises for 2 ms, and by 1.1 mm
     CHECK(struck(*body));
   }
   {
