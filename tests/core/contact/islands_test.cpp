@@ -236,6 +236,60 @@ TEST_CASE("forces, outer forces and impulses of bodies in one list are those of 
   }
 }
 
+TEST_CASE("bodies ring on beside one that is touched, and while others come and go") {
+  // Two ring; a pair of masses is pressed on one between them; a pebble is met now and then, and
+  // ten masses are far from others.
+  std::mt19937 source(17);
+  std::vector<Part> parts{random_part(source, 20, 0, 1, 2), random_part(source, 10, 2, 1e4, 2e4),
+                          random_part(source, 20, 0, 1, 2), random_part(source, 1, 1, 1e4, 2e4)};
+  for (Part::Striker& s : parts[1].strikers)
+    s.push_n = 5, s.mass_kg = .5;
+  parts[3].strikers[0].mass_kg = .05;
+  parts[3].strikers[0].speed_m_per_s = .2;
+  for (int i = 0; i < 10; ++i) {
+    parts.push_back(random_part(source, 1, 1, 1e4, 2e4));
+    parts.back().strikers[0] = {{}, .1, 50, 0, 0, {1}};
+  }
+  auto all = together(parts, false, in_order(strikers(parts)));
+  std::vector<std::unique_ptr<TouchedBody>> alone;
+  for (std::size_t p = 0; p < 4; ++p)
+    alone.push_back(together({parts[p]}, false, in_order(parts[p].strikers.size())));
+  for (std::size_t k = 0; k < 20; ++k)
+    for (const std::size_t p : {0UL, 2UL}) {
+      all->set_modal_velocity((p == 0 ? 0 : 30) + k, .1);
+      alone[p]->set_modal_velocity(k, .1);
+    }
+  std::array<double, 4> worst{}, loudest{};
+  double force_error = 0, strongest = 0;
+  std::size_t changes = 0;
+  bool touching = false;
+  for (int n = 0; n < 3000; ++n) {
+    if (n % 300 == 0) {
+      all->throw_mass(2, 1e-4, .2);
+      alone[3]->throw_mass(0, 1e-4, .2);
+    }
+    all->step();
+    CHECK(all->steps() == 1);
+    for (std::size_t p = 0; p < 4; ++p) {
+      alone[p]->step();
+      worst[p] = std::max(worst[p], std::abs(all->hear(p) - alone[p]->hear()));
+      loudest[p] = std::max(loudest[p], std::abs(alone[p]->hear()));
+    }
+    force_error = std::max(force_error, std::abs(all->force(2) - alone[3]->force(0)));
+    strongest = std::max(strongest, all->force(2));
+    changes += touching != (all->force(2) > 0);
+    touching = all->force(2) > 0;
+  }
+  for (std::size_t p = 0; p < 4; ++p) {
+    CAPTURE(p);
+    CHECK(loudest[p] > 1e-4);
+    CHECK(worst[p] < 1e-9 * loudest[p]);
+  }
+  CHECK(strongest > 1);
+  CHECK(force_error < 1e-9 * strongest);
+  CHECK(changes > 6);
+}
+
 TEST_CASE("the work of a sample is bounded however many islands want fine steps") {
   std::mt19937 source(12);
   std::vector<Part> parts;
