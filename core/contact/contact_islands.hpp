@@ -30,7 +30,6 @@ public:
   [[nodiscard]] std::span<const std::uint32_t> modes(std::size_t island) const noexcept {
     return std::span(modes_).subspan(islands_[island].first_mode, islands_[island].modes);
   }
-  void clear() noexcept { islands_.clear(); }
 
 private:
   friend class PlaceModes;

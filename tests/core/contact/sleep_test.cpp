@@ -1,0 +1,125 @@
+#include "core/contact/touched_body.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+// Exciters that cannot arrive for some time are not looked at until then.
+
+using namespace tactus::contact;
+
+TEST_CASE("a mass that is far flies as gravity says, and arrives when it should") {
+  // Alone, the mass is stepped every sample; beside a second, far body it sleeps in between.
+  const std::vector<Mode> two{{500, .3, .1}, {800, .3, .1}};
+  TouchedBody alone(2, 1), both(2, 2);
+  for (TouchedBody* body : {&alone, &both}) {
+    body->prepare(48000);
+    body->set_modes(two);
+    for (std::size_t i = 0; i < body->exciters(); ++i) {
+      std::vector<double> shape(2, 0.0);
+      shape[i] = 1;
+      body->set_place(i, shape);
+      body->set_impact(i, {1e6, 1.5, .2}, .01);
+      body->throw_mass(i, i == 0 ? .05 : 5, i == 0 ? -.2 : 0);
+    }
+    body->push_mass(0, .01 * 9.81);
+  }
+  double flight = 0, worst = 0, loudest = 0;
+  for (int n = 0; n < 9600; ++n) {
+    alone.step();
+    both.step();
+    const double expected = alone.exciter(0).place_m;
+    if (n % 7 == 0) // looking changes nothing
+      flight = std::max(flight, std::abs(both.exciter(0).place_m - expected));
+    worst = std::max(worst, std::abs(both.hear() - alone.hear()));
+    loudest = std::max(loudest, std::abs(alone.hear()));
+  }
+  CHECK(alone.exciter(0).blows > 0);
+  CHECK(loudest > 1e-2);
+  CHECK(flight < 1e-9);
+  CHECK(worst < 1e-6 * loudest);
+  CHECK(both.exciter(1).place_m == doctest::Approx(-5));
+}
+
+TEST_CASE("an exciter that sleeps wakes for messages and for what its neighbours do") {
+  // Exciter 0 waits a hair above mode 0; exciter 1 moves that mode as well. Exciter 2 makes two
+  // separate bodies of it.
+  const auto make = [](std::size_t slots) {
+    auto body = std::make_unique<TouchedBody>(2, slots);
+    body->prepare(48000);
+    body->set_modes(std::array{Mode{100, 1, .1}, Mode{700, 1, .1}});
+    for (std::size_t i = 0; i < slots; ++i) {
+      body->set_place(i, std::array{i < 2 ? 1. : 0., i < 2 ? 0. : 1.});
+      body->set_impact(i, {1e6, 1.5, .2}, .01);
+      body->throw_mass(i, i == 0 ? 1e-3 : .5, 0);
+    }
+    for (int n = 0; n < 100; ++n)
+      body->step();
+    return body;
+  };
+  const auto struck = [](TouchedBody& body) {
+    for (int n = 0; n < 4800; ++n)
+      body.step();
+    return body.exciter(0).blows > 0;
+  };
+  CHECK_FALSE(struck(*make(3)));
+  {
+    auto body = make(3);
+    body->knock_body(0, -.2); // the body rises to the mass
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->knock_body(1, -.2);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->knock_body(0, -.07); // it rises for 2 ms, and by 1.1 mm
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->push_body(1, -2e4);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->set_modal_velocity(0, -2);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->push_mass(0, 10);
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->throw_mass(1, 1e-4, 10); // strikes the mode, which swings back to the other mass
+    CHECK(struck(*body));
+  }
+  {
+    auto body = make(3);
+    body->set_held(0, {1e6, 1.5, .2});
+    body->throw_mass(0, 1e-3, 0);
+    for (int n = 0; n < 100; ++n)
+      body->step();
+    body->lead(0, .5);
+    for (int n = 0; n < 200; ++n)
+      body->step();
+    CHECK(body->force(0) > 0);
+  }
+  {
+    auto body = make(3);
+    body->set_friction(0, {.8, .3, .1, .5, 1e5, 40, .5});
+    for (int n = 0; n < 100; ++n)
+      body->step();
+    body->rub(0, 5, .2);
+    body->step();
+    CHECK(body->force(0) != 0);
+  }
+}
