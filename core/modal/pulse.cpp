@@ -11,7 +11,8 @@
 namespace tactus::modal {
 namespace {
 
-constexpr int kRounds = 12, kNewtonRounds = 40;
+constexpr int kRounds = 12;
+
 
 constexpr std::size_t kPerOctave = 4, kBands = kPulseBands;
 
