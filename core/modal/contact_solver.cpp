@@ -102,15 +102,20 @@ void ContactSolver::join(std::size_t slot) noexcept {
     couple();
 }
 
+ContactSolver::Contact& ContactSolver::begin_anew(std::size_t slot) noexcept {
+  end(slot);
+  if (active_count_ == 0)
+    rest_rigid();
+  Contact& contact = contacts_[slot] = Contact{};
+  contact.active = true;
+  return contact;
+}
+
 void ContactSolver::begin(std::size_t slot, const Strike& strike, std::span<const double> gain,
                           const Rigid& rigid_gain) noexcept {
   if (slot >= slots_.size())
     return;
-  end(slot);
-  if (active_count_ == 0)
-    rest_rigid();
-  Contact& c = contacts_[slot] = Contact{};
-  c.active = true;
+  Contact& c = begin_anew(slot);
   c.fall_m_per_s2 = strike.fall_m_per_s2;
   Exciter& e = c.exciter;
   e.kind = Exciter::Kind::kImpact;
@@ -136,12 +141,7 @@ void ContactSolver::begin_rub(std::size_t slot, const contact::FrictionLaw& law,
                               std::span<const double> gain, const Rigid& rigid_gain) noexcept {
   if (slot >= slots_.size())
     return;
-  end(slot);
-  if (active_count_ == 0)
-    rest_rigid();
-  Contact& c = contacts_[slot] = Contact{};
-  c.active = true;
-  Exciter& e = c.exciter;
+  Exciter& e = begin_anew(slot).exciter;
   e.kind = Exciter::Kind::kFriction;
   e.friction.set(law);
   e.noise.seed(slot + 1);
@@ -408,6 +408,15 @@ void ContactSolver::look_for_ends() noexcept {
       end(i);
     }
   }
+  // A body that is rubbed alone is held: what blows have left of its recoil is taken by its
+  // support.
+  const auto strikes = [this](std::size_t slot) {
+    return contacts_[slot].exciter.kind == Exciter::Kind::kImpact;
+  };
+  if (has_rigid_ && active_count_ > 0 &&
+      std::none_of(touching_.begin(),
+                   touching_.begin() + static_cast<std::ptrdiff_t>(active_count_), strikes))
+    rest_rigid();
 }
 
 /// It has let go. It meets the surface again only if that can still catch up with it. No point

@@ -144,6 +144,7 @@ private:
       sum += slot.rigid[r] * q[r];
     return sum;
   }
+  Contact& begin_anew(std::size_t slot) noexcept;
   void fill(std::size_t slot, std::span<const double> gain, const Rigid& rigid_gain) noexcept;
   void join(std::size_t slot) noexcept;
   void judge(std::size_t slot) noexcept;

@@ -13,7 +13,6 @@ namespace {
 
 constexpr int kRounds = 12;
 
-
 constexpr std::size_t kPerOctave = 4, kBands = kPulseBands;
 
 /// Mobility of the modes of each band and their mean frequency.

@@ -218,6 +218,30 @@ TEST_CASE("rubbing takes no more from the surface than it gives, on any body") {
   }
 }
 
+TEST_CASE("a body that is struck while it is rubbed stays where it is held") {
+  const Complex rate(-5, 2 * kPi * 300);
+  const double gain = 2;
+  const std::array<double, 6> free{3, 0, 0, 0, 0, 0};
+  ContactSolver solver({&rate, 1}, 48000, 2, true);
+  solver.begin_rub(0, {}, {&gain, 1}, {});
+  for (int n = 0; n < 48000; ++n) {
+    if (n == 100) {
+      ContactSolver::Strike ball;
+      ball.velocity_m_per_s = 1;
+      solver.begin(1, ball, {&gain, 1}, free);
+    }
+    solver.rub(0, 1, 0.1);
+    static_cast<void>(solver.step());
+  }
+  CHECK(solver.active() == 1);
+  // A second blow meets the body where the first did.
+  ContactSolver::Strike hand;
+  hand.held = true;
+  hand.place_m = 1e-3;
+  solver.begin(1, hand, {&gain, 1}, free);
+  CHECK(std::abs(solver.contact(1).exciter.depth_m) < 2e-3);
+}
+
 TEST_CASE("a struck body is rubbed where and while something presses, and heard") {
   auto table = tactus::test::plate();
   for (std::size_t i = 0; i + 2 < table.shape.size(); i += 3) // moves along its surface, too
