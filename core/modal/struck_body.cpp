@@ -28,13 +28,6 @@ template <class S> void make_sane(std::span<const S> from, double most, float* t
   }
 }
 
-/// Of the same contacts and listeners.
-bool have_like_kernels(const BodyModel& one, const BodyModel& two) noexcept {
-  return one.settings.sample_rate == two.settings.sample_rate &&
-         one.settings.voices == two.settings.voices &&
-         one.settings.listeners == two.settings.listeners;
-}
-
 } // namespace
 
 StruckBody::~StruckBody() {
@@ -81,90 +74,6 @@ void StruckBody::set_options(const Options& options) noexcept {
     smooth_gain_ = options_.gain;
 }
 
-void StruckBody::publish(std::unique_ptr<BodyModel> model, bool same_body) {
-  drop_retired();
-  auto* next = new Handover{std::move(model), same_body, nullptr};
-  delete incoming_.exchange(next, std::memory_order_acq_rel);
-}
-
-void StruckBody::adopt() noexcept {
-  Handover* next = incoming_.exchange(nullptr, std::memory_order_acq_rel);
-  if (!next)
-    return;
-  const bool goes_on = next->same_body && model_ && model_->loaded == next->model->loaded;
-  const bool touched =
-      goes_on && coupled_now_ && next->model->settings.sample_rate == model_->settings.sample_rate;
-  if (!touched)
-    leave_contact();
-  // In silence everything holds at once.
-  const bool in_silence =
-      !model_ || (!touched && silent_samples_ >= kSilence && model_->bank.asleep());
-  if (goes_on && in_silence) {
-    next->model->bank.set_clock(model_->bank.clock());
-  } else if (touched) {
-    next->model->continue_touched(*model_);
-  } else if (goes_on) {
-    next->model->continue_from(*model_);
-  } else {
-    blows_ = {};
-    next_landing_ = kNever;
-    pulses_ = {};
-    if (model_)
-      next->model->bank.set_clock(model_->bank.clock());
-  }
-  const bool glides = model_ && model_->bank.glide(0).moving();
-  std::swap(model_, next->model);
-  if (touched)
-    take_over_contacts(*next->model);
-  if (!goes_on && next->model)
-    move_events(*next->model);
-  if (!goes_on)
-    leave(next, glides);
-  for (std::size_t l = 0; l < kMostListeners; ++l) {
-    delay_[l].set(model_->delay_s[l] * sample_rate_, options_.doppler, !goes_on || in_silence);
-  }
-  if (!goes_on && rub_.placed && next->model) {
-    rub_.place = model_->nearest(next->model->settings.size * rub_.place.position);
-    rub_.direction = along_surface(rub_.place.normal, rub_.direction);
-  }
-  if (!point_set_ || !goes_on) {
-    const Surface& surface = model_->loaded->surface;
-    if (!surface.empty()) {
-      // Until a point is given: what lies nearest to the user.
-      const Vec3 there = point_set_ ? point_.position
-                                    : 0.5 * (surface.lowest() + surface.highest()) +
-                                          Vec3{0, 0, surface.diagonal()};
-      point_ = surface.nearest(there);
-      point_direction_ = point_.normal;
-    } else {
-      point_ = {};
-    }
-  }
-  renew_point();
-  for (std::size_t i = model_->settings.voices; i < kMostContacts; ++i)
-    blows_[i] = {};
-  find_next_landing();
-  continue_pulses();
-  if (goes_on) {
-    if (!in_silence && have_like_kernels(*model_, *next->model)) {
-      take_over_direct(next, glides);
-    } else {
-      if (in_silence) {
-        direct_.clear();
-      } else { // what has been given goes on, to the listeners that stay
-        direct_.settle(next->model->bank.glide(0));
-        direct_.clear_from(model_->settings.listeners);
-      }
-      settle_direct();
-      retire(next);
-    }
-  }
-  requested_point_ = point_;
-  for (std::size_t i = 0; i < events_.size(); ++i)
-    if (events_[i].kind == Event::Kind::kPoint)
-      requested_point_ = events_[i].hit.place;
-}
-
 void StruckBody::renew_point() noexcept {
   if (!model_)
     return;
@@ -182,24 +91,6 @@ void StruckBody::set_point(const SurfacePoint& place, const Vec3& direction) noe
   if (model_)
     model_->solver.end(led_slot()); // a hand lets go and comes down anew
   renew_point();
-}
-
-void StruckBody::take_over_contacts(BodyModel& before) noexcept {
-  BodyModel& m = *model_;
-  const auto go_on = [&](std::size_t slot, std::size_t old_slot, const SurfacePoint& place,
-                         const Vec3& direction, bool held = false) {
-    if (!before.solver.contact(old_slot).active)
-      return;
-    m.gains(place, direction, m.scratch);
-    const auto rigid = held ? BodyModel::RigidGain{} : m.rigid_gains(place, direction);
-    m.solver.take_over(slot, before.solver, old_slot, m.scratch, rigid);
-    m.aim_contact(slot, place, direction);
-  };
-  const std::size_t voices = before.settings.voices;
-  for (std::size_t i = 0; i < std::min(led_slot(), voices); ++i)
-    go_on(i, i, blows_[i].hit.place, blows_[i].hit.direction);
-  go_on(led_slot(), voices, point_, point_direction_);
-  go_on(rub_slot(), voices + 1, rub_.place, -rub_.direction, true);
 }
 
 void StruckBody::reset() noexcept {
@@ -300,48 +191,6 @@ void StruckBody::begin_led() noexcept {
   model_->solver.begin(led_slot(), hand, model_->scratch,
                        model_->rigid_gains(point_, point_direction_));
   aim_contact(led_slot(), point_, point_direction_);
-}
-
-void StruckBody::begin_rub() noexcept {
-  enter_contact();
-  place_rub();
-}
-
-void StruckBody::set_rub(const Rub& rub) noexcept {
-  rub_ = rub;
-  if (!model_ || !model_->solver.contact(rub_slot()).active)
-    return;
-  model_->solver.set_friction(rub_slot(), rub.law);
-  place_rub();
-}
-
-/// Works out what a rub's place and direction are to the modes.
-void StruckBody::place_rub() noexcept {
-  if (!rub_.placed)
-    rub_.place = point_;
-  rub_.direction = along_surface(rub_.place.normal, rub_.direction);
-  // Gains are of a push against a direction.
-  const Vec3 against = -rub_.direction;
-  model_->gains(rub_.place, against, model_->scratch);
-  // What is rubbed is held: the surface drags its modes along, not the body.
-  constexpr std::array<double, ContactSolver::kRigid> kHeld{};
-  if (model_->solver.contact(rub_slot()).active)
-    model_->solver.move_rub(rub_slot(), model_->scratch, kHeld);
-  else
-    model_->solver.begin_rub(rub_slot(), rub_.law, model_->scratch, kHeld);
-  aim_contact(rub_slot(), rub_.place, against);
-}
-
-/// What rubs in this sample.
-void StruckBody::drive_rub(std::size_t sample) noexcept {
-  const auto normal = static_cast<double>(chunk_.normal[sample]);
-  if (normal > 0) {
-    if (!model_->solver.contact(rub_slot()).active)
-      place_rub();
-    model_->solver.rub(rub_slot(), normal, static_cast<double>(chunk_.velocity[sample]));
-  } else {
-    model_->solver.end(rub_slot());
-  }
 }
 
 /// What is released and what pulses excite rings in the bank beside a contact, which does not feel

@@ -5,6 +5,118 @@
 
 /// How a StruckBody gives way to another: what waited, and what still rings.
 namespace tactus::modal {
+namespace {
+
+/// Of the same contacts and listeners.
+bool have_like_kernels(const BodyModel& one, const BodyModel& two) noexcept {
+  return one.settings.sample_rate == two.settings.sample_rate &&
+         one.settings.voices == two.settings.voices &&
+         one.settings.listeners == two.settings.listeners;
+}
+
+} // namespace
+
+void StruckBody::publish(std::unique_ptr<BodyModel> model, bool same_body) {
+  drop_retired();
+  auto* next = new Handover{std::move(model), same_body, nullptr};
+  delete incoming_.exchange(next, std::memory_order_acq_rel);
+}
+
+void StruckBody::adopt() noexcept {
+  Handover* next = incoming_.exchange(nullptr, std::memory_order_acq_rel);
+  if (!next)
+    return;
+  const bool goes_on = next->same_body && model_ && model_->loaded == next->model->loaded;
+  const bool touched =
+      goes_on && coupled_now_ && next->model->settings.sample_rate == model_->settings.sample_rate;
+  if (!touched)
+    leave_contact();
+  // In silence everything holds at once.
+  const bool in_silence =
+      !model_ || (!touched && silent_samples_ >= kSilence && model_->bank.asleep());
+  if (goes_on && in_silence) {
+    next->model->bank.set_clock(model_->bank.clock());
+  } else if (touched) {
+    next->model->continue_touched(*model_);
+  } else if (goes_on) {
+    next->model->continue_from(*model_);
+  } else {
+    blows_ = {};
+    next_landing_ = kNever;
+    pulses_ = {};
+    if (model_)
+      next->model->bank.set_clock(model_->bank.clock());
+  }
+  const bool glides = model_ && model_->bank.glide(0).moving();
+  std::swap(model_, next->model);
+  if (touched)
+    take_over_contacts(*next->model);
+  if (!goes_on && next->model)
+    move_events(*next->model);
+  if (!goes_on)
+    leave(next, glides);
+  for (std::size_t l = 0; l < kMostListeners; ++l) {
+    delay_[l].set(model_->delay_s[l] * sample_rate_, options_.doppler, !goes_on || in_silence);
+  }
+  if (!goes_on && rub_.placed && next->model) {
+    rub_.place = model_->nearest(next->model->settings.size * rub_.place.position);
+    rub_.direction = along_surface(rub_.place.normal, rub_.direction);
+  }
+  if (!point_set_ || !goes_on) {
+    const Surface& surface = model_->loaded->surface;
+    if (!surface.empty()) {
+      // Until a point is given: what lies nearest to the user.
+      const Vec3 there = point_set_ ? point_.position
+                                    : 0.5 * (surface.lowest() + surface.highest()) +
+                                          Vec3{0, 0, surface.diagonal()};
+      point_ = surface.nearest(there);
+      point_direction_ = point_.normal;
+    } else {
+      point_ = {};
+    }
+  }
+  renew_point();
+  for (std::size_t i = model_->settings.voices; i < kMostContacts; ++i)
+    blows_[i] = {};
+  find_next_landing();
+  continue_pulses();
+  if (goes_on) {
+    if (!in_silence && have_like_kernels(*model_, *next->model)) {
+      take_over_direct(next, glides);
+    } else {
+      if (in_silence) {
+        direct_.clear();
+      } else { // what has been given goes on, to the listeners that stay
+        direct_.settle(next->model->bank.glide(0));
+        direct_.clear_from(model_->settings.listeners);
+      }
+      settle_direct();
+      retire(next);
+    }
+  }
+  requested_point_ = point_;
+  for (std::size_t i = 0; i < events_.size(); ++i)
+    if (events_[i].kind == Event::Kind::kPoint)
+      requested_point_ = events_[i].hit.place;
+}
+
+void StruckBody::take_over_contacts(BodyModel& before) noexcept {
+  BodyModel& m = *model_;
+  const auto go_on = [&](std::size_t slot, std::size_t old_slot, const SurfacePoint& place,
+                         const Vec3& direction, bool held = false) {
+    if (!before.solver.contact(old_slot).active)
+      return;
+    m.gains(place, direction, m.scratch);
+    const auto rigid = held ? BodyModel::RigidGain{} : m.rigid_gains(place, direction);
+    m.solver.take_over(slot, before.solver, old_slot, m.scratch, rigid);
+    m.aim_contact(slot, place, direction);
+  };
+  const std::size_t voices = before.settings.voices;
+  for (std::size_t i = 0; i < std::min(led_slot(), voices); ++i)
+    go_on(i, i, blows_[i].hit.place, blows_[i].hit.direction);
+  go_on(led_slot(), voices, point_, point_direction_);
+  go_on(rub_slot(), voices + 1, rub_.place, -rub_.direction, true);
+}
 
 /// What waits happens to the new body, at the same positions.
 void StruckBody::move_events(const BodyModel& before) noexcept {
