@@ -142,7 +142,15 @@ void TouchedBody::work_out_place(std::size_t slot) noexcept {
   e.judged_j = -1;
   if (strikes)
     e.place_m = e.depth_m + surface(slot);
+  else
+    judge_rub(e);
   e.fresh = false;
+}
+
+void TouchedBody::judge_rub(Exciter& e) const noexcept {
+  e.level = 0;
+  for (double steps = e.rubbing_steps(step_s_[0]); steps > 1; steps *= 0.5)
+    ++e.level;
 }
 
 void TouchedBody::set_impact(std::size_t slot, const ImpactLaw& law, double mass_kg) noexcept {
@@ -190,6 +198,7 @@ void TouchedBody::set_friction(std::size_t slot, const FrictionLaw& law) noexcep
     work_out_place(slot);
   }
   e.friction.set(law);
+  judge_rub(e);
   unsorted_ = true;
   coupled_ = false;
 }
@@ -353,7 +362,8 @@ void TouchedBody::reset() noexcept {
     e.place_m = e.depth_m = -1;
     e.velocity_m_per_s = e.force_n = e.last_force_n = 0;
     e.near = e.fresh = false;
-    e.level = 0;
+    if (e.kind != Exciter::Kind::kFriction)
+      e.level = 0;
   }
   level_ = quiet_ = near_ = 0;
   close_.clear();

@@ -130,6 +130,7 @@ private:
   void choose_level() noexcept;
   void look_at_lone(bool look) noexcept;
   void judge(Exciter& e) const noexcept;
+  void judge_rub(Exciter& e) const noexcept;
   void fly(Exciter& e) const noexcept;
   void change_level(std::size_t level) noexcept;
   void work_out_ear(std::size_t ear) noexcept;

@@ -159,8 +159,7 @@ TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index
 std::size_t TouchedBody::island_level(std::size_t island) const noexcept {
   std::size_t level = least_level_;
   for (const std::size_t i : islands_.slots(island))
-    if (exciters_[i].kind == Exciter::Kind::kImpact)
-      level = std::max(level, exciters_[i].level);
+    level = std::max(level, exciters_[i].level);
   return level;
 }
 

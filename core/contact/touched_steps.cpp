@@ -196,8 +196,7 @@ void TouchedBody::look_at_lone(bool look) noexcept {
 void TouchedBody::choose_level() noexcept {
   std::size_t wanted = least_level_;
   for (const std::size_t i : close_)
-    if (exciters_[i].kind == Exciter::Kind::kImpact)
-      wanted = std::max(wanted, exciters_[i].level);
+    wanted = std::max(wanted, exciters_[i].level);
   if (near_ > 1)
     while (wanted > 0 && (work(near_, body_.modes()) << wanted) > kMaxWork)
       --wanted;
@@ -304,7 +303,7 @@ bool TouchedBody::steady(std::size_t slot) const noexcept {
       clock_ % kLookEvery == 0)
     return false;
   if (e.kind == Exciter::Kind::kFriction)
-    return least_level_ == level_;
+    return std::max(e.level, least_level_) == level_;
   return e.impact.touching() && std::max(e.level, least_level_) == level_ &&
          e.judged(0.5 * e.effective_mass_kg * e.approach_m_per_s * e.approach_m_per_s +
                   e.impact.stored_j());

@@ -329,9 +329,7 @@ void ContactSolver::solve() noexcept {
 void ContactSolver::judge(std::size_t slot) noexcept {
   Exciter& e = contacts_[slot].exciter;
   if (e.kind == Exciter::Kind::kFriction) {
-    const double rate =
-        std::sqrt(e.friction.law().stiffness_n_per_m * e.quick_mobility) / kRubAngle;
-    slots_[slot].wanted_steps = std::min(rate / sample_rate_, kMaxRubSteps);
+    slots_[slot].wanted_steps = e.rubbing_steps(1 / sample_rate_);
     return;
   }
   const double energy =

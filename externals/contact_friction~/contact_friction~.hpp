@@ -44,7 +44,7 @@ inline constexpr std::array kParameters{
               "random force, times sqrt(normal force times speed)"},
     Parameter{"seed", "", 1, 0, 16777215, "of the roughness"},
     Parameter{"body", "kg", 0.05, 1e-4, 1e5, "modal mass of every mode of gain 1"},
-    Parameter{"steps", "", 1, 1, 64, "of a sample; rounded up to a power of two"},
+    Parameter{"steps", "", 1, 1, 64, "of a sample at least; a light body takes up to 8 by itself"},
     Parameter{"gain", "s/m", 3, 0, 1e5, "of the sound: times the body's velocity"},
 };
 
