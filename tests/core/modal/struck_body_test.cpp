@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -63,6 +64,44 @@ TEST_CASE("the modes ring at the table's frequencies and lose 60 dB in their dec
     // Turned by the frequency's error times half a second: 0.05 Hz would be 0.16 radians.
     CHECK(std::abs(std::arg(b / a / expected)) < 0.03);
     CHECK(std::log(std::abs(b / a)) == doctest::Approx(s.real() * 0.5).epsilon(0.01));
+  }
+}
+
+TEST_CASE(
+    "the levels are those that the modes are heard with, by frequency, in contact and after") {
+  CHECK(StruckBody().levels(4).empty());
+  Rig rig;
+  CHECK(rig.body.levels(3) == std::vector<double>(3, -120));
+  rig.hit({0.06, 0.05, 0.1}, 1);
+  rig.run(1);
+  REQUIRE(rig.body.contacts() == 1);
+  CHECK(rig.body.levels(1)[0] > -120);
+  rig.run(4800);
+  REQUIRE(rig.body.contacts() == 0);
+  const auto levels = rig.body.levels(2);
+  REQUIRE(levels.size() == 2);
+  // A second of each mode alone, its decay in it allowed for.
+  const Heard heard = rig.run(48000);
+  const BodyModel& m = *rig.body.model();
+  std::vector<std::complex<double>> rates(m.rate.begin(),
+                                          m.rate.begin() + static_cast<std::ptrdiff_t>(m.heard));
+  std::sort(rates.begin(), rates.end(),
+            [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); });
+  for (std::size_t k = 0; k < 2; ++k) {
+    CAPTURE(k);
+    double loudest = 0; // of the listeners
+    for (const auto* side : {&heard.left, &heard.right}) {
+      std::complex<double> sum = 0;
+      double weight = 0;
+      for (std::size_t n = 0; n < side->size(); ++n) {
+        const double t = static_cast<double>(n) / 48000;
+        const double window = 1 - std::cos(2 * kPi * t);
+        sum += window * static_cast<double>((*side)[n]) * std::polar(1.0, -rates[k].imag() * t);
+        weight += window * std::exp(rates[k].real() * t);
+      }
+      loudest = std::max(loudest, 2 * std::abs(sum) / weight);
+    }
+    CHECK(levels[k] == doctest::Approx(20 * std::log10(loudest)).epsilon(0.002));
   }
 }
 
