@@ -98,7 +98,8 @@ public:
   /// strike, on 10 000 modes three.
   static constexpr std::size_t kMaxStartingWork = 40000;
   static constexpr std::int64_t kBudgetSamples = 64;
-  /// A body of more modes takes one new force point within kBudgetSamples, the newest.
+  /// A body of more modes takes one new force point, and one new place of what rubs, within
+  /// kBudgetSamples, the newest.
   static constexpr std::size_t kMaxFreelyMoved = 4096;
 
   /// Levels in dB from full scale at the loudest listener, of the lowest modes by frequency; -120
@@ -176,7 +177,7 @@ private:
   };
   void schedule(const Event& event, std::int64_t sample) noexcept;
   void carry_out_due() noexcept;
-  [[nodiscard]] bool has_point_within(std::int64_t sample) noexcept;
+  [[nodiscard]] bool has_within(Event::Kind kind, std::int64_t sample) noexcept;
   void carry_out(const Event& event) noexcept;
   void move_events(const BodyModel& before) noexcept;
   bool strike(const Hit& hit, const Striker& striker) noexcept;
@@ -253,10 +254,10 @@ private:
   Striker striker_;
   Options options_;
   TimedQueue<Event, kMaxScheduled> events_;
-  std::int64_t budget_begin_ = 0;              ///< sample
-  std::size_t starting_work_ = 0;              ///< since then
-  std::int64_t point_moved_ = -kBudgetSamples; ///< sample
-  std::int64_t clock_ = 0;                     ///< sample that process() begins with
+  std::int64_t budget_begin_ = 0;                                            ///< sample
+  std::size_t starting_work_ = 0;                                            ///< since then
+  std::int64_t point_moved_ = -kBudgetSamples, rub_moved_ = -kBudgetSamples; ///< samples
+  std::int64_t clock_ = 0; ///< sample that process() begins with
   SurfacePoint point_, requested_point_;
   Vec3 point_direction_{0, 0, 1};
   bool point_set_ = false;

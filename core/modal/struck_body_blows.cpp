@@ -83,22 +83,23 @@ void StruckBody::carry_out_due() noexcept {
         continue;
       }
       starting_work_ += work;
-    } else if (event.kind == Event::Kind::kPoint && modes > kMaxFreelyMoved) {
-      const std::int64_t free_at = point_moved_ + kBudgetSamples;
-      if (clock_ < free_at && clock_ >= point_moved_) {
-        if (!has_point_within(free_at)) // else a newer one comes
+    } else if (event.kind != Event::Kind::kReset && modes > kMaxFreelyMoved) {
+      std::int64_t& moved = event.kind == Event::Kind::kPoint ? point_moved_ : rub_moved_;
+      const std::int64_t free_at = moved + kBudgetSamples;
+      if (clock_ < free_at && clock_ >= moved) {
+        if (!has_within(event.kind, free_at)) // else a newer one comes
           events_.push(free_at, event);
         continue;
       }
-      point_moved_ = clock_;
+      moved = clock_;
     }
     carry_out(event);
   }
 }
 
-bool StruckBody::has_point_within(std::int64_t sample) noexcept {
+bool StruckBody::has_within(Event::Kind kind, std::int64_t sample) noexcept {
   for (std::size_t i = 0; i < events_.size() && events_.time(i) <= sample; ++i)
-    if (events_[i].kind == Event::Kind::kPoint)
+    if (events_[i].kind == kind)
       return true;
   return false;
 }

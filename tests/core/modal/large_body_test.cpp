@@ -175,10 +175,13 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("of force points that come faster than a large body takes them the newest counts") {
+namespace {
+
+/// A plate of more modes than take each new point at once: its own again, a little higher.
+ModalTable many_modes() {
   ModalTable table = plate(0.32, 0.2, 0.005, 20000, 4, 4);
   const std::size_t own = table.modes(), each = table.vertices() * 3;
-  while (table.modes() <= StruckBody::kMaxFreelyMoved) { // the same modes again, a little higher
+  while (table.modes() <= StruckBody::kMaxFreelyMoved) {
     const std::size_t k = table.modes() - own;
     table.frequency_hz.push_back(table.frequency_hz.back() + 0.1);
     table.loss_factor.push_back(1e-3);
@@ -187,7 +190,13 @@ TEST_CASE("of force points that come faster than a large body takes them the new
                                        static_cast<std::ptrdiff_t>((k + 1) * each));
     table.shape.insert(table.shape.end(), shape.begin(), shape.end());
   }
-  Rig rig(48000, std::move(table));
+  return table;
+}
+
+} // namespace
+
+TEST_CASE("of force points that come faster than a large body takes them the newest counts") {
+  Rig rig(48000, many_modes());
   static_cast<void>(rig.run(64));
   const std::int64_t begin = rig.body.clock();
   const auto gain_at = [&](double x) {
@@ -211,4 +220,32 @@ TEST_CASE("of force points that come faster than a large body takes them the new
   CHECK(changes >= 800 / 64);
   CHECK(changes <= 900 / 64 + 1);
   CHECK(before == gain_at(0.0005 * 199));
+}
+
+TEST_CASE("and of places that a surface slides on to") {
+  Rig rig(48000, many_modes());
+  const std::int64_t begin = rig.body.clock();
+  Rub rub;
+  rub.placed = true;
+  for (int i = 0; i < 200; ++i) { // every 4 samples
+    rub.place = rig.body.model()->nearest({0.0005 * i, 0.01, 0});
+    rub.law.dynamic_coefficient = 0.3 + 0.001 * i;
+    rig.body.schedule_rub(rub, begin + 4 * i);
+  }
+  const auto& contact = rig.body.model()->solver.contact(rig.settings.voices + 1);
+  int changes = 0;
+  double before = 0;
+  for (int n = 0; n < 900; ++n) {
+    const std::array<float, 1> none{}, normal{1}, velocity{0.1F};
+    std::array<float, 1> left{}, force{}, friction{};
+    const std::array<std::span<float>, 1> out{left};
+    rig.body.process<float>(none, none, out, force, {normal, velocity, friction});
+    const double now = contact.exciter.friction.law().dynamic_coefficient;
+    changes += now != before ? 1 : 0;
+    before = now;
+  }
+  CHECK(contact.active);
+  CHECK(changes >= 800 / 64);
+  CHECK(changes <= 900 / 64 + 2);
+  CHECK(before == doctest::Approx(0.3 + 0.001 * 199));
 }
