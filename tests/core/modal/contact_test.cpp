@@ -30,8 +30,7 @@ Blow strike(ContactSolver& solver, double rate, ContactSolver::Strike contact,
             std::span<const double> gain, std::array<double, 6> rigid = {}) {
   Blow blow;
   solver.begin(0, contact, gain, rigid);
-  const double before =
-      0.5 * contact.mass_kg * contact.velocity_m_per_s * contact.velocity_m_per_s;
+  const double before = 0.5 * contact.mass_kg * contact.velocity_m_per_s * contact.velocity_m_per_s;
   for (int n = 0; n < 100000 && solver.touching(); ++n) {
     const double force = solver.step();
     blow.impulse += force / rate;
@@ -59,8 +58,9 @@ TEST_CASE("Hertz' numbers for the ball are the closed form's") {
   const ImpactLaw law{kStiffness, 1.5, 0};
   CHECK(law.deepest(0.5 * kBall * kSpeed * kSpeed) == doctest::Approx(24.2e-6).epsilon(2e-3));
   CHECK(law.duration(kBall, kSpeed) == doctest::Approx(50.9e-6).epsilon(2e-3));
-  CHECK(law.duration(kBall, kSpeed) ==
-        doctest::Approx(2.9432 * law.deepest(0.5 * kBall * kSpeed * kSpeed) / kSpeed).epsilon(1e-4));
+  CHECK(
+      law.duration(kBall, kSpeed) ==
+      doctest::Approx(2.9432 * law.deepest(0.5 * kBall * kSpeed * kSpeed) / kSpeed).epsilon(1e-4));
   // A linear spring's contact is half a period.
   const ImpactLaw spring{1000, 1, 0};
   CHECK(spring.duration(0.1, 1) == doctest::Approx(kPi * std::sqrt(0.1 / 1000)));
@@ -234,6 +234,36 @@ TEST_CASE("what the table leaves out makes the contact softer by its compliance"
   static_cast<void>(solver.step()); // the way in
   solver.lead(0, 1e-3);
   CHECK(solver.step() == doctest::Approx(500).epsilon(1e-6));
+}
+
+TEST_CASE("the moments of a sample's force are those of its steps over Legendre's polynomials") {
+  // A hand that presses a stiff spring into a rigid wall, in four steps a sample.
+  ContactSolver solver({}, 48000, 1, false);
+  ContactSolver::Strike hand;
+  hand.law = {1e12, 1, 0};
+  hand.held = true;
+  solver.begin(0, hand, {}, {});
+  const auto moments = [&](double depth) {
+    solver.lead(0, depth);
+    static_cast<void>(solver.step());
+    REQUIRE(solver.steps() == 4);
+    REQUIRE(solver.sampled().size() == 1);
+    CHECK(solver.sampled()[0].moments[0] ==
+          doctest::Approx(solver.contact(0).exciter.force_n).epsilon(1e-12));
+    return solver.sampled()[0].moments;
+  };
+  static_cast<void>(moments(1e-9));
+  // Still: nothing but the mean, 1000 N.
+  const auto still = moments(1e-9);
+  CHECK(still[0] == doctest::Approx(1000).epsilon(1e-6));
+  CHECK(std::abs(still[1]) < 1e-3);
+  CHECK(std::abs(still[2]) < 1e-3);
+  // From 1000 to 2000 N in a line, x from 1 to -1 over the sample: the sum of x^2 over the middles
+  // of n steps is n (1 - 1/n^2)/3.
+  const auto rising = moments(2e-9);
+  CHECK(rising[0] == doctest::Approx(1500).epsilon(1e-6));
+  CHECK(rising[1] == doctest::Approx(-500 * (1 - 1 / 16.) / 3).epsilon(1e-6));
+  CHECK(std::abs(rising[2]) < 1e-3);
 }
 
 TEST_CASE("many contacts at once: any order gives the same motion") {
