@@ -14,8 +14,6 @@ using contact::Exciter;
 constexpr double kStepAngle = 0.15;  // rad that a contact turns in a step: 27 in a ball's contact
 constexpr double kStepRate = 176400; // 1/s at least in a strike: the force true up to 20 kHz
 constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts: it is followed less finely
-constexpr double kRubAngle = 0.4;    // rad that bristles on the body turn in a step
-constexpr double kMaxRubSteps = 8;
 constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
 constexpr std::size_t kMaxWork =
     16384; // modes times steps in a sample, so that strikes stay in time
