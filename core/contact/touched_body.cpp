@@ -15,11 +15,11 @@ TouchedBody::TouchedBody(std::size_t max_modes, std::size_t exciters, std::size_
       shape_(exciters, std::vector<double>(max_modes, 1)),
       ear_shape_(ears, std::vector<double>(max_modes, 1)), place_(exciters, ModeArray(max_modes)),
       ear_real_(ears, ModeArray(max_modes)), ear_imaginary_(ears, ModeArray(max_modes)),
-      outer_(max_modes), mean_(max_modes), push_real_(max_modes), push_imaginary_(max_modes),
-      ahead_real_(max_modes), ahead_imaginary_(max_modes), system_(exciters),
+      outer_(max_modes), mean_(max_modes), place_memory_(max_modes), system_(exciters),
       place_modes_(max_modes, exciters), in_use_(max_modes, exciters),
       islands_(max_modes, exciters), before_real_(max_modes), before_imaginary_(max_modes),
-      few_(exciters), sleep_(exciters), community_(exciters) {
+      packed_places_(max_modes + kModeLanes * std::min(exciters, max_modes)), few_(exciters),
+      sleep_(exciters), community_(exciters) {
   for (std::vector<std::size_t>* const slots :
        {&order_, &sorted_, &lone_, &lone_awake_, &lone_near_})
     slots->reserve(exciters);
@@ -281,7 +281,7 @@ void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
   for (const std::uint32_t i : place_modes_[slot])
     body_.real[i] += impulse * place_[slot][i];
   sounds_ = true;
-  foreseen_ = false;
+  forget_foresight();
   for (Exciter& e : exciters_)
     e.fresh = false;
 }
@@ -293,7 +293,7 @@ void TouchedBody::set_modal_velocity(std::size_t mode, double velocity_m_per_s) 
   body_.real[mode] = bounded(velocity_m_per_s, kFastest) / body_.per_root_mass(mode) +
                      body_.slowing[mode] * body_.imaginary[mode];
   sounds_ = true;
-  foreseen_ = false;
+  forget_foresight();
   for (Exciter& e : exciters_)
     e.fresh = false;
 }
@@ -304,8 +304,6 @@ void TouchedBody::set_least_steps(unsigned steps) noexcept {
     ++least_level_;
 }
 
-/// Sums over a place's few modes run over these alone: with one or two, the bits are those of the
-/// sum over all.
 /// Sums over a place's one or two modes run over these alone: the bits are those of the sum over
 /// all.
 double TouchedBody::surface(std::size_t slot) const noexcept {
@@ -351,7 +349,7 @@ double TouchedBody::energy() const noexcept {
 void TouchedBody::reset() noexcept {
   wake_all();
   body_.silence();
-  foreseen_ = false;
+  forget_foresight();
   outer_.clear();
   has_outer_ = sounds_ = false;
   for (Exciter& e : exciters_) {

@@ -148,7 +148,6 @@ private:
   void solve(const Group& group) noexcept;
   void solve_by_mode(const Group& group, std::span<const std::size_t> acting) noexcept;
   void couple(const Group& group) noexcept;
-  void touch_one() noexcept;
   void touch_in_place() noexcept;
   void ring(std::size_t first, std::size_t end) noexcept;
 
@@ -182,9 +181,15 @@ private:
   void run(std::size_t exciter, const Stretch& whole) noexcept;
   std::size_t rest(std::size_t exciter, const Stretch& whole) noexcept;
   [[nodiscard]] bool steady(std::size_t exciter) const noexcept;
-  [[nodiscard]] PlaceView place_view(std::size_t exciter) const noexcept;
   void look_back() noexcept;
+  /// The modes have changed otherwise than by the steps.
+  void forget_foresight() noexcept { foreseen_ = islands_foreseen_ = false; }
   void focus(std::size_t exciter) noexcept;
+  struct PlaceArrays;
+  [[nodiscard]] static PlaceView look_from(const ModesView& modes, const double* shape,
+                                           const PlaceArrays& into) noexcept;
+  void touch_alone(std::size_t exciter, const ModesView& modes, const PlaceView& place,
+                   Foresight& foresight, bool& foreseen, std::size_t level) noexcept;
   [[nodiscard]] ModesView view(std::size_t level, std::size_t first, std::size_t end) noexcept;
   [[nodiscard]] ModesView view() noexcept { return view(level_, range_first_, range_end_); }
   [[nodiscard]] double step_length() const noexcept { return step_s_[level_]; }
@@ -202,13 +207,25 @@ private:
   std::vector<ModeArray> place_;                    ///< shapes over sqrt(m)
   std::vector<ModeArray> ear_real_, ear_imaginary_; ///< velocity there = these times the state
   ModeArray outer_, mean_; ///< forces over sqrt(m) from outside; modes' mean velocities
-  ModeArray push_real_, push_imaginary_, ahead_real_,
-      ahead_imaginary_; ///< of the one exciter that is near (PlaceView)
-  double answer_ = 0;
+  /// What a PlaceView points to.
+  struct PlaceArrays {
+    double *push_real, *push_imaginary, *ahead_real, *ahead_imaginary;
+  };
+  struct PlaceMemory {
+    ModeArray push_real, push_imaginary, ahead_real, ahead_imaginary;
+    explicit PlaceMemory(std::size_t modes)
+        : push_real(modes), push_imaginary(modes), ahead_real(modes), ahead_imaginary(modes) {}
+    [[nodiscard]] PlaceArrays from(std::size_t mode) noexcept {
+      return {push_real.data() + mode, push_imaginary.data() + mode, ahead_real.data() + mode,
+              ahead_imaginary.data() + mode};
+    }
+  };
+  PlaceMemory place_memory_; ///< of the one exciter that is near
+  PlaceView place_view_{};
   Foresight foresight_;
   bool foreseen_ = false; ///< foresight_ is of the state as it is
   bool has_outer_ = false, sounds_ = false, unsorted_ = true, tied_ = false, moved_ = false;
-  bool coupled_ = false; ///< the system's coupling or the PlaceView are those of close_
+  bool coupled_ = false; ///< the system's coupling or place_view_ are those of close_
   std::array<double, kLevels> step_s_{}; ///< length of a step, by level
   std::size_t level_ = 0, least_level_ = 0, quiet_ = 0, near_ = 0;
   std::uint64_t clock_ = 0;
@@ -247,9 +264,15 @@ private:
     std::size_t at, lanes, shapes_at, level;
     ContactSystem::Block block;
     bool ready;
+    PlaceView place{}; ///< of an only contact
+    Foresight foresight{};
+    bool foreseen = false;
   };
   std::vector<Packed> packed_;
-  ModeArray before_real_, before_imaginary_; ///< state before the sample
+  ModeArray before_real_, before_imaginary_; ///< state before the sample, where all modes ring
+  const double *from_real_ = nullptr, *from_imaginary_ = nullptr; ///< from where islands go on
+  PlaceMemory packed_places_;
+  bool islands_foreseen_ = false; ///< the islands' foresights are of the state as it is
   ModalBody::Level packed_level_;
   ModeArray packed_real_, packed_imaginary_, packed_slowing_, packed_outer_, packed_shapes_;
 

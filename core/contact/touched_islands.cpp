@@ -93,7 +93,15 @@ void TouchedBody::lay_out() noexcept {
     const std::size_t count = islands_[k].slots,
                       lanes = few(k) ? 0 : whole_lanes(islands_[k].modes),
                       stride = whole_lanes(count);
-    packed_.push_back({at, lanes, shapes_at, 0, {islands_[k].first_slot, block_at, stride}, false});
+    packed_.push_back({at,
+                       lanes,
+                       shapes_at,
+                       0,
+                       {islands_[k].first_slot, block_at, stride},
+                       false,
+                       {},
+                       {},
+                       false});
     at += lanes;
     shapes_at += count * lanes;
     block_at += count * stride;
@@ -105,10 +113,10 @@ TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index
   Packed& p = packed_[island];
   const std::span<const std::size_t> slots = islands_.slots(island);
   const std::span<const std::uint32_t> modes = islands_.modes(island);
-  const auto gather = [&](ModeArray& to, const ModeArray& from) {
+  const auto gather = [&](ModeArray& to, const double* from) {
     double* const part = to.data() + p.at;
     if (in_a_row(modes))
-      std::copy_n(from.data() + modes.front(), modes.size(), part);
+      std::copy_n(from + modes.front(), modes.size(), part);
     else
       std::transform(modes.begin(), modes.end(), part, [&](std::uint32_t k) { return from[k]; });
     std::fill(part + modes.size(), part + p.lanes, 0.0);
@@ -128,7 +136,7 @@ TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index
                     level_index};
   system_.select(p.block);
   if (!p.ready) {
-    gather(packed_slowing_, body_.slowing);
+    gather(packed_slowing_, body_.slowing.data());
     for (std::size_t c = 0; c < slots.size(); ++c) {
       double* const shape = packed_shapes_.data() + p.shapes_at + c * p.lanes;
       for (std::size_t k = 0; k < modes.size(); ++k)
@@ -138,21 +146,24 @@ TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index
   }
   if (!p.ready || p.level != level_index) {
     const ModalBody::Level& from = body_.level(level_index);
-    gather(to.turn_real, from.turn_real);
-    gather(to.turn_imaginary, from.turn_imaginary);
-    gather(to.response_real, from.response_real);
-    gather(to.response_imaginary, from.response_imaginary);
-    gather(to.mean_real, from.mean_real);
-    gather(to.mean_imaginary, from.mean_imaginary);
-    gather(to.mobility, from.mobility);
+    gather(to.turn_real, from.turn_real.data());
+    gather(to.turn_imaginary, from.turn_imaginary.data());
+    gather(to.response_real, from.response_real.data());
+    gather(to.response_imaginary, from.response_imaginary.data());
+    gather(to.mean_real, from.mean_real.data());
+    gather(to.mean_imaginary, from.mean_imaginary.data());
+    gather(to.mobility, from.mobility.data());
     couple(group);
+    if (slots.size() == 1)
+      p.place = look_from(group.modes, shapes_[0], packed_places_.from(p.at));
     p.level = level_index;
     p.ready = true;
+    p.foreseen = false;
   }
-  gather(packed_real_, before_real_);
-  gather(packed_imaginary_, before_imaginary_);
+  gather(packed_real_, from_real_);
+  gather(packed_imaginary_, from_imaginary_);
   if (has_outer_)
-    gather(packed_outer_, outer_);
+    gather(packed_outer_, outer_.data());
   return group;
 }
 
@@ -199,16 +210,22 @@ void TouchedBody::touch_islands() noexcept {
   if (packed_.empty())
     lay_out();
   share_work();
-  const std::size_t padded = body_.padded();
-  std::copy_n(body_.real.data(), padded, before_real_.data());
-  std::copy_n(body_.imaginary.data(), padded, before_imaginary_.data());
   std::size_t moved = 0; // modes of the islands
   for (const std::size_t i : lone_near_)
     moved += few_[i].count;
   for (std::size_t k = 0; k < islands_.size(); ++k)
     moved += islands_[k].modes;
-  if (moved < sounding_)
+  from_real_ = body_.real.data();
+  from_imaginary_ = body_.imaginary.data();
+  if (moved < sounding_) {
+    const std::size_t padded = body_.padded();
+    std::copy_n(from_real_, padded, before_real_.data());
+    std::copy_n(from_imaginary_, padded, before_imaginary_.data());
+    from_real_ = before_real_.data();
+    from_imaginary_ = before_imaginary_.data();
     ring(0, padded);
+  }
+  islands_foreseen_ = islands_foreseen_ && !has_outer_ && clock_ % kTidyEvery != 1;
   level_ = quiet_ = 0;
   for (const std::size_t i : lone_near_) {
     const std::size_t level = granted(kContactWork, std::max(least_level_, exciters_[i].level));
@@ -224,11 +241,18 @@ void TouchedBody::touch_islands() noexcept {
       continue;
     }
     const Group group = pack(k, level);
-    touch_many(group);
+    if (Packed& p = packed_[k]; group.slots.size() == 1 && !has_outer_) {
+      p.foreseen = p.foreseen && islands_foreseen_;
+      touch_alone(group.slots[0], group.modes, p.place, p.foresight, p.foreseen, level);
+    } else {
+      p.foreseen = false;
+      touch_many(group);
+    }
     const std::span<const std::uint32_t> modes = islands_.modes(k);
     scatter(modes, group.modes.real, body_.real);
     scatter(modes, group.modes.imaginary, body_.imaginary);
   }
+  islands_foreseen_ = !has_outer_;
 }
 
 } // namespace tactus::contact

@@ -15,7 +15,7 @@ bool TouchedBody::press_lone(std::size_t slot) noexcept {
   const ModalBody::Level& level = body_.level(0);
   const double h = step_s_[0];
   const std::uint32_t i = few.mode[0];
-  const double shape = few.shape[0], real = before_real_[i], imaginary = before_imaginary_[i];
+  const double shape = few.shape[0], real = from_real_[i], imaginary = from_imaginary_[i];
   const double body_free =
       shape * (level.mean_real[i] * real + level.mean_imaginary[i] * imaginary);
   const double cosine = level.turn_real[i], sine = level.turn_imaginary[i];
@@ -63,7 +63,7 @@ void TouchedBody::touch_lone(std::size_t slot, std::size_t level_index) noexcept
   double outer_mean = 0;
   for (std::size_t k = 0; k < modes.size(); ++k) {
     const std::uint32_t i = modes[k];
-    state[k] = {few.shape[k], before_real_[i], before_imaginary_[i], has_outer_ ? outer_[i] : 0.0};
+    state[k] = {few.shape[k], from_real_[i], from_imaginary_[i], has_outer_ ? outer_[i] : 0.0};
     outer_mean += state[k].shape * level.mobility[i] * state[k].outer;
   }
   ContactTerm t;

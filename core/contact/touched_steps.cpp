@@ -214,51 +214,41 @@ void TouchedBody::change_level(std::size_t level) noexcept {
   coupled_ = false;
 }
 
-/// What the kernel needs of the one place that is touched.
-void TouchedBody::focus(std::size_t slot) noexcept {
-  const ModalBody::Level& level = body_.level(level_);
-  const ModeArray& place = place_[slot];
-  answer_ = 0;
-  for (std::size_t k = range_first_; k < range_end_; ++k) {
-    const std::size_t i = k - range_first_;
-    push_real_[i] = place[k] * level.response_real[k];
-    push_imaginary_[i] = place[k] * level.response_imaginary[k];
+/// What the kernel needs of one place that is touched, for steps of these modes' length.
+PlaceView TouchedBody::look_from(const ModesView& m, const double* shape,
+                                 const PlaceArrays& into) noexcept {
+  double answer = 0;
+  for (std::size_t i = 0; i < m.padded; ++i) {
+    into.push_real[i] = shape[i] * m.response_real[i];
+    into.push_imaginary[i] = shape[i] * m.response_imaginary[i];
     // The mean velocity of the step after a state z is Re((mean_real - j mean_imaginary) z).
-    ahead_real_[i] = place[k] * level.mean_real[k];
-    ahead_imaginary_[i] = place[k] * level.mean_imaginary[k];
-    answer_ += ahead_real_[i] * push_real_[i] + ahead_imaginary_[i] * push_imaginary_[i];
+    const double real = shape[i] * m.mean_real[i], imaginary = shape[i] * m.mean_imaginary[i];
+    answer += real * into.push_real[i] + imaginary * into.push_imaginary[i];
     // That of the step after the next: the same of P z.
-    const double real = ahead_real_[i], imaginary = ahead_imaginary_[i];
-    ahead_real_[i] = real * level.turn_real[k] + imaginary * level.turn_imaginary[k];
-    ahead_imaginary_[i] = imaginary * level.turn_real[k] - real * level.turn_imaginary[k];
+    into.ahead_real[i] = real * m.turn_real[i] + imaginary * m.turn_imaginary[i];
+    into.ahead_imaginary[i] = imaginary * m.turn_real[i] - real * m.turn_imaginary[i];
   }
+  return {shape,           into.push_real,       into.push_imaginary,
+          into.ahead_real, into.ahead_imaginary, answer};
+}
+
+void TouchedBody::focus(std::size_t slot) noexcept {
+  place_view_ = look_from(view(), place_[slot].data() + range_first_, place_memory_.from(0));
   coupled_ = true;
   foreseen_ = false;
 }
 
-void TouchedBody::touch_one() noexcept {
-  const std::size_t slot = close_[0];
+/// A sample of a contact that is the only one on these modes.
+void TouchedBody::touch_alone(std::size_t slot, const ModesView& modes, const PlaceView& place,
+                              Foresight& foresight, bool& foreseen, std::size_t level) noexcept {
   Exciter& e = exciters_[slot];
-  if (!coupled_)
-    focus(slot);
-  const PlaceView place = place_view(slot);
-  const ModesView modes = view();
-  if (!foreseen_)
-    foresight_ = kernel_->foresee(modes, place);
-  foreseen_ = true;
+  if (!foreseen)
+    foresight = kernel_->foresee(modes, place);
+  foreseen = true;
   const bool strikes = e.kind == Exciter::Kind::kImpact;
   const double drive = strikes ? e.outer_force_n : e.rubbing_m_per_s, normal = e.normal_force_n;
-  kernel_->touch(modes, place, foresight_, e, {step_length(), level_},
+  kernel_->touch(modes, place, foresight, e, {step_s_[level], level},
                  {&drive, &normal, nullptr, nullptr, nullptr, nullptr, 1});
-}
-
-PlaceView TouchedBody::place_view(std::size_t slot) const noexcept {
-  return {place_[slot].data() + range_first_,
-          push_real_.data(),
-          push_imaginary_.data(),
-          ahead_real_.data(),
-          ahead_imaginary_.data(),
-          answer_};
 }
 
 /// A sample of modes that nothing touches.
@@ -275,7 +265,10 @@ void TouchedBody::ring(std::size_t first, std::size_t end) noexcept {
 void TouchedBody::touch_in_place() noexcept {
   sounds_ = true;
   if (near_ == 1 && !has_outer_) { // the general way knows of outer forces
-    touch_one();
+    if (!coupled_)
+      focus(close_[0]);
+    touch_alone(close_[0], view(), place_view_, foresight_, foreseen_, level_);
+    islands_foreseen_ = false;
   } else {
     system_.select_all();
     shapes_.clear();
@@ -283,12 +276,12 @@ void TouchedBody::touch_in_place() noexcept {
       shapes_.push_back(place_[i].data() + range_first_);
     const Group group{close_, view(), std::min(range_end_, body_.modes()) - range_first_,
                       has_outer_ ? outer_.data() + range_first_ : nullptr, level_};
-    foreseen_ = false;
+    forget_foresight();
     if (!coupled_ || near_ == 1) {
       couple(group);
       packed_.clear(); // their coupling was in the same memory
     }
-    coupled_ = near_ > 1; // one alone has a PlaceView
+    coupled_ = near_ > 1; // one alone has place_view_
     touch_many(group);
   }
   ring(0, range_first_);
@@ -347,7 +340,7 @@ void TouchedBody::run(std::size_t slot, const Stretch& whole) noexcept {
       const std::size_t room =
           std::min<std::size_t>(whole.count - n, kLookEvery - clock_ % kLookEvery);
       const std::size_t done = kernel_->touch(
-          view(), place_view(slot), foresight_, e, {step_length(), level_},
+          view(), place_view_, foresight_, e, {step_length(), level_},
           {whole.drive + n, whole.normal ? whole.normal + n : nullptr, whole.heard + n,
            whole.force + n, ear_real_[0].data(), ear_imaginary_[0].data(), room});
       if (done > 0) {
@@ -396,7 +389,7 @@ void TouchedBody::step() noexcept {
   } else if (near_ > 0) {
     touch_in_place();
   } else if (sounds_) {
-    foreseen_ = false;
+    forget_foresight();
     ring(0, body_.padded());
   }
   if (has_outer_) {
