@@ -8,6 +8,11 @@ namespace {
 
 constexpr double kMostShape = 1e3;
 
+/// Each island's modes are rounded to whole lanes at both ends.
+std::size_t packed_modes(std::size_t modes, std::size_t exciters) noexcept {
+  return modes + 2 * kModeLanes * std::min(exciters, modes);
+}
+
 } // namespace
 
 TouchedBody::TouchedBody(std::size_t max_modes, std::size_t exciters, std::size_t ears)
@@ -18,16 +23,15 @@ TouchedBody::TouchedBody(std::size_t max_modes, std::size_t exciters, std::size_
       outer_(max_modes), mean_(max_modes), place_memory_(max_modes), system_(exciters),
       place_modes_(max_modes, exciters), in_use_(max_modes, exciters),
       islands_(max_modes, exciters), before_real_(max_modes), before_imaginary_(max_modes),
-      packed_places_(max_modes + kModeLanes * std::min(exciters, max_modes)), few_(exciters),
-      sleep_(exciters), community_(exciters) {
+      packed_places_(packed_modes(max_modes, exciters)), few_(exciters), sleep_(exciters),
+      community_(exciters) {
   for (std::vector<std::size_t>* const slots :
        {&order_, &sorted_, &lone_, &lone_awake_, &lone_near_})
     slots->reserve(exciters);
   shapes_.reserve(exciters);
   packed_.reserve(exciters);
   wakes_at_.reserve(exciters);
-  // Each island's modes are rounded up to whole lanes.
-  const ModeArray none(max_modes + kModeLanes * std::min(exciters, max_modes));
+  const ModeArray none(packed_modes(max_modes, exciters));
   packed_level_ = {none, none, none, none, none, none, none};
   packed_real_ = packed_imaginary_ = packed_slowing_ = packed_outer_ = none;
   packed_shapes_ = ModeArray(exciters * whole_lanes(max_modes));

@@ -159,7 +159,7 @@ private:
   void touch_islands() noexcept;
   void touch_lone(std::size_t exciter, std::size_t level) noexcept;
   [[nodiscard]] bool press_lone(std::size_t exciter) noexcept;
-  [[nodiscard]] Group pack(std::size_t island, std::size_t level) noexcept;
+  [[nodiscard]] Group pack(std::size_t island, std::size_t level, bool in_body) noexcept;
   [[nodiscard]] bool few(std::size_t island) const noexcept;
   [[nodiscard]] std::size_t island_level(std::size_t island) const noexcept;
   [[nodiscard]] std::size_t island_work(std::size_t island) const noexcept;
@@ -261,9 +261,9 @@ private:
   std::size_t share_ = kMaxWork;               ///< products that an island's fine steps may take
   /// An island's modes in a row, with its contacts' shapes; parts of arrays, whole lanes.
   struct Packed {
-    std::size_t at, lanes, shapes_at, level;
-    ContactSystem::Block block;
-    bool ready;
+    std::size_t at = 0, skip = 0, lanes = 0, shapes_at = 0, level = 0; ///< skip: lanes of others
+    ContactSystem::Block block{};
+    bool ready = false, in_body = false;
     PlaceView place{}; ///< of an only contact
     Foresight foresight{};
     bool foreseen = false;

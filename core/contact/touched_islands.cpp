@@ -15,11 +15,8 @@ bool in_a_row(std::span<const std::uint32_t> modes) noexcept {
 }
 
 void scatter(std::span<const std::uint32_t> modes, const double* from, ModeArray& to) noexcept {
-  if (in_a_row(modes))
-    std::copy_n(from, modes.size(), to.data() + modes.front());
-  else
-    for (std::size_t k = 0; k < modes.size(); ++k)
-      to[modes[k]] = from[k];
+  for (std::size_t k = 0; k < modes.size(); ++k)
+    to[modes[k]] = from[k];
 }
 
 } // namespace
@@ -90,69 +87,73 @@ void TouchedBody::lay_out() noexcept {
   std::size_t at = 0, shapes_at = 0, block_at = 0;
   packed_.clear();
   for (std::size_t k = 0; k < islands_.size(); ++k) {
+    const std::span<const std::uint32_t> modes = islands_.modes(k);
     const std::size_t count = islands_[k].slots,
-                      lanes = few(k) ? 0 : whole_lanes(islands_[k].modes),
+                      skip = in_a_row(modes) ? modes.front() % kModeLanes : 0,
+                      lanes = few(k) ? 0 : whole_lanes(skip + modes.size()),
                       stride = whole_lanes(count);
-    packed_.push_back({at,
-                       lanes,
-                       shapes_at,
-                       0,
-                       {islands_[k].first_slot, block_at, stride},
-                       false,
-                       {},
-                       {},
-                       false});
+    Packed island;
+    island.at = at;
+    island.skip = skip;
+    island.lanes = lanes;
+    island.shapes_at = shapes_at;
+    island.block = {islands_[k].first_slot, block_at, stride};
+    packed_.push_back(island);
     at += lanes;
     shapes_at += count * lanes;
     block_at += count * stride;
   }
 }
 
-/// An island in arrays of its own: its modes in a row, as if no others were there.
-TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index) noexcept {
+/// An island in arrays of its own: its modes in a row, as if no others were there. Modes that lie
+/// in a row in the body, too, stay there: where lanes are shared with others, these have a turn of
+/// 1 and no force, so that nothing moves them. `in_body`: the body's states are those before the
+/// sample.
+TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index,
+                                     bool in_body) noexcept {
   Packed& p = packed_[island];
   const std::span<const std::size_t> slots = islands_.slots(island);
   const std::span<const std::uint32_t> modes = islands_.modes(island);
-  const auto gather = [&](ModeArray& to, const double* from) {
-    double* const part = to.data() + p.at;
+  const auto gather = [&](double* part, const double* from, double elsewhere) {
+    double* const own = part + p.skip;
+    std::fill(part, own, elsewhere);
     if (in_a_row(modes))
-      std::copy_n(from + modes.front(), modes.size(), part);
+      std::copy_n(from + modes.front(), modes.size(), own);
     else
-      std::transform(modes.begin(), modes.end(), part, [&](std::uint32_t k) { return from[k]; });
-    std::fill(part + modes.size(), part + p.lanes, 0.0);
+      std::transform(modes.begin(), modes.end(), own, [&](std::uint32_t k) { return from[k]; });
+    std::fill(own + modes.size(), part + p.lanes, elsewhere);
   };
   shapes_.clear();
   for (std::size_t c = 0; c < slots.size(); ++c)
     shapes_.push_back(packed_shapes_.data() + p.shapes_at + c * p.lanes);
   ModalBody::Level& to = packed_level_;
+  p.in_body = in_body && in_a_row(modes);
+  const std::size_t first = p.in_body ? modes.front() - p.skip : 0;
   const Group group{slots,
-                    {packed_real_.data() + p.at, packed_imaginary_.data() + p.at,
+                    {p.in_body ? body_.real.data() + first : packed_real_.data() + p.at,
+                     p.in_body ? body_.imaginary.data() + first : packed_imaginary_.data() + p.at,
                      to.turn_real.data() + p.at, to.turn_imaginary.data() + p.at,
                      to.response_real.data() + p.at, to.response_imaginary.data() + p.at,
                      to.mean_real.data() + p.at, to.mean_imaginary.data() + p.at,
                      to.mobility.data() + p.at, packed_slowing_.data() + p.at, p.lanes},
-                    modes.size(),
+                    p.skip + modes.size(),
                     has_outer_ ? packed_outer_.data() + p.at : nullptr,
                     level_index};
   system_.select(p.block);
   if (!p.ready) {
-    gather(packed_slowing_, body_.slowing.data());
-    for (std::size_t c = 0; c < slots.size(); ++c) {
-      double* const shape = packed_shapes_.data() + p.shapes_at + c * p.lanes;
-      for (std::size_t k = 0; k < modes.size(); ++k)
-        shape[k] = place_[slots[c]][modes[k]];
-      std::fill(shape + modes.size(), shape + p.lanes, 0.0);
-    }
+    gather(packed_slowing_.data() + p.at, body_.slowing.data(), 0);
+    for (std::size_t c = 0; c < slots.size(); ++c)
+      gather(packed_shapes_.data() + p.shapes_at + c * p.lanes, place_[slots[c]].data(), 0);
   }
   if (!p.ready || p.level != level_index) {
     const ModalBody::Level& from = body_.level(level_index);
-    gather(to.turn_real, from.turn_real.data());
-    gather(to.turn_imaginary, from.turn_imaginary.data());
-    gather(to.response_real, from.response_real.data());
-    gather(to.response_imaginary, from.response_imaginary.data());
-    gather(to.mean_real, from.mean_real.data());
-    gather(to.mean_imaginary, from.mean_imaginary.data());
-    gather(to.mobility, from.mobility.data());
+    gather(to.turn_real.data() + p.at, from.turn_real.data(), 1);
+    gather(to.turn_imaginary.data() + p.at, from.turn_imaginary.data(), 0);
+    gather(to.response_real.data() + p.at, from.response_real.data(), 0);
+    gather(to.response_imaginary.data() + p.at, from.response_imaginary.data(), 0);
+    gather(to.mean_real.data() + p.at, from.mean_real.data(), 0);
+    gather(to.mean_imaginary.data() + p.at, from.mean_imaginary.data(), 0);
+    gather(to.mobility.data() + p.at, from.mobility.data(), 0);
     couple(group);
     if (slots.size() == 1)
       p.place = look_from(group.modes, shapes_[0], packed_places_.from(p.at));
@@ -160,10 +161,12 @@ TouchedBody::Group TouchedBody::pack(std::size_t island, std::size_t level_index
     p.ready = true;
     p.foreseen = false;
   }
-  gather(packed_real_, from_real_);
-  gather(packed_imaginary_, from_imaginary_);
+  if (!p.in_body) {
+    gather(packed_real_.data() + p.at, from_real_, 0);
+    gather(packed_imaginary_.data() + p.at, from_imaginary_, 0);
+  }
   if (has_outer_)
-    gather(packed_outer_, outer_.data());
+    gather(packed_outer_.data() + p.at, outer_.data(), 0);
   return group;
 }
 
@@ -189,6 +192,11 @@ std::size_t TouchedBody::granted(std::size_t work, std::size_t level) const noex
 /// Bounds the work of a sample: all fine steps together take kMaxWork, and as long as they want
 /// more, the dearest islands get coarser ones. None depends on their order.
 void TouchedBody::share_work() noexcept {
+  share_ = kMaxWork;
+  if (std::all_of(close_.begin(), close_.end(),
+                  [&](std::size_t i) { return std::max(least_level_, exciters_[i].level) == 0; }) &&
+      std::all_of(lone_at_.begin() + 1, lone_at_.end(), [](std::size_t n) { return n == 0; }))
+    return; // nobody wants any
   share_ = 2 * kMaxWork;
   std::size_t sum = 0;
   do {
@@ -217,7 +225,8 @@ void TouchedBody::touch_islands() noexcept {
     moved += islands_[k].modes;
   from_real_ = body_.real.data();
   from_imaginary_ = body_.imaginary.data();
-  if (moved < sounding_) {
+  const bool all_move = moved == sounding_;
+  if (!all_move) {
     const std::size_t padded = body_.padded();
     std::copy_n(from_real_, padded, before_real_.data());
     std::copy_n(from_imaginary_, padded, before_imaginary_.data());
@@ -240,7 +249,7 @@ void TouchedBody::touch_islands() noexcept {
       touch_lone(islands_.slots(k)[0], level);
       continue;
     }
-    const Group group = pack(k, level);
+    const Group group = pack(k, level, all_move);
     if (Packed& p = packed_[k]; group.slots.size() == 1 && !has_outer_) {
       p.foreseen = p.foreseen && islands_foreseen_;
       touch_alone(group.slots[0], group.modes, p.place, p.foresight, p.foreseen, level);
@@ -248,9 +257,11 @@ void TouchedBody::touch_islands() noexcept {
       p.foreseen = false;
       touch_many(group);
     }
+    if (packed_[k].in_body)
+      continue;
     const std::span<const std::uint32_t> modes = islands_.modes(k);
-    scatter(modes, group.modes.real, body_.real);
-    scatter(modes, group.modes.imaginary, body_.imaginary);
+    scatter(modes, group.modes.real + packed_[k].skip, body_.real);
+    scatter(modes, group.modes.imaginary + packed_[k].skip, body_.imaginary);
   }
   islands_foreseen_ = !has_outer_;
 }
