@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/contact/exciter.hpp"
+#include "core/contact/pressed_contacts.hpp"
 
 #include <cstddef>
 #include <span>
@@ -80,6 +81,14 @@ public:
   /// A step on under these forces.
   virtual void advance(const ModesView&, const double* outer,
                        std::span<const Push>) const noexcept = 0;
+  /// Marks the contacts of the blocks that are about to end or whose energy is no longer what their
+  /// steps were chosen for. `look`: their depths anew from where all is.
+  virtual void look_at(std::span<PressedBlock>, const double* real, const double* imaginary,
+                       bool look, double h) const noexcept = 0;
+  /// Their step of h seconds, from one state of the modes into another, which may be the same.
+  /// Marks those that have ended, which are still to be released and booked, or that are not sane.
+  virtual void press(std::span<PressedBlock>, const double* from_real, const double* from_imaginary,
+                     double* real, double* imaginary, double h) const noexcept = 0;
   /// to += factor from
   virtual void add(double* to, const double* from, double factor,
                    std::size_t padded) const noexcept = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/contact/body_kernel.hpp"
+#include "core/contact/pressed_lanes.hpp"
 #include "core/dsp/simd.hpp"
 
 #include <cmath>
@@ -316,6 +317,16 @@ public:
       z.imaginary += load(m.response_imaginary + i) * f;
       store(m, i, z);
     });
+  }
+  void look_at(std::span<PressedBlock> blocks, const double* real, const double* imaginary,
+               bool look, double h) const noexcept override {
+    for (PressedBlock& block : blocks)
+      PressedLanes<Set>::look_at(block, real, imaginary, look, h);
+  }
+  void press(std::span<PressedBlock> blocks, const double* from_real, const double* from_imaginary,
+             double* real, double* imaginary, double h) const noexcept override {
+    for (PressedBlock& block : blocks)
+      PressedLanes<Set>::press(block, from_real, from_imaginary, real, imaginary, h);
   }
   void add(double* to, const double* from, double factor,
            std::size_t padded) const noexcept override {

@@ -102,7 +102,7 @@ public:
     if (power_.exponent() == 0)
       return 1;
     const double d = x * over_ - 1;
-    if (!(std::abs(d) < 0.0625)) {
+    if (!(std::abs(d) < kReach)) {
       value_ = power_(x);
       over_ = 1 / x;
       return value_;
@@ -112,10 +112,23 @@ public:
                      (d2 * d2) * ((term_[3] + term_[4] * d) + term_[5] * d2));
   }
 
-private:
   static constexpr int kTerms = 6;
+  static constexpr double kReach = 0.0625; ///< |d| below which the series is taken
+  /// Where it was last taken: x^e and 1/x.
+  struct Anchor {
+    double value = 0, over = 0;
+  };
+  [[nodiscard]] Anchor anchor() const noexcept { return {value_, over_}; }
+  void set_anchor(const Anchor& anchor) noexcept {
+    value_ = anchor.value;
+    over_ = anchor.over;
+  }
+  [[nodiscard]] double exponent() const noexcept { return power_.exponent(); }
+  [[nodiscard]] double term(int k) const noexcept { return term_[k]; }
+
+private:
   Power power_;
-  double value_ = 0, over_ = 0; ///< where it was last taken: x^e and 1/x
+  double value_ = 0, over_ = 0;
   double term_[kTerms];
 };
 

@@ -1,6 +1,9 @@
 #include "core/contact/impact.hpp"
 
+#include "core/contact/pressed_contacts.hpp"
+
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace tactus::contact {
@@ -149,6 +152,29 @@ LinearForce Impact::enter_yielding_step(double x, double way, double h) noexcept
     return {gamma_ * psi_, 0.5 * h * gamma_ * gamma_ + law_.dissipation_s_per_m * middle.force_n};
   }
   return x <= 0 ? arrive(yield(within_reach(end)).psi, way, h) : depart(way, h);
+}
+
+void Impact::lend(PressedBlock& b, std::size_t l) const noexcept {
+  b.psi[l] = psi_;
+  b.bank[l] = bank_j_;
+  b.gamma_scale[l] = gamma_scale_;
+  b.psi_scale[l] = psi_scale_;
+  b.loss_scale[l] = loss_scale_;
+  const auto [value, over] = power_.anchor();
+  b.exponent[l] = power_.exponent();
+  const bool constant = power_.exponent() == 0; // 1 at any depth
+  b.power_value[l] = constant ? 1 : value;
+  b.power_over[l] = constant ? 1 : over;
+  b.power_limit[l] = constant ? std::numeric_limits<double>::infinity() : FollowedPower::kReach;
+  for (int k = 0; k < FollowedPower::kTerms; ++k)
+    b.power_term[static_cast<std::size_t>(k)][l] = constant ? 0 : power_.term(k);
+}
+
+void Impact::take_back(const PressedBlock& b, std::size_t l) noexcept {
+  psi_ = b.psi[l];
+  bank_j_ = b.bank[l];
+  if (power_.exponent() != 0)
+    power_.set_anchor({b.power_value[l], b.power_over[l]});
 }
 
 } // namespace tactus::contact

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace tactus::contact {
+
+struct PressedBlock;
 
 /// What a contact does to the relative velocity during a step, whatever its nature: the mean force
 /// is offset + slope v, v the mean velocity of the step into the body. slope >= 0.
@@ -161,11 +164,17 @@ public:
     return stiffness / ((1 + stiffness * law_.compliance_m_per_n) * mass_kg);
   }
 
+  static constexpr double kLeastDepth = 1e-100, kMostDepth = 1e3; ///< m, that powers are taken of
+  /// What a step needs of a contact that does not yield, into a lane of a block, and what steps
+  /// have made of it.
+  void lend(PressedBlock& block, std::size_t lane) const noexcept;
+  void take_back(const PressedBlock& block, std::size_t lane) noexcept;
+
 private:
   static constexpr double kTouch = 1e-60; ///< m
   /// Keeps the powers among normal numbers; the energy balance holds for any depth read.
   [[nodiscard, gnu::always_inline]] static double within_reach(double x) noexcept {
-    return x < 1e-100 ? 1e-100 : (x > 1e3 ? 1e3 : x);
+    return x < kLeastDepth ? kLeastDepth : (x > kMostDepth ? kMostDepth : x);
   }
 
   /// The contact begins within the step; at the end of its way psi would be `all`.

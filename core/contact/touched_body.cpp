@@ -22,9 +22,9 @@ TouchedBody::TouchedBody(std::size_t max_modes, std::size_t exciters, std::size_
       ear_real_(ears, ModeArray(max_modes)), ear_imaginary_(ears, ModeArray(max_modes)),
       outer_(max_modes), mean_(max_modes), place_memory_(max_modes), system_(exciters),
       place_modes_(max_modes, exciters), in_use_(max_modes, exciters),
-      islands_(max_modes, exciters), before_real_(max_modes), before_imaginary_(max_modes),
-      packed_places_(packed_modes(max_modes, exciters)), few_(exciters), sleep_(exciters),
-      community_(exciters) {
+      islands_(max_modes, exciters), pressed_(exciters), before_real_(max_modes),
+      before_imaginary_(max_modes), packed_places_(packed_modes(max_modes, exciters)),
+      few_(exciters), sleep_(exciters), community_(exciters) {
   for (std::vector<std::size_t>* const slots :
        {&order_, &sorted_, &lone_, &lone_awake_, &lone_near_})
     slots->reserve(exciters);
@@ -246,6 +246,8 @@ void TouchedBody::push_mass(std::size_t slot, double force_n) noexcept {
   if (slot >= exciters_.size())
     return;
   const double force = bounded(force_n, kMostForce);
+  if (pressed_.holds(slot))
+    return pressed_.set_outer_force(slot, force);
   if (force == exciters_[slot].outer_force_n)
     return;
   wake(slot);
@@ -282,6 +284,9 @@ void TouchedBody::knock_body(std::size_t slot, double impulse_ns) noexcept {
   if (slot >= exciters_.size() || impulse == 0)
     return;
   wake_around(slot);
+  for (std::size_t i = 0; i < exciters_.size(); ++i)
+    if (pressed_.holds(i))
+      let_go(i);
   for (const std::uint32_t i : place_modes_[slot])
     body_.real[i] += impulse * place_[slot][i];
   sounds_ = true;
@@ -303,6 +308,7 @@ void TouchedBody::set_modal_velocity(std::size_t mode, double velocity_m_per_s) 
 }
 
 void TouchedBody::set_least_steps(unsigned steps) noexcept {
+  wake_all();
   least_level_ = 0;
   while (least_level_ + 1 < kLevels && (1U << least_level_) < steps)
     ++least_level_;

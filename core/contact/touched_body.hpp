@@ -5,6 +5,7 @@
 #include "core/contact/contact_system.hpp"
 #include "core/contact/exciter.hpp"
 #include "core/contact/modal_body.hpp"
+#include "core/contact/pressed_contacts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -88,11 +89,13 @@ public:
   [[nodiscard]] double hear(std::size_t ear = 0) const noexcept;
   /// The exciter's mean force on the body in the last sample, N.
   [[nodiscard]] double force(std::size_t exciter) const noexcept {
-    return exciters_[exciter].force_n;
+    return pressed_.holds(exciter) ? pressed_.force(exciter) : exciters_[exciter].force_n;
   }
   [[nodiscard]] const Exciter& exciter(std::size_t slot) const noexcept {
     if (sleep_[slot].sleeps)
       catch_up(slot);
+    else if (pressed_.holds(slot))
+      pressed_.read(slot, exciters_[slot], step_s_[0]);
     return exciters_[slot];
   }
   [[nodiscard]] std::size_t exciters() const noexcept { return exciters_.size(); }
@@ -102,7 +105,7 @@ public:
   /// Of modes, masses and contacts, J. Without outer forces it never grows.
   [[nodiscard]] double energy() const noexcept;
   /// True while modes ring or something is near.
-  [[nodiscard]] bool active() const noexcept { return sounds_ || near_ > 0 || !lone_near_.empty(); }
+  [[nodiscard]] bool active() const noexcept { return sounds_ || near_ > 0 || lone_touch(); }
   /// Instructions that every processor has, for comparison.
   void use_baseline() noexcept {
     kernel_ = &baseline_body_kernel();
@@ -159,6 +162,13 @@ private:
   void touch_islands() noexcept;
   void touch_lone(std::size_t exciter, std::size_t level) noexcept;
   [[nodiscard]] bool press_lone(std::size_t exciter) noexcept;
+  [[nodiscard]] bool lone_touch() const noexcept {
+    return !lone_near_.empty() || !pressed_.empty();
+  }
+  void look_at_pressed(bool look) noexcept;
+  void touch_pressed() noexcept;
+  void gather_pressed() noexcept;
+  void let_go(std::size_t exciter) noexcept;
   [[nodiscard]] Group pack(std::size_t island, std::size_t level, bool in_body) noexcept;
   [[nodiscard]] bool few(std::size_t island) const noexcept;
   [[nodiscard]] std::size_t island_level(std::size_t island) const noexcept;
@@ -174,6 +184,8 @@ private:
   void wake(std::size_t exciter) noexcept {
     if (sleep_[exciter].sleeps)
       wake_community(exciter);
+    else if (pressed_.holds(exciter))
+      let_go(exciter);
   }
   void wake_community(std::size_t exciter) noexcept;
   void wake_around(std::size_t exciter) noexcept;
@@ -201,7 +213,8 @@ private:
 
   ModalBody body_;
   const BodyKernel* kernel_;
-  /// Mutable: where a mass that sleeps has flown to is found when it is asked for.
+  /// Mutable: where a mass that sleeps has flown to, and what a contact in pressed_ is, are found
+  /// when they are asked for.
   mutable std::vector<Exciter> exciters_;
   std::vector<std::vector<double>> shape_, ear_shape_;
   std::vector<ModeArray> place_;                    ///< shapes over sqrt(m)
@@ -254,8 +267,10 @@ private:
   bool in_place_ = true;     ///< that is all
   std::size_t sounding_ = 0; ///< modes that are not left out
   std::size_t used_ = 0;     ///< exciters in use
-  /// Exciters that no other shares a mode with and that move few: in use, awake, near.
+  /// Exciters that no other shares a mode with and that move few: in use; of these, those that are
+  /// awake and not in pressed_; of these, those that are near.
   std::vector<std::size_t> lone_, lone_awake_, lone_near_;
+  PressedContacts pressed_;                    ///< lone contacts on one mode that go on quietly
   std::vector<std::size_t> sorted_;            ///< in use but for the lone ones
   std::array<std::size_t, kLevels> lone_at_{}; ///< how many are near, by the level they need
   std::size_t share_ = kMaxWork;               ///< products that an island's fine steps may take

@@ -218,7 +218,7 @@ void TouchedBody::touch_islands() noexcept {
   if (packed_.empty())
     lay_out();
   share_work();
-  std::size_t moved = 0; // modes of the islands
+  std::size_t moved = pressed_.size(); // modes of the islands
   for (const std::size_t i : lone_near_)
     moved += few_[i].count;
   for (std::size_t k = 0; k < islands_.size(); ++k)
@@ -236,7 +236,9 @@ void TouchedBody::touch_islands() noexcept {
   }
   islands_foreseen_ = islands_foreseen_ && !has_outer_ && clock_ % kTidyEvery != 1;
   level_ = quiet_ = 0;
-  for (const std::size_t i : lone_near_) {
+  const std::span<const std::size_t> near = lone_near_;
+  touch_pressed(); // those that end now are added behind
+  for (const std::size_t i : near) {
     const std::size_t level = granted(kContactWork, std::max(least_level_, exciters_[i].level));
     level_ = std::max(level_, level);
     if (level > 0 || !press_lone(i))
@@ -264,6 +266,7 @@ void TouchedBody::touch_islands() noexcept {
     scatter(modes, group.modes.imaginary + packed_[k].skip, body_.imaginary);
   }
   islands_foreseen_ = !has_outer_;
+  gather_pressed();
 }
 
 } // namespace tactus::contact

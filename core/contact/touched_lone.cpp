@@ -1,6 +1,7 @@
 #include "core/contact/touched_body.hpp"
 
 #include <cmath>
+#include <vector>
 
 /// Contacts that are alone on a few modes: without vectors, all in registers.
 namespace tactus::contact {
@@ -126,6 +127,61 @@ void TouchedBody::touch_lone(std::size_t slot, std::size_t level_index) noexcept
     body_.real[modes[k]] = state[k].real;
     body_.imaginary[modes[k]] = state[k].imaginary;
   }
+}
+
+/// A contact in pressed_ goes on the general way.
+void TouchedBody::let_go(std::size_t slot) noexcept {
+  pressed_.remove(slot, exciters_[slot], step_s_[0]);
+  lone_awake_.push_back(slot);
+}
+
+void TouchedBody::look_at_pressed(bool look) noexcept {
+  kernel_->look_at(pressed_.blocks(), body_.real.data(), body_.imaginary.data(), look, step_s_[0]);
+  pressed_.for_each_marked([this](std::size_t slot) { let_go(slot); });
+}
+
+/// A sample of the contacts in pressed_.
+void TouchedBody::touch_pressed() noexcept {
+  if (pressed_.empty())
+    return;
+  const double h = step_s_[0];
+  kernel_->press(pressed_.blocks(), from_real_, from_imaginary_, body_.real.data(),
+                 body_.imaginary.data(), h);
+  pressed_.for_each_marked([&](std::size_t slot) {
+    const double before = pressed_.before(slot);
+    let_go(slot);
+    lone_near_.push_back(slot);
+    Exciter& e = exciters_[slot];
+    if (e.depth_m > 0)
+      return;
+    e.impact.leave_step<false>(e.depth_m);
+    e.book(before, e.depth_m, e.force_n, h);
+  });
+}
+
+/// Lone contacts under way that go on quietly are gathered into pressed_.
+void TouchedBody::gather_pressed() noexcept {
+  if (has_outer_ || least_level_ > 0 || lone_near_.empty())
+    return;
+  bool any = false;
+  for (const std::size_t i : lone_near_) {
+    const Exciter& e = exciters_[i];
+    const FewModes& few = few_[i];
+    if (e.kind != Exciter::Kind::kImpact || few.count != 1 || e.level > 0 || e.impulsive ||
+        !e.fresh || !e.impact.touching() || e.impact.yields() || !(e.depth_m > 0) ||
+        pressed_.holds(i))
+      continue;
+    const ModalBody::Level& level = body_.level(0);
+    const std::uint32_t k = few.mode[0];
+    pressed_.add(i, e,
+                 {k, few.shape[0], level.turn_real[k], level.turn_imaginary[k],
+                  level.response_real[k], level.response_imaginary[k], level.mean_real[k],
+                  level.mean_imaginary[k], body_.displacement[k], body_.slowing[k]},
+                 step_s_[0]);
+    any = true;
+  }
+  if (any)
+    std::erase_if(lone_awake_, [this](std::size_t i) { return pressed_.holds(i); });
 }
 
 } // namespace tactus::contact

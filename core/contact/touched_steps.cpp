@@ -64,7 +64,9 @@ void TouchedBody::sort() noexcept {
 
 /// Those that look_around() looks at, in the order of sort().
 void TouchedBody::list_awake() noexcept {
-  const auto awake = [this](std::size_t slot) { return !sleep_[slot].sleeps; };
+  const auto awake = [this](std::size_t slot) {
+    return !sleep_[slot].sleeps && !pressed_.holds(slot);
+  };
   order_.clear();
   std::copy_if(sorted_.begin(), sorted_.end(), std::back_inserter(order_), awake);
   lone_awake_.clear();
@@ -169,6 +171,8 @@ void TouchedBody::look_around() noexcept {
     ++near_;
   }
   close_.resize(near_);
+  if (!pressed_.empty())
+    look_at_pressed(look);
   if (!lone_awake_.empty() || !lone_near_.empty())
     look_at_lone(look);
   coupled_ = coupled_ && same && near_ == before;
@@ -177,7 +181,7 @@ void TouchedBody::look_around() noexcept {
   foreseen_ = foreseen_ && near_ == 1 && clock_ % kTidyEvery != 0;
   if (!range_known_)
     find_range();
-  in_place_ = one_range_ && lone_near_.empty();
+  in_place_ = one_range_ && !lone_touch();
   if (in_place_)
     choose_level();
 }
@@ -420,7 +424,7 @@ void TouchedBody::look_back() noexcept {
   if (clock_ % kTidyEvery == 0 && sounds_) {
     if (!body_.tidy())
       reset();
-    else if (near_ == 0 && lone_near_.empty())
+    else if (near_ == 0 && !lone_touch())
       sounds_ = body_.energy() > 0;
   }
 }
