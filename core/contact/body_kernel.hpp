@@ -85,10 +85,10 @@ public:
   /// steps were chosen for. `look`: their depths anew from where all is.
   virtual void look_at(std::span<PressedBlock>, const double* real, const double* imaginary,
                        bool look, double h) const noexcept = 0;
-  /// Their step of h seconds, from one state of the modes into another, which may be the same.
+  /// Their step of a sample, from one state of the modes into another, which may be the same.
   /// Marks those that have ended, which are still to be released and booked, or that are not sane.
   virtual void press(std::span<PressedBlock>, const double* from_real, const double* from_imaginary,
-                     double* real, double* imaginary, double h) const noexcept = 0;
+                     double* real, double* imaginary, double sample_rate) const noexcept = 0;
   /// to += factor from
   virtual void add(double* to, const double* from, double factor,
                    std::size_t padded) const noexcept = 0;

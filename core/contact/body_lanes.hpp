@@ -324,9 +324,9 @@ public:
       PressedLanes<Set>::look_at(block, real, imaginary, look, h);
   }
   void press(std::span<PressedBlock> blocks, const double* from_real, const double* from_imaginary,
-             double* real, double* imaginary, double h) const noexcept override {
+             double* real, double* imaginary, double sample_rate) const noexcept override {
     for (PressedBlock& block : blocks)
-      PressedLanes<Set>::press(block, from_real, from_imaginary, real, imaginary, h);
+      PressedLanes<Set>::press(block, from_real, from_imaginary, real, imaginary, sample_rate);
   }
   void add(double* to, const double* from, double factor,
            std::size_t padded) const noexcept override {

@@ -17,7 +17,7 @@ void for_each_row(Block& a, Other& b, const Work& work) noexcept {
         &B::power_over,  &B::power_limit,    &B::exponent,      &B::shape,
         &B::turn_real,   &B::turn_imaginary, &B::response_real, &B::response_imaginary,
         &B::mean_real,   &B::mean_imaginary, &B::displacement,  &B::slowing,
-        &B::before})
+        &B::before,      &B::step_force})
     work(a.*row, b.*row);
   for (std::size_t k = 0; k < a.power_term.size(); ++k)
     work(a.power_term[k], b.power_term[k]);
@@ -57,6 +57,7 @@ void PressedContacts::add(std::size_t slot, const Exciter& e, const Place& place
   b.velocity[l] = e.velocity_m_per_s;
   b.outer_force[l] = e.outer_force_n;
   b.force[l] = e.force_n;
+  b.step_force[l] = e.impulse_ns / sample_s;
   b.judged[l] = e.judged_j;
   b.duration[l] = e.open.duration_s;
   b.impulse[l] = e.open.impulse_ns;
@@ -87,7 +88,7 @@ void PressedContacts::read(std::size_t slot, Exciter& e, double sample_s) const 
   e.velocity_m_per_s = b.velocity[l];
   e.outer_force_n = b.outer_force[l];
   e.force_n = b.force[l];
-  e.impulse_ns = sample_s * b.force[l];
+  e.impulse_ns = sample_s * b.step_force[l];
   e.open = {b.duration[l], b.impulse[l], b.highest[l]};
   e.impact.take_back(b, l);
 }

@@ -32,7 +32,7 @@ struct PressedBlock {
   // The place, and its mode's step.
   Row shape{}, turn_real{}, turn_imaginary{}, response_real{}, response_imaginary{}, mean_real{},
       mean_imaginary{}, displacement{}, slowing{};
-  Row before{}; ///< depth before the last step
+  Row before{}, step_force{}; ///< depth before the last step, and its force
 
   std::array<std::uint32_t, kLanes> mode{};
   std::array<std::size_t, kLanes> slot{};
@@ -52,9 +52,12 @@ public:
   [[nodiscard]] double force(std::size_t slot) const noexcept {
     return block_of(slot).force[lane_of(slot)];
   }
-  /// Depth before the last step, m.
-  [[nodiscard]] double before(std::size_t slot) const noexcept {
-    return block_of(slot).before[lane_of(slot)];
+  /// Depth before the last step, m, and its force, N.
+  struct Step {
+    double before_m, force_n;
+  };
+  [[nodiscard]] Step last_step(std::size_t slot) const noexcept {
+    return {block_of(slot).before[lane_of(slot)], block_of(slot).step_force[lane_of(slot)]};
   }
   void set_outer_force(std::size_t slot, double force_n) noexcept {
     block_of(slot).outer_force[lane_of(slot)] = force_n;

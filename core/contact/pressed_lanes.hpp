@@ -87,7 +87,8 @@ public:
   /// BodyKernel::press().
   [[gnu::always_inline]] static void press(PressedBlock& b, const double* from_real,
                                            const double* from_imaginary, double* real,
-                                           double* imaginary, double h) noexcept {
+                                           double* imaginary, double rate_hz) noexcept {
+    const double h = 1 / rate_hz;
     const State z = gather(b, from_real, from_imaginary);
     const V shape = load(b.shape), x = load(b.depth), rate = load(b.approach), step(h);
     const V body_free = shape * (load(b.mean_real) * z.real + load(b.mean_imaginary) * z.imaginary);
@@ -115,7 +116,8 @@ public:
     store(b.velocity, next_velocity);
     store(b.approach, next_rate);
     store(b.mean_velocity, mean);
-    store(b.force, force);
+    store(b.step_force, force);
+    store(b.force, step * force * V(rate_hz));
 
     // What the contact stores is put back to what the depth asks for.
     const auto stays = after > V(0);

@@ -144,18 +144,17 @@ void TouchedBody::look_at_pressed(bool look) noexcept {
 void TouchedBody::touch_pressed() noexcept {
   if (pressed_.empty())
     return;
-  const double h = step_s_[0];
   kernel_->press(pressed_.blocks(), from_real_, from_imaginary_, body_.real.data(),
-                 body_.imaginary.data(), h);
+                 body_.imaginary.data(), body_.sample_rate());
   pressed_.for_each_marked([&](std::size_t slot) {
-    const double before = pressed_.before(slot);
+    const PressedContacts::Step step = pressed_.last_step(slot);
     let_go(slot);
     lone_near_.push_back(slot);
     Exciter& e = exciters_[slot];
     if (e.depth_m > 0)
       return;
     e.impact.leave_step<false>(e.depth_m);
-    e.book(before, e.depth_m, e.force_n, h);
+    e.book(step.before_m, e.depth_m, step.force_n, step_s_[0]);
   });
 }
 
