@@ -5,6 +5,7 @@ import sys
 import numpy
 import pytest
 from harness import Patch
+from harness.struck_reference import closed_form_bar
 
 RATE = 48000
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -218,3 +219,45 @@ def test_on_the_map_one_walks_to_another_ground_by_a_click():
         return (power * numpy.fft.rfftfreq(len(x), 1 / RATE)).sum() / power.sum()
     assert 0 < abs(sound).max() <= 1
     assert centroid(sound[int(4.5 * RATE):]) > 2 * centroid(sound[:2 * RATE])
+
+
+def test_one_walks_on_a_table_of_modes_a_blow_for_each_heel_and_ball_where_it_lands(tmp_path):
+    table = closed_form_bar(length=1.2, width=.4, thickness=.02, young=1.1e10, density=450)
+    for name in ("plank", "mine"):  # of the first, the patch's own may be found instead
+        numpy.savez(tmp_path / f"{name}.modal.npz", **table)
+
+    def walk(shoe):
+        patch = Patch(opens=ROOT / "patches/footsteps/walk_on_plate.pd")
+        patch.record("sound", patch.dac(1))
+        patch.log("body", patch.obj("r", "walk-on-plate-body"))
+        patch.send(0, "walk-on-plate-body", "load mine.modal.npz -sync")
+        patch.send(0, "walk-on-plate-shoe", shoe)
+        patch.send(0, "walk-on-plate-volume", 1)
+        patch.send(10, "help-play", "bang")
+        result = patch.render(6, RATE, path=[tmp_path])
+        hits = [(ms, atoms[1:]) for ms, atoms in result.logs["body"] if atoms[0] == "hit"]
+        return result["sound"], hits
+    sound, hits = walk(.4)
+    assert 0 < abs(sound).max() < .9
+    xs, sides = numpy.array([h[1][0] for h in hits]), numpy.array([h[1][1] for h in hits])
+    speeds = numpy.array([h[1][3] for h in hits])
+    assert len(hits) > 12 and set(sides) == {90, -90} and (speeds > .05).all() and (speeds < 4).all()
+    heels = xs[numpy.isin(xs, [-495, -225, 45, 315])]
+    assert set(heels) == {-495, -225, 45, 315}
+    assert set(xs) - set(heels) == {-315, -45, 225, 495}  # each ball 18 cm before its heel
+    assert abs(len(heels) / len(hits) - .5) < .1
+    # Each blow is heard where it falls, at the table's frequencies.
+    for ms, _ in hits[1:-2]:
+        n = int(ms * RATE / 1000)
+        assert abs(sound[n:n + 960]).max() > 3 * abs(sound[n - 48:n]).max() or abs(sound[n:n + 960]).max() > .01
+    power = abs(numpy.fft.rfft(sound * numpy.hanning(len(sound)))) ** 2
+    hz = numpy.fft.rfftfreq(len(sound), 1 / RATE)
+    near = numpy.zeros(len(hz), bool)
+    for f in table["freq"]:
+        near |= abs(hz / f - 1) < .03
+    assert power[near].sum() > .7 * power[hz > 30].sum()
+
+    def centroid(x):
+        power = abs(numpy.fft.rfft(x)) ** 2
+        return (power * numpy.fft.rfftfreq(len(x), 1 / RATE)).sum() / power.sum()
+    assert centroid(walk(1)[0]) > 1.5 * centroid(walk(0)[0])

@@ -1,0 +1,76 @@
+"""A walk over a wooden plank and a steel sheet: every heel and ball strikes the body's modes where it lands
+
+patches/footsteps/walk_on_plate.pd: [footstep~] walks, and its info outlet says which part of which foot
+lands and how fast; [modal_impact~] is struck there, with the mass of a heel and the stiffness of a shoe. So
+one can walk on any body that has a table; here on two from modal_fem, held at both ends, with a loss factor
+of 0.02, which joists and feet give them.
+"""
+import pathlib
+import sys
+import tempfile
+
+import matplotlib.pyplot as plt
+import numpy
+from harness import Patch
+from make_scene import spectrogram
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import _bodies  # noqa: E402
+import _room  # noqa: E402
+from _bodies import RATE  # noqa: E402
+
+PATCH = "build/tactus/walk_on_plate.pd"
+PATH = pathlib.Path(__file__).resolve().parents[2] / "patches" / "footsteps" / "walk_on_plate.pd"
+FLOORS = {
+    "spruce plank": ("board", "--length", 1200, "--width", 400, "--thickness", 20,
+                     "--fix", "x=-600", "--fix", "x=600", "--modes", 40),
+    "steel sheet": ("plate", "--length", 800, "--width", 400, "--thickness", 8, "--material", "steel",
+                    "--fix", "x=-400", "--fix", "x=400", "--modes", 40, "--tolerance", 1),
+}
+SHOES = ((0, 0.15, "soft rubber"), (5, 0.5, "leather"), (10, 0.95, "hard heel"))
+SECONDS = 15
+
+
+def walk(table, seconds=SECONDS):
+    with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
+        for name in ("plank", "floor"):
+            (pathlib.Path(folder) / f"{name}.modal.npz").symlink_to(table)
+        patch = Patch(opens=PATH)
+        patch.record("left", patch.dac(1))
+        patch.record("right", patch.dac(2))
+        patch.log("body", patch.obj("r", "walk-on-plate-body"))
+        for message in ("load floor.modal.npz -sync", "gain 0.01", "loss 0.02", "listener 1 -90 500 1600", "listener 2 90 500 1600"):
+            patch.send(0, "walk-on-plate-body", message)
+        patch.send(0, "walk-on-plate-volume", 1)
+        patch.send(10, "help-play", "bang")
+        for time, shoe, _ in SHOES:
+            patch.send(1000 * time, "walk-on-plate-shoe", shoe)
+        return patch.render(seconds, RATE, path=[folder], timeout=300)
+
+
+def centroid(x):
+    power = abs(numpy.fft.rfft(x)) ** 2
+    return (power * numpy.fft.rfftfreq(len(x), 1 / RATE)).sum() / power.sum()
+
+
+def make(scene):
+    figure, axes = plt.subplots(len(FLOORS), 1, figsize=(12, 7), constrained_layout=True)
+    rows = []
+    for axis, (name, words) in zip(axes, FLOORS.items()):
+        table = _bodies.table(*words)
+        scene.progress(f"{name}: its modes")
+        render = walk(table)
+        sound = numpy.stack([render["left"], render["right"]], axis=1)
+        hits = [(ms / 1000, atoms) for ms, atoms in render.logs["body"] if atoms[0] == "hit"]
+        scene.sound(name, _room.full_scale(_room.place(sound.sum(axis=1), RATE, wet=0.15), 0.7), RATE,
+                    f"{name}: " + ", then ".join(word for _, _, word in SHOES))
+        spectrogram(axis, sound.sum(axis=1), RATE, top_hz=6000)
+        axis.set_title(name, loc="left")
+        for (begin, _, word), end in zip(SHOES, [s[0] for s in SHOES[1:]] + [SECONDS]):
+            part = sound[begin * RATE:end * RATE].sum(axis=1)
+            blows = [atoms[4] for time, atoms in hits if begin <= time < end]
+            rows.append([name, word, len(blows), f"{numpy.mean(blows):.2f}", f"{100 * abs(part).max() / 2:.2g}",
+                         f"{centroid(part):.0f}", f"{numpy.load(table)['freq'][0]:.1f}"])
+        scene.progress(f"{name}: walked on")
+    scene.picture("spectrograms", figure, "a walk of fifteen seconds, three shoes")
+    scene.table(["floor", "shoe", "blows", "mean m/s", "loudest, Pa", "centroid, Hz", "first mode, Hz"], rows)
