@@ -2,6 +2,7 @@
 #include "core/contact/touched_body.hpp"
 #include "core/dsp/random.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <doctest/doctest.h>
@@ -31,7 +32,7 @@ public:
       shape[i] = 0;
       const double exponent = kExponent[i % 6];
       // As stiff as a mass of 10 g and 1 m/s allows in steps of a sample.
-      ImpactLaw law{1, exponent, i % 4 == 0 ? 0 : 0.4 * random.uniform()};
+      ImpactLaw law{1, exponent, i % 4 == 0 ? 0 : (i % 4 == 1 ? 30 : 0.4) * random.uniform()};
       law.stiffness = 0.005 * (exponent + 1) / std::pow(2e-3, exponent + 1);
       body.set_impact(i, law, 0.005 + 0.01 * random.uniform());
       body.throw_mass(i, 1e-4 * random.uniform(), 0.3 * random.uniform());
@@ -84,9 +85,12 @@ TEST_CASE("pebbles that bounce and press go on in fours as each does alone") {
     tactus::Random random(3);
     std::size_t touching = 0;
     for (int n = 0; n < 6000; ++n) {
-      const std::size_t slot = static_cast<std::size_t>(n * 7919) % count;
-      // Weights, pulls that lift off, and pushes.
-      const double force = n % 3 == 0 ? 8 * random.uniform() - 2 : 0.3;
+      const std::size_t slot = static_cast<std::size_t>((n % 50 == 2 ? n - 1 : n) * 7919) % count;
+      // Weights, pulls that lift off, some within a step, and pushes.
+      const double force = n % 50 == 1   ? -400
+                           : n % 50 == 2 ? 390
+                           : n % 3 == 0  ? 8 * random.uniform() - 4
+                                         : 0.3;
       const bool knock = n % 500 == 499, change = n % 700 == 699;
       for (Pebbles* p : {&fours, &ones, &baseline}) {
         p->body.push_mass(slot, force);
@@ -105,12 +109,12 @@ TEST_CASE("pebbles that bounce and press go on in fours as each does alone") {
       for (std::size_t i = 0; i < count; ++i)
         touching += fours.body.force(i) > 0;
     }
-    CHECK(touching > 1000 * count); // what this is about
+    CHECK(touching > 500 * count); // what this is about
     CHECK(touching < 5900 * count);
     std::size_t blows = 0;
     for (std::size_t i = 0; i < count; ++i)
       blows += fours.body.exciter(i).blows;
-    CHECK(blows > 3 * count);
+    CHECK(blows > count);
   }
 }
 
@@ -143,4 +147,41 @@ TEST_CASE("a pebble among many presses as one that is alone does") {
     const double depth = std::pow(weight / 1e5, 1 / 1.5);
     CHECK(std::abs(pebbles.body.exciter(i).depth_m / depth - 1) < 1e-4);
   }
+}
+
+TEST_CASE("a pebble that is pressed harder than its steps allow leaves the fours in time") {
+  // A light mass on a stiff contact: steps of a sample at rest, finer ones once it is pushed.
+  const auto run = [](unsigned least_steps) {
+    TouchedBody body(9, 9);
+    body.prepare(kRate);
+    body.set_modes(std::vector<Mode>(9, Mode{800, 0.3, 0.05}));
+    std::vector<double> shape(9, 0.0), forces;
+    for (std::size_t i = 0; i < 9; ++i) {
+      shape[i] = 1;
+      body.set_place(i, shape);
+      shape[i] = 0;
+      body.set_impact(i, {3e8, 2.2, 0.2}, 0.002);
+      body.throw_mass(i, 0, 0.01);
+      body.push_mass(i, 0.2);
+    }
+    body.set_least_steps(least_steps);
+    unsigned most = 0;
+    for (int n = 0; n < 3000; ++n) {
+      if (n == 1500)
+        body.push_mass(4, 500);
+      body.step();
+      most = std::max(most, body.steps());
+      forces.push_back(body.force(4));
+      REQUIRE(std::isfinite(body.energy()));
+    }
+    CHECK(most > 1);
+    return forces;
+  };
+  const std::vector<double> chosen = run(1), fine = run(64);
+  double error = 0, all = 0;
+  for (std::size_t n = 1500; n < 1800; ++n) {
+    error += (chosen[n] - fine[n]) * (chosen[n] - fine[n]);
+    all += fine[n] * fine[n];
+  }
+  CHECK(error < 1e-3 * all);
 }
