@@ -1,5 +1,6 @@
 #include "core/contact/contact_islands.hpp"
 #include "core/contact/touched_body.hpp"
+#include "core/dsp/random.hpp"
 
 #include <doctest/doctest.h>
 
@@ -452,4 +453,87 @@ TEST_CASE("rigid chains in one list keep their momentum while links meet and par
   CHECK(most >= 3);
   for (std::size_t i = 0; i < 8; ++i)
     CHECK(body.exciter(i).blows > 0);
+}
+
+TEST_CASE(
+    "bodies in a row that share lanes of vectors move as they do apart, whatever touches them") {
+  // 3, 20 and 11 modes: no body begins or ends with a vector but the first. All are touched, so
+  // that nothing rings beside them; then the middle one is let go, and all modes ring once a
+  // sample.
+  const std::size_t counts[] = {3, 20, 11};
+  constexpr std::size_t kAll = 34, kEach = 2;
+  tactus::Random random(5);
+  std::vector<Mode> modes;
+  std::vector<std::vector<double>> shape;
+  for (const std::size_t count : counts)
+    for (std::size_t i = 0; i < count; ++i)
+      modes.push_back({100 + 6000 * random.uniform(), 0.02 + random.uniform(), 0.05});
+  for (std::size_t e = 0; e < 3 * kEach; ++e) {
+    shape.emplace_back();
+    for (std::size_t i = 0; i < counts[e / kEach]; ++i)
+      shape.back().push_back(0.1 + random.uniform());
+  }
+  const auto touch = [&](TouchedBody& body, std::size_t slot, std::size_t e) {
+    if (e == 3) {
+      body.set_friction(slot, {0.8, 0.3, 0.1, 0.5, 1e5, 5, 0.4});
+      body.rub(slot, 5, 0.1);
+    } else if (e != 1) { // one body has one contact, the others two
+      body.set_impact(slot, {1e7, 1.5, 0.2}, 0.01);
+      body.throw_mass(slot, 1e-4, 0.2 + 0.1 * static_cast<double>(e));
+      body.push_mass(slot, 3);
+    }
+  };
+  for (const bool baseline : {false, true}) {
+    TouchedBody all(kAll, 3 * kEach);
+    std::vector<TouchedBody> apart;
+    all.set_modes(modes);
+    if (baseline)
+      all.use_baseline();
+    for (std::size_t b = 0, first = 0; b < 3; first += counts[b++]) {
+      TouchedBody& one = apart.emplace_back(counts[b], kEach);
+      one.set_modes({modes.data() + first, counts[b]});
+      one.set_least_steps(64);
+      for (std::size_t c = 0; c < kEach; ++c) {
+        const std::size_t e = kEach * b + c;
+        std::vector<double> full(kAll, 0.0);
+        std::copy(shape[e].begin(), shape[e].end(),
+                  full.begin() + static_cast<std::ptrdiff_t>(first));
+        one.set_place(c, shape[e]);
+        all.set_place(e, full);
+        touch(one, c, e);
+        touch(all, e, e);
+      }
+    }
+    all.set_least_steps(64);
+    double largest = 0, difference = 0;
+    for (int n = 0; n < 900; ++n) {
+      if (n == 600)
+        for (std::size_t c = 0; c < kEach; ++c) {
+          all.clear(kEach + c);
+          apart[1].clear(c);
+        }
+      if (n == 300) {
+        all.knock_body(0, 0.002);
+        apart[0].knock_body(0, 0.002);
+        all.knock_body(4, 0.002);
+        apart[2].knock_body(0, 0.002);
+      }
+      if (n > 400 && n % 3 == 0) {
+        all.push_body(0, 2);
+        apart[0].push_body(0, 2);
+      }
+      all.step();
+      double heard = 0;
+      for (TouchedBody& one : apart) {
+        one.step();
+        heard += one.hear();
+      }
+      largest = std::max(largest, std::abs(heard));
+      difference = std::max(difference, std::abs(heard - all.hear()));
+      for (std::size_t e = 0; e < 3 * kEach; ++e)
+        REQUIRE(std::abs(all.force(e) - apart[e / kEach].force(e % kEach)) < 1e-6);
+    }
+    CHECK(largest > 0.05);
+    CHECK(difference < 1e-8 * largest);
+  }
 }
