@@ -256,7 +256,6 @@ void TouchedBody::touch_islands() noexcept {
       p.foreseen = p.foreseen && islands_foreseen_;
       touch_alone(group.slots[0], group.modes, p.place, p.foresight, p.foreseen, level);
     } else {
-      p.foreseen = false;
       touch_many(group);
     }
     if (packed_[k].in_body)

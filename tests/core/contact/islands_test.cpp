@@ -512,13 +512,13 @@ TEST_CASE(
           all.clear(kEach + c);
           apart[1].clear(c);
         }
-      if (n == 300) {
+      if (n > 100 && n % 50 < 5) {
         all.knock_body(0, 0.002);
         apart[0].knock_body(0, 0.002);
         all.knock_body(4, 0.002);
         apart[2].knock_body(0, 0.002);
       }
-      if (n > 400 && n % 3 == 0) {
+      if (n > 100 && n % 50 > 30 && n % 3 == 0) {
         all.push_body(0, 2);
         apart[0].push_body(0, 2);
       }
