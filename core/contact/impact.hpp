@@ -88,6 +88,13 @@ public:
     touching_ = false;
   }
 
+  /// In contact at this penetration with the work that an elastic one stores.
+  void hold(double penetration_m) noexcept {
+    release();
+    touching_ = penetration_m > 0;
+    psi_ = std::sqrt(2 * law_.work(penetration_m));
+  }
+
   /// True if a step of h seconds from penetration x with this rate is one of contact.
   [[nodiscard, gnu::always_inline]] static bool meets(double x, double rate, double h) noexcept {
     return x > 0 || x + h * rate > kTouch;

@@ -15,8 +15,6 @@ constexpr double kStepAngle = 0.15;  // rad that a contact turns in a step: 27 i
 constexpr double kStepRate = 176400; // 1/s at least in a strike: the force true up to 20 kHz
 constexpr double kMaxHeldSteps = 4;  // a hand's contact lasts: it is followed less finely
 constexpr double kLongestFlight = 0.05; // s that a striker is followed after it has let go
-constexpr std::size_t kMaxWork =
-    16384; // modes times steps in a sample, so that strikes stay in time
 constexpr unsigned kLeastSteps = 2;
 constexpr std::size_t kMaxContactSteps = 1024; // contacts times steps in a sample, of several
 constexpr double kUnheardOf = 8;               // of the root mean square of many modes' sum
@@ -72,6 +70,7 @@ void ContactSolver::couple() noexcept {
         answer += 0.5 * h * rigid_at(slots_[i], slots_[j].rigid);
       system_.coupling(a, b) = system_.coupling(b, a) = answer;
     }
+  find_preload_velocities();
   if (active_count_ == 1 && steps_ > 1)
     later_swing_m_per_n_ = swings_->answer(touching_[0], touching_[0], 1);
 }
@@ -245,8 +244,9 @@ void ContactSolver::move_rigidly(double h) noexcept {
 void ContactSolver::enter_step(std::size_t position, double swing_m, double h) noexcept {
   const std::size_t i = touching_[position];
   const double end = swing_m + rigid_at(slots_[i], rigid_place_);
-  contacts_[i].exciter.enter_step(system_[position], (end - slots_[i].surface_m) / h,
-                                  system_.coupling(position, position), h);
+  contacts_[i].exciter.enter_step(
+      system_[position], (end - slots_[i].surface_m) / h + slots_[i].preload_velocity_m_per_s,
+      system_.coupling(position, position), h);
 }
 
 /// It ends, after so many of the sample: what its force has done to all but the modes.
@@ -257,17 +257,18 @@ void ContactSolver::leave_step(std::size_t position, double h, unsigned after) n
   c.exciter.leave_step(t, h);
   c.age_s += h;
   s.surface_m += h * (t.own_free - t.own * t.force - t.mean);
-  if (t.force == 0)
+  const double force = net_force(position);
+  if (force == 0)
     return;
   const double part = 1 / static_cast<double>(steps_);
   const double x = 1 - (2 * static_cast<double>(after) + 1) * part; // 2 v - 1 in the step's middle
-  s.moments[0] += t.force * part;
-  s.moments[1] += t.force * part * x;
-  s.moments[2] += t.force * part * (1.5 * x * x - 0.5 + 0.5 * part * part);
+  s.moments[0] += force * part;
+  s.moments[1] += force * part * x;
+  s.moments[2] += force * part * (1.5 * x * x - 0.5 + 0.5 * part * part);
   if (has_rigid_)
     for (std::size_t r = 0; r < kRigid; ++r) {
-      rigid_place_[r] += s.rigid[r] * t.force * h * h / 2;
-      rigid_speed_[r] += s.rigid[r] * t.force * h;
+      rigid_place_[r] += s.rigid[r] * force * h * h / 2;
+      rigid_speed_[r] += s.rigid[r] * force * h;
     }
 }
 
@@ -280,7 +281,7 @@ void ContactSolver::step_one_contact(std::size_t ahead, unsigned after) noexcept
     move_rigidly(h);
     enter_step(0, j == 0 ? place[0] : place[j] + later_swing_m_per_n_ * force[j - 1], h);
     solve();
-    force[j] = system_[0].force;
+    force[j] = net_force(0);
     leave_step(0, h, after + j);
   }
   swings_->give(force.data());
@@ -297,7 +298,7 @@ void ContactSolver::step_contacts(unsigned after) noexcept {
                h);
   solve();
   for (std::size_t a = 0; a < active_count_; ++a) {
-    const double force = system_[a].force;
+    const double force = net_force(a);
     leave_step(a, h, after);
     if (a == 0)
       swings_->give(&force);
@@ -336,15 +337,20 @@ void ContactSolver::judge(std::size_t slot) noexcept {
     return;
   e.judged_j = energy;
   const double rate = std::sqrt(e.impact.stiffest(energy, e.effective_mass_kg)) / kStepAngle;
-  slots_[slot].wanted_steps = e.held ? std::min(rate / sample_rate_, kMaxHeldSteps)
-                                     : std::max(rate, kStepRate) / sample_rate_;
+  if (contacts_[slot].rests)
+    slots_[slot].wanted_steps = rate / sample_rate_;
+  else
+    slots_[slot].wanted_steps = e.held ? std::min(rate / sample_rate_, kMaxHeldSteps)
+                                       : std::max(rate, kStepRate) / sample_rate_;
 }
 
 double ContactSolver::wanted_steps() const noexcept {
   double wanted = 1;
   for (std::size_t a = 0; a < active_count_; ++a)
     if (const Slot& s = slots_[touching_[a]]; !s.out_of_reach)
-      wanted = std::max(wanted, s.wanted_steps);
+      wanted = std::max(wanted, contacts_[touching_[a]].rests
+                                    ? std::min(s.wanted_steps, max_rest_steps())
+                                    : s.wanted_steps);
   double most = most_steps_;
   if (active_count_ > 1)
     most = std::min(most, static_cast<double>(std::bit_floor(kMaxContactSteps / active_count_)));
@@ -372,9 +378,10 @@ double ContactSolver::step() noexcept {
   for (std::size_t a = 0; a < active_count_; ++a) {
     Exciter& e = contacts_[touching_[a]].exciter;
     e.force_n = e.impulse_ns * sample_rate_;
-    if (e.kind == Exciter::Kind::kImpact)
+    const Contact& c = contacts_[touching_[a]];
+    if (e.kind == Exciter::Kind::kImpact && !c.rests)
       pressing += e.force_n;
-    if (e.force_n != 0)
+    if (c.rests ? unbalanced(touching_[a]) != 0 : e.force_n != 0)
       sampled_[sampled_count_++] = {touching_[a], slots_[touching_[a]].moments};
   }
   if (sampled_count_ > 0)
@@ -445,11 +452,12 @@ double ContactSolver::energy() const noexcept {
     const double stiffness = omega_[k] * omega_[k] + alpha_[k] * alpha_[k];
     sum += 0.5 * (speed * speed + stiffness * q * q);
   }
-  for (const double speed : rigid_speed_)
-    sum += 0.5 * speed * speed;
-  for (const Contact& c : contacts_) {
-    if (c.age_s == 0)
+  sum += rigid_energy();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& c = contacts_[i];
+    if (c.rests ? !c.active : c.age_s == 0)
       continue;
+    sum += c.preload_n * slots_[i].surface_m;
     sum += c.exciter.energy();
     if (!c.exciter.held)
       sum -= c.exciter.mass_kg * c.fall_m_per_s2 * c.exciter.place_m;

@@ -27,6 +27,8 @@ public:
   /// In a sample, a power of 2; fewer for bodies of more than 16 modes, so that a sample's work is
   /// bounded: 256 for 64 modes, 4 for 4096. Fewer steps are less exact and as passive.
   static constexpr unsigned kMostSteps = 1024;
+  /// Modes times steps in a sample, so that strikes stay in time.
+  static constexpr std::size_t kMaxWork = 16384;
 
   /// Rates s of all modes, also those too high to be heard; room for so many contacts and
   /// listeners. `rigid`: the body is free to recoil.
@@ -44,11 +46,25 @@ public:
     double fall_m_per_s2 = 0;    ///< gravity that draws the striker towards the body
     bool held = false;           ///< its motion is given
   };
+  /// A point at which two bodies of the same list of modes rest on each other: a contact along a
+  /// direction in which they come apart by sum of b q, gains being those on the one less those on
+  /// the other. What presses them together is constant: weight, a string, a screw.
+  ///
+  /// Motions are counted from the static equilibrium, in which the contact's force is `preload_n`
+  /// and balances what presses. So the bodies move by the contact's force less the preload:
+  /// F(x) - F0, x = x0 - sum of b q, F(x0) = F0. That is exact for any motion, also while they are
+  /// apart (F = 0), because modes and rigid motions are linear.
+  struct Rest {
+    contact::ImpactLaw law{1e9, 1.5, 0};
+    double preload_n = 0; ///< F0 >= 0
+  };
   /// What touches at a place.
   struct Contact {
     contact::Exciter exciter;
     double fall_m_per_s2 = 0;
+    double preload_n = 0; ///< of a rest
     double age_s = 0;
+    bool rests = false; ///< between two bodies
     bool active = false;
     bool lies = false; ///< it has ended because the striker has come to rest
   };
@@ -58,6 +74,14 @@ public:
   /// A surface that rubs along the direction of the gains, until it is ended.
   void begin_rub(std::size_t slot, const contact::FrictionLaw& law, std::span<const double> gain,
                  const std::array<double, kRigid>& rigid_gain) noexcept;
+  /// Two bodies touch from now on, until it is ended: wherever they are, with the force that
+  /// belongs to it. Rigid motions go on as they are.
+  void begin_rest(std::size_t slot, const Rest& rest, std::span<const double> gain,
+                  const std::array<double, kRigid>& rigid_gain) noexcept;
+  /// Force of a contact between two bodies less its preload, mean of the last sample, N.
+  [[nodiscard]] double unbalanced(std::size_t slot) const noexcept {
+    return slots_[slot].moments[0];
+  }
   void end(std::size_t slot) noexcept;
   /// Where a held striker shall be after the next sample; it gets there no faster than a hand.
   void lead(std::size_t slot, double place_m, double fastest_m_per_s = 50) noexcept;
@@ -109,6 +133,8 @@ public:
                  const std::array<double, kRigid>& rigid_gain) noexcept;
   /// A free body goes on moving where it was, its mass and lengths changed by these factors.
   void take_over_rigid(const ContactSolver& before, double heavier, double longer) noexcept;
+  /// Leaves of the rigid motions what these orthonormal directions of their space hold.
+  void constrain_rigid(std::span<const std::array<double, kRigid>> basis) noexcept;
 
   [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept {
     return swings_->state(mode);
@@ -123,7 +149,15 @@ public:
     rigid_speed_.fill(0);
   }
   [[nodiscard]] std::size_t modes() const noexcept { return modes_; }
-  /// Energy of modes, rigid motion, strikers and contacts, J.
+  /// Energy of rigid motion, J.
+  [[nodiscard]] double rigid_energy() const noexcept {
+    double sum = 0;
+    for (const double speed : rigid_speed_)
+      sum += 0.5 * speed * speed;
+    return sum;
+  }
+  /// Energy of modes, rigid motion, strikers and contacts, J; of what presses two bodies together,
+  /// its work from the equilibrium on.
   [[nodiscard]] double energy() const noexcept;
 
 private:
@@ -136,6 +170,7 @@ private:
     ContactModes::Reach reach; ///< of the modes at the place
     unsigned reach_age = 0;    ///< samples that it has been known for; 0: it is not
     double surface_m = 0;      ///< of the place, after the steps so far
+    double preload_velocity_m_per_s = 0; ///< of the place, mean of a step, for all that presses
     ForceMoments moments{};    ///< of the force within the sample at hand
   };
   [[nodiscard]] static double rigid_at(const Slot& slot, const Rigid& q) noexcept {
@@ -145,6 +180,11 @@ private:
     return sum;
   }
   Contact& begin_anew(std::size_t slot) noexcept;
+  [[nodiscard]] double net_force(std::size_t position) const noexcept {
+    return system_[position].force - contacts_[touching_[position]].preload_n;
+  }
+  void find_preload_velocities() noexcept;
+  [[nodiscard]] double max_rest_steps() const noexcept;
   void fill(std::size_t slot, std::span<const double> gain, const Rigid& rigid_gain) noexcept;
   void join(std::size_t slot) noexcept;
   void judge(std::size_t slot) noexcept;
