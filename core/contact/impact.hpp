@@ -32,6 +32,11 @@ struct ImpactLaw {
   [[nodiscard]] ImpactLaw within_range() const noexcept;
   /// N.
   [[nodiscard]] double force(double penetration_m, double velocity_m_per_s) const noexcept;
+  /// Penetration under a constant force, m: d + C F.
+  [[nodiscard]] double penetration(double force_n) const noexcept {
+    return force_n > 0 ? std::pow(force_n / stiffness, 1 / exponent) + compliance_m_per_n * force_n
+                       : 0.0;
+  }
   /// Work that an elastic penetration stores, J: k d^(a+1)/(a+1) + C F^2/2.
   [[nodiscard]] double work(double penetration_m) const noexcept;
   /// The part d of a penetration, m.

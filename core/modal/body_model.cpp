@@ -1,5 +1,7 @@
 #include "core/modal/body_model.hpp"
 
+#include "core/modal/joined_arrivals.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -42,29 +44,6 @@ double a_weighting(double frequency) {
 
 } // namespace
 
-LoadedTable::LoadedTable(ModalTable read) : table(std::move(read)) {
-  if (table.triangle.empty())
-    return;
-  surface.build(table.vertex_m, table.triangle);
-  radiating.build(table, surface);
-  order_shapes();
-}
-
-void LoadedTable::order_shapes() {
-  const std::size_t modes = table.modes(), vertices = table.vertices();
-  if (table.shape.empty())
-    return;
-  shape.resize(table.shape.size());
-  constexpr std::size_t kTile = 32; // both sides of a tile stay in the cache
-  for (std::size_t k0 = 0; k0 < modes; k0 += kTile)
-    for (std::size_t v0 = 0; v0 < vertices; v0 += kTile)
-      for (std::size_t k = k0; k < std::min(k0 + kTile, modes); ++k)
-        for (std::size_t v = v0; v < std::min(v0 + kTile, vertices); ++v)
-          std::copy_n(table.shape.data() + (k * vertices + v) * 3, 3,
-                      shape.data() + (v * modes + k) * 3);
-  table.shape = {};
-}
-
 BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings& with)
     : loaded(std::move(from)), settings(with), bank({}, with.sample_rate, 0, 0),
       solver({}, with.sample_rate, 0, false) {
@@ -79,12 +58,14 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
       density_kg_per_m3 / first(own.density_kg_per_m3, kUnknownDensity, kUnknownDensity);
   shape_scale = 1 / std::sqrt(heavier * volume);
   mass_kg = table.mass_kg * heavier * volume;
+  board_shape_scale_ = 1 / std::sqrt(volume);
   find_rates();
+  find_rests();
   const std::span<const std::complex<double>> all(rate);
   bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, settings.listeners,
                   settings.vector_set);
   solver =
-      ContactSolver(all, settings.sample_rate, kContacts + settings.voices,
+      ContactSolver(all, settings.sample_rate, rest_slot() + rests.size(),
                     table.free && table.mass_kg > 0, 3 * settings.listeners, settings.vector_set);
   find_weights();
   for (std::size_t k = 0; k < heard; ++k)
@@ -132,7 +113,8 @@ double BodyModel::decay_rate(std::size_t k, double omega) const {
   const ModalTable& table = loaded->table;
   const double before = 2 * std::numbers::pi * table.frequency_hz[k];
   double rate_per_s = 0;
-  switch (settings.damping) {
+  const bool of_board = loaded->is_of_board(k);
+  switch (of_board ? Damping::kTable : settings.damping) {
   case Damping::kRayleigh:
     rate_per_s = 0.5 * (settings.rayleigh_a_per_s + settings.rayleigh_b_s * omega * omega);
     break;
@@ -147,10 +129,10 @@ double BodyModel::decay_rate(std::size_t k, double omega) const {
                                           : table.decay_rate[k] * omega / before;
     break;
   }
+  const double scale = shape_scale_of(of_board ? LoadedTable::kBoard : 0);
   if (!table.radiation_decay_rate.empty()) // area times shape squared over mass, at the same k a
-    rate_per_s +=
-        table.radiation_decay_rate[k] * shape_scale * shape_scale * settings.size * settings.size;
-  if (settings.choke_t60_s > 0)
+    rate_per_s += table.radiation_decay_rate[k] * scale * scale * settings.size * settings.size;
+  if (settings.choke_t60_s > 0 && !of_board)
     rate_per_s += kNepersIn60dB / settings.choke_t60_s;
   return rate_per_s;
 }
@@ -166,8 +148,9 @@ void BodyModel::find_rates() {
   const std::size_t most = settings.most_modes > 0 ? settings.most_modes : table.modes();
   std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
   for (std::size_t k = 0; k < table.modes(); ++k) {
-    double frequency = table.frequency_hz[k] * faster;
-    if (!table.poisson_slope.empty() && settings.poisson >= 0)
+    const bool of_board = loaded->is_of_board(k);
+    double frequency = table.frequency_hz[k] * (of_board ? 1 / settings.size : faster);
+    if (!table.poisson_slope.empty() && settings.poisson >= 0 && !of_board)
       frequency *= std::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
     const double omega = 2 * std::numbers::pi * frequency;
     // Beyond critical damping a mode has no rate of its own to swing at: kept just below.
@@ -221,11 +204,12 @@ RadiatingSurface::RigidShapes BodyModel::rigid_shapes() const {
   RadiatingSurface::RigidShapes shapes;
   if (!loaded->table.free || !(mass_kg > 0))
     return shapes;
-  for (std::size_t t = 0; t < loaded->radiating.triangles(); ++t) {
+  const RadiatingSurface& radiating = loaded->body().radiating; // its triangles are the first
+  for (std::size_t t = 0; t < radiating.triangles(); ++t) {
     SurfacePoint place;
     place.triangle = t;
-    place.position = loaded->radiating.centre(t);
-    RigidGain outward = rigid_gains(place, loaded->radiating.normal(t));
+    place.position = radiating.centre(t);
+    RigidGain outward = rigid_gains(place, radiating.normal(t));
     for (double& b : outward) // gains are for a push inwards
       b = -b;
     shapes.push_back(outward);
@@ -233,11 +217,17 @@ RadiatingSurface::RigidShapes BodyModel::rigid_shapes() const {
   return shapes;
 }
 
-std::vector<double> BodyModel::omega_by_mode() const {
+/// Of a part's own modes; 0 where one is left out.
+std::vector<double> BodyModel::omega_by_mode(std::size_t part) const {
   std::vector<double> omega(loaded->table.modes(), 0);
   for (std::size_t i = 0; i < mode.size(); ++i)
     omega[mode[i]] = rate[i].imag();
-  return omega;
+  if (loaded->parts.empty())
+    return omega;
+  std::vector<double> own;
+  for (const std::size_t k : loaded->parts[part].mode)
+    own.push_back(omega[k]);
+  return own;
 }
 
 std::array<RigidDipole, 3> BodyModel::free_dipoles() const {
@@ -245,8 +235,9 @@ std::array<RigidDipole, 3> BodyModel::free_dipoles() const {
   if (!table.free || !(mass_kg > 0))
     return {};
   double volume = 0; // by the divergence theorem
-  for (std::size_t t = 0; t < loaded->surface.triangles(); ++t) {
-    const auto& c = loaded->surface.corners(t);
+  const Surface& surface = loaded->body().surface;
+  for (std::size_t t = 0; t < surface.triangles(); ++t) {
+    const auto& c = surface.corners(t);
     volume += dot(c[0], cross(c[1], c[2])) / 6;
   }
   const double length = settings.size;
@@ -254,6 +245,49 @@ std::array<RigidDipole, 3> BodyModel::free_dipoles() const {
   for (Vec3& row : inertia)
     row = row * (mass_kg / table.mass_kg * length * length);
   return rigid_dipoles(mass_kg, inertia, volume * length * length * length);
+}
+
+/// What a listener receives of a part of the table; null: nothing but its surface's velocity.
+std::unique_ptr<Arrivals> BodyModel::arrivals_of(std::size_t part, const Vec3& listener,
+                                                 double delay_from_s) const {
+  const LoadedTable& own = loaded->parts.empty() ? *loaded : *loaded->parts[part].loaded;
+  const Vec3 displacement = loaded->parts.empty() ? Vec3{} : loaded->parts[part].displacement_m;
+  const Vec3 from = listener - settings.size * displacement;
+  const bool is_body = part != LoadedTable::kBoard;
+  const RadiatingSurface::Scene scene{
+      settings.size,
+      shape_scale_of(part),
+      loaded->table.air_density_kg_per_m3,
+      loaded->table.sound_speed_m_per_s,
+      settings.sample_rate,
+      DirectKernels::max_spread(mode.size(), loaded->table.vertices()),
+      delay_from_s};
+  if (settings.radiation == Radiation::kBody && !own.table.multipoles.empty())
+    return multipole_arrivals(own.table, omega_by_mode(part), from, scene,
+                              is_body ? free_dipoles() : std::array<RigidDipole, 3>{},
+                              is_body ? mass_kg : 0);
+  // Beside a body that has multipoles, one without is heard by its surface.
+  if (settings.radiation == Radiation::kModal ||
+      (settings.radiation == Radiation::kBody && !loaded->parts.empty()))
+    return own.radiating.arrivals(from, scene,
+                                  is_body ? rigid_shapes() : RadiatingSurface::RigidShapes{});
+  return nullptr;
+}
+
+std::unique_ptr<Arrivals> BodyModel::arrivals(const Vec3& listener) const {
+  auto of_body = arrivals_of(0, listener, -1);
+  if (loaded->parts.empty() || !of_body)
+    return of_body;
+  auto of_board = arrivals_of(LoadedTable::kBoard, listener, of_body->delay_s);
+  if (of_board->delay_s < of_body->delay_s &&
+      !of_board->silent) // the later one is timed by the earlier one
+    of_body = arrivals_of(0, listener, of_board->delay_s);
+  std::vector<JoinedArrivals::Part> parts(2);
+  parts[0] = {std::move(of_body), loaded->parts[0].mode, 0};
+  parts[1] = {std::move(of_board), loaded->parts[1].mode, 0};
+  return std::make_unique<JoinedArrivals>(
+      std::move(parts), settings.sample_rate,
+      DirectKernels::max_spread(mode.size(), loaded->table.vertices()));
 }
 
 void BodyModel::find_weights() {
@@ -264,12 +298,6 @@ void BodyModel::find_weights() {
   const BankKernel* const kernel = bank_kernel(settings.vector_set);
   const DirectKernels::SurfaceShapes shapes{loaded->shape, table.modes(),
                                             kernel ? kernel : bank_kernel(VectorSet::kBaseline)};
-  const RadiatingSurface::Scene scene{settings.size,
-                                      shape_scale,
-                                      table.air_density_kg_per_m3,
-                                      table.sound_speed_m_per_s,
-                                      settings.sample_rate,
-                                      DirectKernels::max_spread(mode.size(), shapes.vertices())};
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     weight[l].assign(heard, 0);
     if (plays_raw) {
@@ -279,15 +307,9 @@ void BodyModel::find_weights() {
     }
     if (l >= settings.listeners)
       continue;
-    std::unique_ptr<Arrivals> arrivals;
-    if (has_surface && settings.radiation == Radiation::kModal)
-      arrivals = loaded->radiating.arrivals(settings.listener[l], scene, rigid_shapes());
-    else if (has_surface && settings.radiation == Radiation::kBody && !table.multipoles.empty())
-      arrivals = multipole_arrivals(table, omega_by_mode(), settings.listener[l], scene,
-                                    free_dipoles(), mass_kg);
-    if (arrivals) {
-      delay_s[l] = arrivals->delay_s;
-      direct[l].build(*arrivals, modes, table.free && mass_kg > 0, settings.sample_rate, shapes);
+    if (const auto heard_from = has_surface ? arrivals(settings.listener[l]) : nullptr) {
+      delay_s[l] = heard_from->delay_s;
+      direct[l].build(*heard_from, modes, table.free && mass_kg > 0, settings.sample_rate, shapes);
     } else {
       // What a vibrometer sees at the nearest place: the velocity along the normal, outwards.
       std::vector<double> gain(heard, -1);
@@ -303,6 +325,7 @@ void BodyModel::find_weights() {
     weight[l] = direct[l].weight();
   }
   make_kernels();
+  make_rest_kernels();
 }
 
 void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
@@ -315,10 +338,11 @@ void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
   }
   std::array<const float*, 3> at;
   std::array<std::array<float, 3>, 3> push;
+  const double scale = shape_scale_of(loaded->part_of_triangle(place.triangle));
   for (std::size_t i = 0; i < 3; ++i) {
     const auto vertex = static_cast<std::size_t>(table.triangle[place.triangle][i]);
     at[i] = loaded->shape.data() + vertex * table.modes() * 3;
-    const Vec3 share = -shape_scale * place.weight[i] * direction;
+    const Vec3 share = -scale * place.weight[i] * direction;
     push[i] = {static_cast<float>(share.x), static_cast<float>(share.y),
                static_cast<float>(share.z)};
   }
@@ -337,30 +361,33 @@ std::array<double, ContactSolver::kRigid>
 BodyModel::rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept {
   std::array<double, ContactSolver::kRigid> gain{};
   const ModalTable& table = loaded->table;
-  if (!table.free || !(mass_kg > 0))
+  if (!table.free || !(mass_kg > 0) || loaded->part_of_triangle(place.triangle) != 0)
     return gain;
   const Vec3 push = -direction;
   for (int axis = 0; axis < 3; ++axis)
     gain[static_cast<std::size_t>(axis)] = push[axis] / std::sqrt(mass_kg);
+  const auto constrained = [this](const RigidGain& g) {
+    return rests.empty() ? g : ContactSolver::constrained(g, rigid_basis_);
+  };
   const auto& t = table.inertia_kg_m2;
   if (!(t[0].x > 0))
-    return gain;
+    return constrained(gain);
   // I = L L^T; the momentum of a unit impulse about the centre, solved by L, has unit inertia.
   const double scale = mass_kg / table.mass_kg * settings.size * settings.size;
   const double l00 = std::sqrt(t[0].x * scale), l10 = t[1].x * scale / l00,
                l20 = t[2].x * scale / l00;
   const double square = t[1].y * scale - l10 * l10;
   if (!(square > 0))
-    return gain;
+    return constrained(gain);
   const double l11 = std::sqrt(square), l21 = (t[2].y * scale - l20 * l10) / l11;
   const double rest = t[2].z * scale - l20 * l20 - l21 * l21;
   if (!(rest > 0))
-    return gain;
+    return constrained(gain);
   const Vec3 turn = cross(settings.size * (place.position - table.centre_of_mass_m), push);
   gain[3] = turn.x / l00;
   gain[4] = (turn.y - l10 * gain[3]) / l11;
   gain[5] = (turn.z - l20 * gain[3] - l21 * gain[4]) / std::sqrt(rest);
-  return gain;
+  return constrained(gain);
 }
 
 double BodyModel::left_out(const SurfacePoint& place) const noexcept {
@@ -374,7 +401,8 @@ double BodyModel::left_out(const SurfacePoint& place) const noexcept {
         static_cast<double>(
             table.residual_compliance[static_cast<std::size_t>(table.triangle[place.triangle][i])]);
   const double modulus = table.material.youngs_modulus_pa;
-  return sum * (modulus > 0 ? modulus / youngs_modulus_pa : 1) / settings.size;
+  const bool as_in_table = loaded->part_of_triangle(place.triangle) != 0 || !(modulus > 0);
+  return sum * (as_in_table ? 1 : modulus / youngs_modulus_pa) / settings.size;
 }
 
 SurfacePoint BodyModel::nearest(const Vec3& point) const noexcept {
@@ -433,6 +461,8 @@ void BodyModel::continue_touched(BodyModel& before) noexcept {
   solver.write_states(scratch_state);
   const double longer = settings.size / before.settings.size;
   solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1, longer);
+  if (!rests.empty())
+    solver.constrain_rigid(rigid_basis_);
   glide_from(before);
 }
 

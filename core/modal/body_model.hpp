@@ -2,6 +2,7 @@
 
 #include "core/modal/contact_solver.hpp"
 #include "core/modal/direct_sound.hpp"
+#include "core/modal/loaded_table.hpp"
 #include "core/modal/modal_table.hpp"
 #include "core/modal/mode_bank.hpp"
 #include "core/modal/multipole.hpp"
@@ -23,6 +24,18 @@ inline constexpr std::size_t kMostContacts = 64;
 enum class Radiation { kModal, kRaw, kBody, kNone };
 enum class Damping { kTable, kRayleigh, kLoss, kCurve };
 
+/// How a body lies on its board: at points, through what lies between.
+struct RestSettings {
+  std::vector<Vec3> point_m; ///< in the body's axes, taken to the nearest of either surface
+  /// Between the bodies, at each point: the felt of a piano's bass hammer (Chaigne & Askenfelt,
+  /// J. Acoust. Soc. Am. 95, 1994: 4e8 N/m^2.3), with a loss.
+  contact::ImpactLaw law{4e8, 2.3, 2};
+  double pressing_n =
+      0; ///< that holds them together besides the body's weight, all points together
+  static constexpr std::size_t kMaxPoints = 8;
+  bool operator==(const RestSettings&) const = default;
+};
+
 /// What can be changed of a body while it sounds.
 struct BodySettings {
   double youngs_modulus_pa = 0; ///< 0: the table's
@@ -41,25 +54,9 @@ struct BodySettings {
   std::size_t listeners = 2;
   std::size_t most_modes = 0; ///< 0: all that can be heard
   std::size_t voices = 8;     ///< contacts at once
+  RestSettings rest;
   double sample_rate = 48000;
   VectorSet vector_set = best_vector_set(); ///< must be one that this processor runs
-};
-
-/// A table and what follows from it alone; shared by all models of the body.
-struct LoadedTable {
-  ModalTable table;
-  Surface surface;
-  RadiatingSurface radiating;
-  /// The table's shapes [V][K][3], vertex by vertex, so that a blow reads three places and not all
-  /// modes' surfaces; `table.shape` is empty. Empty: unit gain.
-  std::vector<float> shape;
-
-  explicit LoadedTable(ModalTable read);
-  LoadedTable(const LoadedTable&) = delete; // `radiating` knows where `surface` is
-  LoadedTable& operator=(const LoadedTable&) = delete;
-
-private:
-  void order_shapes();
 };
 
 /// One body made of one material, heard from its listeners: everything that the audio path needs.
@@ -68,6 +65,9 @@ private:
 /// Scaling at fixed Poisson's ratio: f ~ sqrt(E/rho)/L, phi ~ 1/sqrt(rho L^3), mass ~ rho L^3,
 /// inertia ~ rho L^5; a changed Poisson's ratio moves each mode by the table's d ln f/d nu.
 /// Decay: alpha = (a + b omega^2)/2 or omega eta/2, plus radiation's, plus the choke's 6.91/T60.
+///
+/// A body on a board is one model: `size` is that of both, all other material settings are the
+/// body's, and the board is as its table says.
 struct BodyModel {
   BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings& with);
 
@@ -104,6 +104,7 @@ struct BodyModel {
                    std::span<const double> gain = {}) noexcept;
 
   std::vector<float> push_gain; ///< gains b of the modes at the force inlet's point
+  RigidGain push_rigid{};       ///< and of the rigid motions, of a body that rests on a board
   /// A pulse's samples are means of the force over their time, which takes sin(x)/x from a tone,
   /// x = omega/(2 fs); these factors of the gains give it back.
   std::vector<double> pulse_gain;
@@ -126,11 +127,34 @@ struct BodyModel {
   /// Contacts of the solver besides the strikes': a hand's, and that of a surface that rubs.
   static constexpr std::size_t kContacts = 2;
 
+  /// A point at which the body and its board touch.
+  struct Rest {
+    SurfacePoint on_body, on_board;
+    Vec3 direction{};         ///< of length 1: the force's on the body, the opposite on the board
+    std::vector<double> gain; ///< on the body less on the board: by which the two come apart
+    std::array<double, ContactSolver::kRigid> rigid{};
+    contact::ImpactLaw law; ///< with the compliance of both surfaces
+    double preload_n = 0;
+  };
+  std::vector<Rest> rests;
+  /// Why the body cannot rest as the settings want; it rests nowhere then. Else empty.
+  std::string rest_refusal;
+  /// Distance between the two surfaces at the points, the largest, m.
+  double largest_gap_m = 0;
+  /// The contacts of `rests` in the solver begin here.
+  [[nodiscard]] std::size_t rest_slot() const noexcept { return kContacts + settings.voices; }
+  /// The body moves as a whole when it is pushed here; else its support, or the board's, takes it.
+  [[nodiscard]] bool recoils(const SurfacePoint& place) const noexcept;
+  /// Of the body that a place is on.
+  [[nodiscard]] double modulus_at(const SurfacePoint& place) const noexcept;
+  [[nodiscard]] double poisson_at(const SurfacePoint& place) const noexcept;
+
   /// Gains b = -phi . direction of all modes at a place of the surface, 1/sqrt(kg), for a push
   /// against `direction` (usually the outward normal). No allocation beyond `gain`'s size.
   void gains(const SurfacePoint& place, const Vec3& direction,
              std::span<double> gain) const noexcept;
-  /// The same of a free body's three displacements and three rotations.
+  /// The same of a free body's three displacements and three rotations; of a body that rests on a
+  /// board, what its points resist of them.
   [[nodiscard]] std::array<double, ContactSolver::kRigid>
   rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept;
   /// Static compliance of the modes that the table leaves out, m/N.
@@ -153,14 +177,23 @@ private:
   void glide_from(BodyModel& before) noexcept;
   void release_from(BodyModel& before) noexcept;
   [[nodiscard]] double decay_rate(std::size_t mode, double omega) const;
+  [[nodiscard]] double shape_scale_of(std::size_t part) const noexcept;
+  [[nodiscard]] double part_modulus(std::size_t part) const noexcept;
+  void find_rests();
+  void make_rest_kernels();
+  [[nodiscard]] std::unique_ptr<Arrivals> arrivals_of(std::size_t part, const Vec3& listener,
+                                                      double delay_from_s) const;
+  [[nodiscard]] std::unique_ptr<Arrivals> arrivals(const Vec3& listener) const;
   void find_rates();
   void find_weights();
 
   std::array<std::vector<std::complex<double>>, 3> scratch_weight_; ///< as long as `heard`
+  std::vector<std::array<double, ContactSolver::kRigid>> rigid_basis_; ///< of a body that rests
+  double board_shape_scale_ = 1;
   std::uint64_t ears_version_ = 0; ///< of the bank's weights that the solver has
   [[nodiscard]] std::vector<DirectKernels::Mode> direct_modes() const;
   [[nodiscard]] RadiatingSurface::RigidShapes rigid_shapes() const;
-  [[nodiscard]] std::vector<double> omega_by_mode() const;
+  [[nodiscard]] std::vector<double> omega_by_mode(std::size_t part) const;
   [[nodiscard]] std::array<RigidDipole, 3> free_dipoles() const;
   void make_kernels();
   [[nodiscard]] bool needs_gains() const noexcept;

@@ -7,7 +7,7 @@ namespace tactus::modal {
 
 void BodyModel::make_kernels() {
   sample_kernel.resize(1 + settings.voices);
-  contact_kernel.resize(kContacts + settings.voices);
+  contact_kernel.resize(rest_slot() + rests.size());
   for (std::size_t l = 0; l < kMostListeners; ++l) {
     const std::size_t taps = direct[l].taps(), moments = direct[l].moments();
     const std::size_t rigid = direct[l].has_rigid() ? 1 : 0;
@@ -32,9 +32,10 @@ bool BodyModel::needs_gains() const noexcept {
 DirectKernels::SurfaceGain BodyModel::surface_gain(const SurfacePoint& place,
                                                    const Vec3& direction) const noexcept {
   DirectKernels::SurfaceGain gain{};
+  const double scale = shape_scale_of(loaded->part_of_triangle(place.triangle));
   for (std::size_t i = 0; i < 3; ++i)
     gain[i] = {static_cast<std::size_t>(loaded->table.triangle[place.triangle][i]),
-               -shape_scale * place.weight[i] * direction};
+               -scale * place.weight[i] * direction};
   return gain;
 }
 

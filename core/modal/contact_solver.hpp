@@ -116,6 +116,11 @@ public:
   }
   /// An impulse on the modes at once, N s, e.g. a sample of an outer force.
   void kick(std::span<const float> gain, double impulse) noexcept;
+  /// The same on the rigid motions.
+  void kick_rigid(const std::array<double, kRigid>& gain, double impulse) noexcept {
+    for (std::size_t r = 0; r < kRigid; ++r)
+      rigid_speed_[r] += gain[r] * impulse;
+  }
   /// Sum over modes of Im(w z).
   [[nodiscard]] double hear(std::span<const std::complex<double>> weight) noexcept {
     return swings_->hear(weight);
@@ -133,7 +138,11 @@ public:
                  const std::array<double, kRigid>& rigid_gain) noexcept;
   /// A free body goes on moving where it was, its mass and lengths changed by these factors.
   void take_over_rigid(const ContactSolver& before, double heavier, double longer) noexcept;
-  /// Leaves of the rigid motions what these orthonormal directions of their space hold.
+  /// What these orthonormal directions of the rigid motions' space hold of one.
+  [[nodiscard]] static std::array<double, kRigid>
+  constrained(const std::array<double, kRigid>& motion,
+              std::span<const std::array<double, kRigid>> basis) noexcept;
+  /// Leaves that of the present rigid motions.
   void constrain_rigid(std::span<const std::array<double, kRigid>> basis) noexcept;
 
   [[nodiscard]] std::complex<double> state(std::size_t mode) const noexcept {

@@ -17,12 +17,9 @@ void ContactSolver::begin_rest(std::size_t slot, const Rest& rest, std::span<con
   e.kind = contact::Exciter::Kind::kImpact;
   e.held = true;
   e.impact.set(rest.law);
-  const contact::ImpactLaw& law = e.impact.law();
   c.preload_n = contact::within(rest.preload_n, 0, contact::kMostForce, 0);
   fill(slot, gain, rigid_gain);
-  // x = d + C F at rest.
-  e.place_m = std::pow(c.preload_n / law.stiffness, 1 / law.exponent) +
-              law.compliance_m_per_n * c.preload_n;
+  e.place_m = e.impact.law().penetration(c.preload_n);
   e.depth_m = e.place_m - slots_[slot].surface_m;
   e.impact.hold(e.depth_m);
   e.approach_m_per_s = e.mean_velocity_m_per_s = -surface_velocity(slot);
@@ -46,20 +43,22 @@ double ContactSolver::max_rest_steps() const noexcept {
   return std::clamp(static_cast<double>(kMaxWork) / work, 1.0, kMaxSteps);
 }
 
+ContactSolver::Rigid ContactSolver::constrained(const Rigid& motion,
+                                                std::span<const Rigid> basis) noexcept {
+  Rigid kept{};
+  for (const Rigid& axis : basis) {
+    double along = 0;
+    for (std::size_t r = 0; r < kRigid; ++r)
+      along += axis[r] * motion[r];
+    for (std::size_t r = 0; r < kRigid; ++r)
+      kept[r] += along * axis[r];
+  }
+  return kept;
+}
+
 void ContactSolver::constrain_rigid(std::span<const Rigid> basis) noexcept {
-  const auto constrain = [&](Rigid& motion) {
-    Rigid kept{};
-    for (const Rigid& axis : basis) {
-      double along = 0;
-      for (std::size_t r = 0; r < kRigid; ++r)
-        along += axis[r] * motion[r];
-      for (std::size_t r = 0; r < kRigid; ++r)
-        kept[r] += along * axis[r];
-    }
-    motion = kept;
-  };
-  constrain(rigid_place_);
-  constrain(rigid_speed_);
+  rigid_place_ = constrained(rigid_place_, basis);
+  rigid_speed_ = constrained(rigid_speed_, basis);
 }
 
 } // namespace tactus::modal

@@ -75,6 +75,8 @@ public:
   void write_released(std::span<const std::complex<double>> z, std::size_t left) noexcept;
   /// Nothing rings: process() costs next to nothing and gives zeros while there is no force.
   [[nodiscard]] bool asleep() const noexcept { return active_count_ == 0 && release_left_ == 0; }
+  /// Something besides what is being released.
+  [[nodiscard]] bool rings() const noexcept { return active_count_ > 0; }
   /// Blocks of modes that are computed now, of kLanes modes each.
   [[nodiscard]] std::size_t active_blocks() const noexcept { return active_count_; }
   /// A mode whose part in every pick-up stays below this is put to rest.

@@ -45,7 +45,7 @@ public:
     distance_ = std::max(norm(path), radius_);
     towards_ = norm(path) > 0 ? path * (1 / norm(path)) : Vec3{0, 0, 1};
     const double c = scene.sound_speed_m_per_s;
-    travel_ = TravelTime((distance_ - radius_) / c, scene.sample_rate);
+    travel_ = TravelTime((distance_ - radius_) / c, scene.sample_rate, scene.delay_from_s);
     delay_s = travel_.delay_s;
     const double spread = std::min((table.multipoles.band.empty() ? kDecay : kBandDecay) * radius_ /
                                        c * scene.sample_rate,

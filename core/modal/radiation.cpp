@@ -124,8 +124,10 @@ public:
     for (const SurfaceSource& source : sources)
       shortest = std::min(shortest, source.distance_m);
     TravelTime travel;
-    if (!sources.empty())
-      travel = TravelTime(shortest / scene.sound_speed_m_per_s, scene.sample_rate);
+    silent = sources.empty();
+    if (!silent)
+      travel =
+          TravelTime(shortest / scene.sound_speed_m_per_s, scene.sample_rate, scene.delay_from_s);
     delay_s = travel.delay_s;
     std::vector<Arrival> arrival;
     arrival.reserve(sources.size());

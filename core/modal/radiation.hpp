@@ -31,6 +31,7 @@ public:
     double size = 1, shape_scale = 1, air_density_kg_per_m3 = 1.184, sound_speed_m_per_s = 346.1;
     double sample_rate = 48000;
     std::size_t max_spread = Arrivals::kMaxSpread; ///< samples
+    double delay_from_s = -1; ///< of another body heard beside this one (TravelTime); below 0: none
   };
   /// Outward displacement of each triangle for a unit of the rigid motions' coordinates.
   using RigidShapes = std::vector<std::array<double, Arrivals::kRigid>>;

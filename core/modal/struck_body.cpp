@@ -81,6 +81,8 @@ void StruckBody::renew_point() noexcept {
   model_->bank.set_gain(0, std::span<const double>(model_->scratch).first(model_->heard));
   for (std::size_t k = 0; k < model_->mode.size(); ++k)
     model_->push_gain[k] = static_cast<float>(model_->scratch[k]);
+  model_->push_rigid = model_->recoils(point_) ? model_->rigid_gains(point_, point_direction_)
+                                               : BodyModel::RigidGain{};
   point_aimed_ = false;
 }
 
@@ -128,19 +130,25 @@ void StruckBody::enter_contact() noexcept {
   model_->bank.read_states(states);
   model_->solver.write_states(states);
   model_->bank.silence();
+  if (rests())
+    model_->solver.rest_rigid();
+  begin_rests();
 }
 
 void StruckBody::leave_contact() noexcept {
   if (!coupled_now_ || !model_)
     return;
+  const bool settled = has_settled();
   coupled_now_ = false;
   BodyModel& m = *model_;
-  for (std::size_t i = 0; i <= rub_slot(); ++i)
+  for (std::size_t i = 0; i < m.rest_slot() + m.rests.size(); ++i)
     m.solver.end(i);
   for (Blow& blow : blows_)
     blow.bounces = blow.in_air;
   const auto states = std::span(m.scratch_state).first(m.heard);
   m.solver.read_states(states);
+  if (settled)
+    std::fill(states.begin(), states.end(), 0.0);
   if (!m.bank.asleep()) {
     m.bank.read_states(m.bank_state);
     for (std::size_t k = 0; k < m.heard; ++k)
@@ -182,7 +190,7 @@ std::vector<double> StruckBody::levels(std::size_t most) {
 void StruckBody::begin_led() noexcept {
   enter_contact();
   ContactSolver::Strike hand;
-  hand.law = law(striker_, 1);
+  hand.law = law(striker_, 1, point_);
   hand.law.compliance_m_per_n = model_->left_out(point_);
   hand.held = true;
   hand.place_m = -last_height_;
@@ -253,8 +261,11 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
       m.solver.end(hand);
     chunk_.contact[n] += static_cast<float>(force);
     chunk_.friction[n] = static_cast<float>(m.solver.contact(rub_slot()).exciter.force_n);
-    if (chunk_.force[n] != 0)
-      m.solver.kick(m.push_gain, static_cast<double>(chunk_.force[n]) / sample_rate_);
+    if (chunk_.force[n] != 0) {
+      const double impulse = static_cast<double>(chunk_.force[n]) / sample_rate_;
+      m.solver.kick(m.push_gain, impulse);
+      m.solver.kick_rigid(m.push_rigid, impulse);
+    }
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
       chunk_.heard[l][n] = 0;
     for (std::size_t e = 0; e < m.ear_count; ++e) {
@@ -271,7 +282,7 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
     }
   }
   ring_beside(from, n);
-  if (!m.solver.touching())
+  if (!m.solver.touching() || has_settled())
     leave_contact();
   return n;
 }
@@ -279,11 +290,19 @@ std::size_t StruckBody::in_contact(std::size_t from, std::size_t frames) noexcep
 /// Nothing touches: the bank alone, up to where the led striker comes down.
 std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept {
   BodyModel& m = *model_;
+  if (rests() && m.bank.rings()) { // it has come to rest on a board while it rang
+    enter_contact();
+    return from;
+  }
   frames = std::min(frames, from + m.bank.glide_left());
-  // Up to where a hand or a surface that rubs comes down.
+  // Up to where a hand or a surface that rubs comes down, or a force moves a body on a board.
   const bool led = options_.led && options_.spring_n_per_m == 0;
+  const auto begins = [&](std::size_t n) {
+    return (led && chunk_.height[n] < 0) || chunk_.normal[n] > 0 ||
+           (rests() && chunk_.force[n] != 0);
+  };
   std::size_t to = from;
-  while (to < frames && !(led && chunk_.height[to] < 0) && !(chunk_.normal[to] > 0))
+  while (to < frames && !begins(to))
     ++to;
   const bool lands = next_landing_ < now_ + (to - from);
   if (lands)
@@ -307,8 +326,10 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
     land();
   else if (to < frames && led && chunk_.height[to] < 0)
     begin_led();
-  else if (to < frames)
+  else if (to < frames && chunk_.normal[to] > 0)
     begin_rub();
+  else if (to < frames)
+    enter_contact();
   return to;
 }
 

@@ -43,8 +43,9 @@ struct Hit {
 /// the listeners. New models are handed over between threads and taken at a block's beginning.
 ///
 /// Contacts run coupled with the body in ContactSolver, sample by sample; everything else rings in
-/// ModeBank. process() and hit() belong to one thread (or are called in turn), publish() to
-/// another.
+/// ModeBank. A body that rests on a board touches it for as long as anything moves: it rings in the
+/// solver, and the bank has what crowded strikes excite beside it. process() and hit() belong to
+/// one thread (or are called in turn), publish() to another.
 class StruckBody {
 public:
   StruckBody() = default;
@@ -202,7 +203,13 @@ private:
   void make_pulses(std::size_t frames) noexcept;
   void push_with_pulse(std::size_t slot, std::span<double> gain) noexcept;
   void continue_pulses() noexcept;
-  [[nodiscard]] contact::ImpactLaw law(const Striker& striker, double speed) const noexcept;
+  [[nodiscard]] contact::ImpactLaw law(const Striker& striker, double speed,
+                                       const SurfacePoint& place) const noexcept;
+  // A body that rests on a board: struck_body_rest.cpp.
+  [[nodiscard]] bool rests() const noexcept { return !model_->rests.empty(); }
+  [[nodiscard]] std::size_t active_besides_rests() const noexcept;
+  void begin_rests() noexcept;
+  [[nodiscard]] bool has_settled() const noexcept;
   void strike_coupled(std::size_t slot, const Hit& hit, const Striker& striker) noexcept;
   [[nodiscard]] bool strike_pulse(std::size_t slot, const Hit& hit, const Striker& striker,
                                   double max_mass_ratio) noexcept;

@@ -8,10 +8,11 @@
 /// How a StruckBody is struck: coupled blows and their bounces, pulses, recordings.
 namespace tactus::modal {
 
-contact::ImpactLaw StruckBody::law(const Striker& striker, double speed) const noexcept {
+contact::ImpactLaw StruckBody::law(const Striker& striker, double speed,
+                                   const SurfacePoint& place) const noexcept {
   contact::ImpactLaw law{contact::hertz_stiffness(striker.radius_m, striker.youngs_modulus_pa,
-                                                  striker.poisson, model_->youngs_modulus_pa,
-                                                  model_->poisson),
+                                                  striker.poisson, model_->modulus_at(place),
+                                                  model_->poisson_at(place)),
                          1.5, 0};
   if (striker.stiffness > 0) {
     law.stiffness = striker.stiffness;
@@ -132,10 +133,11 @@ bool StruckBody::strike(const Hit& hit, const Striker& striker) noexcept {
   if (model_->plays_raw)
     strike_raw(slot, hit);
   else {
-    const std::size_t active = model_->solver.active();
+    const std::size_t active = active_besides_rests();
     const bool crowded = active >= kMaxCoupled ||
                          (active > 0 && (active + 1) * model_->mode.size() > kMaxCoupledWork);
-    const bool pulse = crowded || !options_.coupled;
+    // The board answers what is coupled alone.
+    const bool pulse = crowded || !(options_.coupled || rests());
     const double limit = crowded ? std::numeric_limits<double>::infinity() : Pulse::kMaxMassRatio;
     if (hit.falls || !pulse || !strike_pulse(slot, hit, striker, limit))
       strike_coupled(slot, hit, striker);
@@ -147,7 +149,7 @@ void StruckBody::strike_coupled(std::size_t slot, const Hit& hit, const Striker&
   enter_contact();
   blows_[slot] = {hit, striker, hit.falls, false, 0, 0};
   ContactSolver::Strike strike;
-  strike.law = law(striker, hit.speed_m_per_s);
+  strike.law = law(striker, hit.speed_m_per_s, hit.place);
   strike.law.compliance_m_per_n = model_->left_out(hit.place);
   strike.mass_kg = striker.mass_kg;
   strike.velocity_m_per_s = hit.speed_m_per_s;
@@ -213,8 +215,8 @@ bool StruckBody::strike_pulse(std::size_t slot, const Hit& hit, const Striker& s
   for (const double b : model_->rigid_gains(hit.place, hit.direction))
     rigid += b * b;
   const Pulse pulse = find_pulse(
-      law(striker, hit.speed_m_per_s), striker.mass_kg, hit.speed_m_per_s, striker.restitution,
-      {gain, model_->rate, rigid, model_->left_out(hit.place), model_->band});
+      law(striker, hit.speed_m_per_s, hit.place), striker.mass_kg, hit.speed_m_per_s,
+      striker.restitution, {gain, model_->rate, rigid, model_->left_out(hit.place), model_->band});
   if (pulse.mass_ratio > max_mass_ratio)
     return false;
   pulses_[slot] = {hit, pulse, 0, true};

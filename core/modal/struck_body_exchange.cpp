@@ -10,7 +10,7 @@ namespace {
 /// Of the same contacts and listeners.
 bool have_like_kernels(const BodyModel& one, const BodyModel& two) noexcept {
   return one.settings.sample_rate == two.settings.sample_rate &&
-         one.settings.voices == two.settings.voices &&
+         one.settings.voices == two.settings.voices && one.rests.size() == two.rests.size() &&
          one.settings.listeners == two.settings.listeners;
 }
 
@@ -49,8 +49,11 @@ void StruckBody::adopt() noexcept {
   }
   const bool glides = model_ && model_->bank.glide(0).moving();
   std::swap(model_, next->model);
-  if (touched)
+  if (touched) {
+    if (next->model->rests.empty() && rests())
+      model_->solver.rest_rigid(); // where it was without a board is its equilibrium now
     take_over_contacts(*next->model);
+  }
   if (!goes_on && next->model)
     move_events(*next->model);
   if (!goes_on)
@@ -107,10 +110,12 @@ void StruckBody::take_over_contacts(BodyModel& before) noexcept {
     if (!before.solver.contact(old_slot).active)
       return;
     m.gains(place, direction, m.scratch);
-    const auto rigid = held ? BodyModel::RigidGain{} : m.rigid_gains(place, direction);
+    const auto rigid =
+        held && !m.recoils(place) ? BodyModel::RigidGain{} : m.rigid_gains(place, direction);
     m.solver.take_over(slot, before.solver, old_slot, m.scratch, rigid);
     m.aim_contact(slot, place, direction);
   };
+  begin_rests();
   const std::size_t voices = before.settings.voices;
   for (std::size_t i = 0; i < std::min(led_slot(), voices); ++i)
     go_on(i, i, blows_[i].hit.place, blows_[i].hit.direction);

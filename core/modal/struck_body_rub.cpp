@@ -24,12 +24,15 @@ void StruckBody::place_rub() noexcept {
   // Gains are of a push against a direction.
   const Vec3 against = -rub_.direction;
   model_->gains(rub_.place, against, model_->scratch);
-  // What is rubbed is held: the surface drags its modes along, not the body.
-  constexpr std::array<double, ContactSolver::kRigid> kHeld{};
+  // What is rubbed is held: the surface drags its modes along, not the body, unless it rests on a
+  // board.
+  const BodyModel::RigidGain rigid = model_->recoils(rub_.place)
+                                         ? model_->rigid_gains(rub_.place, against)
+                                         : BodyModel::RigidGain{};
   if (model_->solver.contact(rub_slot()).active)
-    model_->solver.move_rub(rub_slot(), model_->scratch, kHeld);
+    model_->solver.move_rub(rub_slot(), model_->scratch, rigid);
   else
-    model_->solver.begin_rub(rub_slot(), rub_.law, model_->scratch, kHeld);
+    model_->solver.begin_rub(rub_slot(), rub_.law, model_->scratch, rigid);
   aim_contact(rub_slot(), rub_.place, against);
 }
 
