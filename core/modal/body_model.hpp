@@ -33,7 +33,11 @@ struct RestSettings {
   double pressing_n =
       0; ///< that holds them together besides the body's weight, all points together
   static constexpr std::size_t kMaxPoints = 8;
-  bool operator==(const RestSettings&) const = default;
+  [[nodiscard]] bool operator==(const RestSettings& other) const noexcept {
+    return point_m == other.point_m && pressing_n == other.pressing_n &&
+           law.stiffness == other.law.stiffness && law.exponent == other.law.exponent &&
+           law.dissipation_s_per_m == other.law.dissipation_s_per_m;
+  }
 };
 
 /// What can be changed of a body while it sounds.

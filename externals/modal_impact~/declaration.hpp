@@ -27,6 +27,10 @@ enum ParameterIndex : std::size_t {
   kVoices,
   kOut,
   kSync,
+  kRestStiffness,
+  kRestExponent,
+  kRestLoss,
+  kRestForce,
 };
 inline constexpr std::array kParameters{
     Parameter{
@@ -54,6 +58,12 @@ inline constexpr std::array kParameters{
     Parameter{"out", "", 2, 1, 4, "listeners; 1 sounds on both sides at half the cost"},
     Parameter{"sync", "", 0, 0, 1,
               "1: tables and changes are worked out at once, so that renders repeat; 0: beside"},
+    Parameter{"rest_stiffness", "N/m^a", 4e8, 100, 1e13,
+              "k of what lies between body and board at each point of rest, k d^a: felt"},
+    Parameter{"rest_exponent", "", 2.3, 1, 5, "its a: 1 a spring, 1.5 hard and round, 2.3 felt"},
+    Parameter{"rest_loss", "s/m", 2, 0, 100, "its loss: force k d^a (1 + loss v)"},
+    Parameter{"rest_force", "N", 0, 0, 1000,
+              "what presses body and board together besides the weight, all points together"},
 };
 
 enum MessageIndex : std::size_t {
@@ -69,6 +79,8 @@ enum MessageIndex : std::size_t {
   kPoint,
   kRub,
   kFriction,
+  kBoard,
+  kRest,
   kListener,
   kMaterial,
   kPreset,
@@ -100,6 +112,11 @@ inline constexpr std::array kMessages{
             "where inlets 3 and 4 rub the body, mm, and the direction that its velocity counts in"},
     Message{"friction", "static dynamic stribeck breakaway stiffness damping viscosity roughness",
             1, 8, "law of what rubs, as of contact_friction~; what is not given is as there"},
+    Message{"board", "file.npz [dx dy dz] or none", 1, 4,
+            "read the table of a second body, held by supports, that the first lies on; displaced "
+            "by dx dy dz mm in its axes"},
+    Message{"rest", "[x y z] ...", 0, 24,
+            "up to 8 points where body and board touch, mm in the body's axes; none: nowhere"},
     Message{"listener", "i x y z", 4, 4,
             "places listener i of 1 to 4, mm; nearer than 18 cm all sounds up to 0.5 ms late"},
     Message{"material", "E rho", 2, 2, "Pa and kg/m^3; 0: the table's"},

@@ -53,6 +53,8 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
   host_ = &host;
   if (index == kLoad)
     return load(arguments, host);
+  if (index == kBoard)
+    return set_board(arguments, host);
   if (index == kPreset)
     return set_preset(arguments[0], host);
   std::vector<double> numbers;
@@ -85,6 +87,8 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     return set_rub(numbers, host);
   case kFriction:
     return set_friction(numbers, host);
+  case kRest:
+    return set_rest(numbers, host);
   case kListener:
     return set_listener(numbers, host);
   case kMaterial:
@@ -124,15 +128,7 @@ void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
   const std::string path = host.find_file(name);
   if (path.empty())
     return host.error("load " + name + ": there is no such file");
-  TableWorker::Request request{path, name, table_, settings()};
-  if (at_once)
-    return accept(TableWorker::carry_out(request), &host);
-  if (const std::string refusal =
-          worker_.request(request, [waiting = &host] { waiting->wake_from_thread(); });
-      !refusal.empty()) {
-    host.error("load " + name + ": " + refusal);
-    accept(TableWorker::carry_out(request), &host);
-  }
+  carry_out({path, name, table_, settings(), {}}, "load " + name, at_once, host);
 }
 
 void ModalImpact::warn_of_distance(const SurfacePoint& place, Host& host) {

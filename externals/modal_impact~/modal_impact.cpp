@@ -58,6 +58,8 @@ BodySettings ModalImpact::settings() const {
   now.most_modes = static_cast<std::size_t>(value_[kModes]);
   now.voices = static_cast<std::size_t>(value_[kVoices]);
   now.listeners = static_cast<std::size_t>(value_[kOut]);
+  now.rest.law = {value_[kRestStiffness], value_[kRestExponent], value_[kRestLoss]};
+  now.rest.pressing_n = value_[kRestForce];
   now.radiation = static_cast<Radiation>(static_cast<int>(value_[kRadiation]));
   return now;
 }
@@ -82,7 +84,8 @@ void ModalImpact::set(std::size_t parameter, double value) noexcept {
   value_[parameter] = value;
   take_options();
   const bool of_the_model = parameter == kRadiation || parameter == kSize || parameter == kModes ||
-                            parameter == kChoke || parameter == kVoices || parameter == kOut;
+                            parameter == kChoke || parameter == kVoices || parameter == kOut ||
+                            (parameter >= kRestStiffness && parameter <= kRestForce);
   if (of_the_model && table_)
     renew();
 }
@@ -90,13 +93,13 @@ void ModalImpact::set(std::size_t parameter, double value) noexcept {
 void ModalImpact::renew() {
   if (!table_)
     return;
-  TableWorker::Request request{{}, {}, table_, settings()};
+  TableWorker::Request request{{}, {}, table_, settings(), {}};
   const std::size_t work =
       request.settings.radiation == Radiation::kBody
           ? kSoonDone + 1
-          : table_->table.modes() * table_->radiating.triangles() * request.settings.listeners;
+          : table_->table.modes() * table_->surface.triangles() * request.settings.listeners;
   if (value_[kSync] >= 0.5 || work <= kSoonDone || !host_)
-    return accept(TableWorker::carry_out(request), nullptr);
+    return accept(TableWorker::carry_out(request), host_);
   if (const std::string refusal =
           worker_.request(request, [host = host_] { host->wake_from_thread(); });
       !refusal.empty()) {
@@ -109,11 +112,12 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
   if (!result.refusal.empty()) {
     if (host)
       host->error(result.refusal);
-    return;
   }
   if (!result.model)
     return;
   const bool same = result.table == table_;
+  if (!accept_rest(*result.model, same, host))
+    return;
   const BodySettings wanted = settings();
   const bool stale = result.model->settings.sample_rate != wanted.sample_rate ||
                      result.model->settings.voices != wanted.voices;
@@ -127,6 +131,11 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
                 static_cast<double>(table.modes())});
     if (table_->shape.empty())
       host->log("the table has frequencies alone: every mode rings with the same gain");
+  }
+  if (result.board_loaded && host && !table_->parts.empty()) {
+    const ModalTable& board = table_->parts[LoadedTable::kBoard].loaded->table;
+    host->info({"board", std::string_view(board.body_name.empty() ? "body" : board.body_name),
+                static_cast<double>(board.modes())});
   }
   if (stale)
     renew();
@@ -167,6 +176,12 @@ void ModalImpact::tell_info(Host& host) {
   host.info({"culled", static_cast<double>(body_.culled())});
   host.info({"contacts", static_cast<double>(body_.contacts())});
   host.info({"mass", model->mass_kg});
+  if (!model->rests.empty()) {
+    std::vector<Atom> carried{"rest"};
+    for (const BodyModel::Rest& rest : model->rests)
+      carried.emplace_back(rest.preload_n);
+    host.info(carried);
+  }
   host.info({"material", model->youngs_modulus_pa, model->density_kg_per_m3, model->poisson});
   if (!model->loaded->surface.empty()) {
     const Vec3 low = model->loaded->surface.lowest(), high = model->loaded->surface.highest();

@@ -68,6 +68,8 @@ private:
   void set_point(Numbers numbers, Host& host);
   void set_rub(Numbers numbers, Host& host);
   void set_friction(Numbers numbers, Host& host);
+  void set_board(std::span<const Atom> arguments, Host& host);
+  void set_rest(Numbers numbers, Host& host);
   void set_listener(Numbers numbers, Host& host);
   void set_material(Numbers numbers, Host& host);
   void set_preset(const Atom& name, Host& host);
@@ -84,9 +86,15 @@ private:
   /// Makes a new model of the settings: now when it is soon done or must be, else in the thread.
   void renew();
   void accept(TableWorker::Result result, Host* host);
+  /// Works it out now, or in the thread.
+  void carry_out(const TableWorker::Request& request, const std::string& subject, bool at_once,
+                 Host& host);
+  /// False for a body that cannot rest as it should: it goes on as it did.
+  bool accept_rest(const BodyModel& model, bool same_table, Host* host);
 
   std::array<double, modal_impact::kParameters.size()> value_{};
   BodySettings settings_;
+  BodySettings good_; ///< of these `rest`, as it was when a body last could rest so
   StruckBody body_;
   std::shared_ptr<const LoadedTable> table_;
   Host* host_ = nullptr; ///< lives as long as the object; for the worker's call back

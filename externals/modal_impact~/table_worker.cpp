@@ -48,43 +48,77 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
   {
     const std::lock_guard lock(mutex_);
     // A load that still waits is not forgotten for a change of settings.
-    if (waiting_ && request.path.empty() && !waiting_->path.empty()) {
-      waiting_->settings = request.settings;
-    } else {
-      waiting_ = request;
+    Request next = request;
+    if (waiting_ && next.path.empty()) {
+      next.path = waiting_->path;
+      next.name = waiting_->name;
     }
+    if (waiting_ && !next.board)
+      next.board = waiting_->board;
+    waiting_ = std::move(next);
     ready_ = std::move(ready);
   }
   wake_.notify_all();
   return {};
 }
 
+/// A request for the table that another replaces is one for that.
+void TableWorker::follow(Request& request) const {
+  if (replacing_ && request.table == replaced_)
+    request.table = replacing_;
+}
+
 std::optional<TableWorker::Result> TableWorker::take() {
   const std::lock_guard lock(mutex_);
+  if (waiting_)
+    follow(*waiting_);
+  replaced_ = replacing_ = nullptr;
   return std::exchange(done_, std::nullopt);
 }
 
 TableWorker::Result TableWorker::carry_out(const Request& request) {
   Result result;
-  result.loaded = !request.path.empty();
   result.table = request.table;
+  std::string subject = "load " + request.name + ": ";
+  const auto read = [&](const std::string& path) -> std::shared_ptr<const LoadedTable> {
+    std::vector<std::byte> bytes;
+    ModalTable table;
+    result.refusal = read_file(path, bytes);
+    if (result.refusal.empty())
+      result.refusal = read_modal_table(bytes, table);
+    return result.refusal.empty() ? std::make_shared<const LoadedTable>(std::move(table)) : nullptr;
+  };
   try {
-    if (result.loaded) {
-      std::vector<std::byte> bytes;
-      ModalTable table;
-      std::string refusal = read_file(request.path, bytes);
-      if (refusal.empty())
-        refusal = read_modal_table(bytes, table);
-      if (!refusal.empty()) {
-        result.refusal = "load " + request.name + ": " + refusal;
-        return result;
-      }
-      result.table = std::make_shared<const LoadedTable>(std::move(table));
+    std::shared_ptr<const LoadedTable> body = request.table, board;
+    Vec3 displacement{};
+    if (body && !body->parts.empty()) {
+      board = request.table->parts[LoadedTable::kBoard].loaded;
+      displacement = request.table->parts[LoadedTable::kBoard].displacement_m;
+      body = request.table->parts[0].loaded;
     }
-    if (result.table)
+    if (!request.path.empty()) {
+      body = read(request.path);
+      result.loaded = true;
+    }
+    if (request.board && result.refusal.empty()) {
+      subject = "board " + request.board->name + ": ";
+      result.board_loaded = !request.board->path.empty();
+      board = result.board_loaded ? read(request.board->path) : nullptr;
+      displacement = request.board->displacement_m;
+      if (result.refusal.empty() && !body)
+        result.refusal = "there is no body yet: load one first";
+    }
+    const bool is_new = result.loaded || request.board;
+    if (is_new && result.refusal.empty() && board)
+      result.refusal = LoadedTable::refusal(*body, *board);
+    if (is_new && result.refusal.empty())
+      result.table = board ? std::make_shared<const LoadedTable>(body, board, displacement) : body;
+    if (!result.refusal.empty())
+      result.refusal = subject + result.refusal;
+    else if (result.table)
       result.model = std::make_unique<BodyModel>(result.table, request.settings);
   } catch (const std::bad_alloc&) {
-    result.refusal = "load " + request.name + ": not enough memory";
+    result.refusal = subject + "not enough memory";
     result.model.reset();
   }
   return result;
@@ -99,15 +133,26 @@ void TableWorker::work(const std::stop_token& stop) {
         return;
       request = std::move(*waiting_);
       waiting_.reset();
+      follow(request);
     }
     Result result = carry_out(request);
     const std::lock_guard lock(mutex_);
-    // A result nobody has taken yet is replaced, unless it is a body that only now was read.
-    if (done_ && done_->loaded && !result.loaded && done_->table != result.table)
-      continue;
-    if (done_ && done_->loaded && done_->table == result.table)
-      result.loaded = true;
-    done_ = std::move(result);
+    // A result that nobody has taken yet is replaced, unless nothing came of the newer one or it is
+    // of a table that was exchanged meanwhile.
+    if (done_ && done_->model && !result.model) {
+      done_->refusal = result.refusal;
+    } else if (!done_ || !done_->loaded || result.loaded || request.table == done_->table) {
+      if (done_ && result.model) {
+        result.loaded |= done_->loaded;
+        result.board_loaded |= done_->board_loaded;
+      }
+      if (result.model && result.table != request.table) {
+        if (!replacing_)
+          replaced_ = request.table;
+        replacing_ = result.table;
+      }
+      done_ = std::move(result);
+    }
     if (ready_)
       ready_();
   }

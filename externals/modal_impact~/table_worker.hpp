@@ -13,20 +13,26 @@
 namespace tactus::modal {
 
 /// Reads tables and makes models in a thread of its own, or at once. Of requests that wait only the
-/// last load and the last settings count.
+/// last load, the last board and the last settings count.
 class TableWorker {
 public:
+  /// What the body lies on from now on.
+  struct Board {
+    std::string path, name; ///< empty: nothing
+    Vec3 displacement_m{};  ///< in the body's axes
+  };
   struct Request {
-    std::string path; ///< empty: only a new model of the same table
+    std::string path; ///< empty: only a new model of the same table, or another board
     std::string name; ///< of the file, as the user wrote it
     std::shared_ptr<const LoadedTable> table;
     BodySettings settings;
+    std::optional<Board> board; ///< none: as it is
   };
   struct Result {
-    std::string refusal; ///< a sentence when there is no model
+    std::string refusal; ///< a sentence when something could not be read
     std::shared_ptr<const LoadedTable> table;
     std::unique_ptr<BodyModel> model;
-    bool loaded = false;
+    bool loaded = false, board_loaded = false; ///< read now
   };
 
   TableWorker() = default;
@@ -43,11 +49,14 @@ public:
 
 private:
   void work(const std::stop_token& stop);
+  void follow(Request& request) const;
 
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::optional<Request> waiting_;
   std::optional<Result> done_;
+  /// The table that waits in `done_` and the one that it follows: requests made meanwhile mean it.
+  std::shared_ptr<const LoadedTable> replaced_, replacing_;
   std::function<void()> ready_;
   std::jthread thread_;
 };

@@ -60,6 +60,27 @@ def closed_form_string(length=.33, side=.001, hz=196., density=3e-3, modes=40, l
     return table
 
 
+def closed_form_board(length=.5, width=.35, thickness=.008, young=1.1e10, density=450, columns=24, rows=18):
+    """Table of a simply supported wooden plate by Kirchhoff, centred in the x-y plane."""
+    nu, pi = .3, numpy.pi
+    mass = density * length * width * thickness
+    stiffness = young * thickness ** 3 / (12 * (1 - nu ** 2))
+    numbers = [(m, n) for m in range(1, 7) for n in range(1, 6)]
+    f = numpy.array([pi / 2 * numpy.sqrt(stiffness / (density * thickness)) * ((m / length) ** 2 + (n / width) ** 2)
+                     for m, n in numbers])
+    order = numpy.argsort(f)
+    xyz, tri = box(length, width, thickness, columns, rows)
+    phi = numpy.zeros((len(f), len(xyz), 3))
+    for k, i in enumerate(order):
+        m, n = numbers[i]
+        phi[k, :, 2] = 2 / numpy.sqrt(mass) * (numpy.sin(m * pi * (xyz[:, 0] / length + .5))
+                                               * numpy.sin(n * pi * (xyz[:, 1] / width + .5)))
+    table = arrays("board", "simply supported", young, density, f[order], phi, xyz, tri, mass,
+                   numpy.zeros(3), mass / 12 * numpy.eye(3))
+    table["eta"] = numpy.full(len(f), .01)
+    return table
+
+
 def inextensional_bowl(radius=.08, thickness=.003, modes=9, density=7800):
     """Table of a free steel hemisphere with Rayleigh's inextensional shapes, cos and sin n phi."""
     rows, columns = 24, 64

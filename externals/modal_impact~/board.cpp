@@ -1,0 +1,102 @@
+#include "core/words.hpp"
+#include "externals/modal_impact~/modal_impact~.hpp"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+/// A second body that the first one lies on: the messages `board` and `rest`.
+namespace tactus::modal {
+
+using namespace modal_impact;
+
+namespace {
+
+constexpr double kMillimetre = 0.001;
+constexpr double kFarthest = 1e6; // mm
+constexpr double kFarApart = 0.1; // of the diagonal of both
+
+bool is_position(const Atom& atom) { return !atom.is_word && std::abs(atom.number) <= kFarthest; }
+
+} // namespace
+
+void ModalImpact::carry_out(const TableWorker::Request& request, const std::string& subject,
+                            bool at_once, Host& host) {
+  if (at_once)
+    return accept(TableWorker::carry_out(request), &host);
+  if (const std::string refusal =
+          worker_.request(request, [waiting = &host] { waiting->wake_from_thread(); });
+      !refusal.empty()) {
+    host.error(subject + ": " + refusal);
+    accept(TableWorker::carry_out(request), &host);
+  }
+}
+
+void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
+  const bool displaced = arguments.size() == 4;
+  if (!arguments[0].is_word || (arguments.size() != 1 && !displaced))
+    return host.error("board: expected a file's name, perhaps with dx dy dz, or none");
+  TableWorker::Board board;
+  board.name = std::string(arguments[0].word);
+  if (displaced) {
+    for (std::size_t i = 1; i < 4; ++i)
+      if (!is_position(arguments[i]))
+        return host.error("board " + board.name + ": expected dx dy dz of -1e+06..1e+06 mm");
+    board.displacement_m =
+        kMillimetre * Vec3{arguments[1].number, arguments[2].number, arguments[3].number};
+  }
+  if (board.name != "none" || displaced) {
+    board.path = host.find_file(board.name);
+    if (board.path.empty())
+      return host.error("board " + board.name + ": there is no such file");
+  } else if (table_ && table_->parts.empty() && value_[kSync] >= 0.5) {
+    return;
+  }
+  const std::string subject = "board " + board.name;
+  carry_out({{}, {}, table_, settings(), std::move(board)}, subject, value_[kSync] >= 0.5, host);
+}
+
+void ModalImpact::set_rest(Numbers n, Host& host) {
+  if (n.size() % 3 != 0)
+    return host.error("rest: " + number_text(static_cast<double>(n.size())) +
+                      " numbers: expected x y z for each point, or nothing");
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < n.size(); i += 3) {
+    for (std::size_t axis = i; axis < i + 3; ++axis)
+      if (!(std::abs(n[axis]) <= kFarthest))
+        return host.error("rest: " + number_text(n[axis]) + " mm: expected -1e+06..1e+06");
+    points.push_back(kMillimetre * Vec3{n[i], n[i + 1], n[i + 2]});
+  }
+  settings_.rest.point_m = std::move(points);
+  renew();
+}
+
+bool ModalImpact::accept_rest(const BodyModel& model, bool same_table, Host* host) {
+  const RestSettings& rest = model.settings.rest;
+  if (model.rest_refusal.empty()) {
+    good_.rest = rest;
+    const double far = kFarApart * model.settings.size * model.loaded->surface.diagonal();
+    if (host && !model.rests.empty() && model.largest_gap_m > far)
+      host->log("the points of rest are up to " + number_text(1000 * model.largest_gap_m) +
+                " mm from the board: what lies between is taken to be so thick");
+    return true;
+  }
+  if (host)
+    host->error("rest: " + model.rest_refusal);
+  // Back to what held, if that was another on the same table; else it rests nowhere.
+  const bool another = same_table && !(good_.rest == rest);
+  settings_.rest.point_m = another ? good_.rest.point_m : std::vector<Vec3>{};
+  if (another) {
+    value_[kRestStiffness] = good_.rest.law.stiffness;
+    value_[kRestExponent] = good_.rest.law.exponent;
+    value_[kRestLoss] = good_.rest.law.dissipation_s_per_m;
+    value_[kRestForce] = good_.rest.pressing_n;
+  }
+  good_.rest = {};
+  if (!another)
+    return true;
+  renew();
+  return false;
+}
+
+} // namespace tactus::modal
