@@ -184,6 +184,28 @@ TEST_CASE("points carry the weight and what presses, or the body is told to tip 
   CHECK(model({{0.02, 0, -0.01}, {0.08, 0, -0.01}}, 3)->rests.size() == 2); // screwed on
 }
 
+TEST_CASE("a point pushes the body away from the board, and the board from the body") {
+  ModalTable upper = bar(), lower = board();
+  upper.residual_compliance.assign(upper.vertices(), 1e-7F);
+  lower.residual_compliance.assign(lower.vertices(), 2e-7F);
+  const auto both = std::make_shared<const LoadedTable>(
+      std::make_shared<const LoadedTable>(std::move(upper)),
+      std::make_shared<const LoadedTable>(std::move(lower)), Vec3{0.01, 0.02, -0.03});
+  BodySettings settings;
+  settings.radiation = Radiation::kNone;
+  settings.rest.point_m = {{-0.1, 0, -0.005}, {0.1, 0, -0.005}};
+  const BodyModel model(both, settings);
+  REQUIRE(model.rests.size() == 2);
+  for (const BodyModel::Rest& rest : model.rests) {
+    CHECK(rest.direction.z == doctest::Approx(1));
+    CHECK(1e7 * rest.law.compliance_m_per_n == doctest::Approx(3).epsilon(1e-5));
+    // The lowest modes of both are bulges upwards here.
+    CHECK(rest.gain[model.place_of[both->parts[0].mode[0]]] ==
+          doctest::Approx(2 / std::sqrt(0.06)).epsilon(1e-3));
+    CHECK(rest.gain[model.place_of[both->parts[1].mode[0]]] < -0.5);
+  }
+}
+
 TEST_CASE("a body at rest on its board is silent, and costs nothing") {
   Lying rig;
   const Heard heard = rig.run(4800);
@@ -356,7 +378,8 @@ TEST_CASE("a force, a hand and a surface that rubs move both bodies") {
 
 TEST_CASE("a body and its board are heard as each is alone, together") {
   const auto both = on_board();
-  for (const Vec3 listener : {Vec3{0.1, 0.2, 0.5}, Vec3{0.02, 0.01, 0.05}, Vec3{0, 0.1, -0.4}})
+  for (const Vec3 listener :
+       {Vec3{0.1, 0.2, 0.5}, Vec3{0.02, 0.01, 0.05}, Vec3{0, 0, 0.8}, Vec3{0, 0.1, -0.4}})
     for (std::size_t p = 0; p < 2; ++p) {
       BodySettings settings;
       settings.listener[0] = listener;
