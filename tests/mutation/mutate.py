@@ -3,11 +3,11 @@
 
     tests/mutation/mutate.py [ROOM...] [--count 40] [--seed 1] [--everything] [--changed REVISION]
                              [--only PATH[:LINE]] [--folder build-mutation] [--jobs 2]
-                             [--again | --read RESULTS.json...] [--record docs/results/mutation.md]
+                             [--resume | --again | --read RESULTS.json...] [--record docs/results/mutation.md]
 
 A room is a folder of `rooms.py`. --count changes are drawn from each room with a fixed seed. Each is
-made in a copy of the sources, only what depends on it is built, and the room's unit tests run, from the
-one that is named like the changed file on. --everything gives what they miss to the tests of the objects
+made in a copy of the sources, only what depends on it is built, and the room's unit tests run, the
+quick ones first, up to the first that fails. --everything gives what they miss to the tests of the objects
 that use the room. --changed draws only from lines that differ from REVISION.
 
   noticed     a test failed, crashed, or took longer than ten times its usual time
@@ -16,9 +16,9 @@ that use the room. --changed draws only from lines that differ from REVISION.
               reason why no test can notice it (equivalent.toml)
 
 The same seed and sources give the same changes. Prints progress, one line a change, and a table by room.
-Results are kept in FOLDER/ROOM-SEED.json. --again runs only what the unit tests missed by those
-files, after tests were written for it, and brings the files up to date; --read runs nothing. --record
-puts the rows into the table of a page.
+Results are kept in FOLDER/ROOM-SEED.json. --resume goes on with a run that was stopped. --again runs
+only what the unit tests missed by those files, after tests were written for it, and brings the files
+up to date; --read runs nothing. --record puts the rows into the table of a page.
 """
 import argparse
 import random
@@ -73,14 +73,18 @@ def drawn(room, seed, count, changed, only):
     return kept  # the caller stops at `count` that count
 
 
-def run(room, changes, count, equivalents, keep=lambda judged: None):
-    """[(change, verdict)] until `count` count; kept after each, so that a run can be stopped."""
+def run(room, changes, count, equivalents, keep=lambda judged: None, known=()):
+    """[(change, verdict)] until `count` count; kept after each, so that a run can be stopped.
+
+    `known`: {change: verdict} of a run before that was stopped.
+    """
+    known = dict(known)
     judged, counted = [], 0
     for change in changes:
         if counted == count:
             break
         begin = time.monotonic()
-        verdict = "equivalent" if equivalents.reason(change) else room.judge(change)
+        verdict = "equivalent" if equivalents.reason(change) else known.get(change) or room.judge(change)
         judged.append((change, verdict))
         keep(judged)
         counted += verdict in COUNTED
@@ -99,6 +103,7 @@ def main():
     words.add_argument("--only", metavar="PATH[:LINE]")
     words.add_argument("--folder", type=Path, default=ROOT / "build-mutation")
     words.add_argument("--jobs", type=int, default=2)
+    words.add_argument("--resume", action="store_true")
     words.add_argument("--again", metavar="RESULTS.json", nargs="+", type=Path)
     words.add_argument("--read", metavar="RESULTS.json", nargs="+", type=Path)
     words.add_argument("--record", metavar="PAGE.md", type=Path)
@@ -135,7 +140,8 @@ def main():
             if changes:
                 path = None if order.changed or order.only else order.folder / f"{name}-{order.seed}.json"
                 keep = lambda judged: path and save(path, name, order.seed, order.everything, judged)
-                judged = run(room_of(name), changes, order.count, equivalents, keep)
+                known = load(path)[3] if order.resume and path and path.exists() else ()
+                judged = run(room_of(name), changes, order.count, equivalents, keep, known)
                 results.append((name, order.seed, order.everything, judged))
     print("\n" + report(results))
     if order.record:
