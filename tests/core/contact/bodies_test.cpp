@@ -1,4 +1,5 @@
 #include "core/contact/touched_body.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,6 +12,7 @@
 // place with shapes on two of them.
 
 using namespace tactus::contact;
+using tactus::test::approx;
 
 namespace {
 
@@ -102,7 +104,7 @@ TEST_CASE("two free bodies that collide keep momentum and energy to rounding, at
       CHECK(growth < 1e-13 * energy);
       CHECK(drift < 1e-13 * (.3 * .4 + .2 * 1.3));
       if (loss == 0) // modes that decay over hours: nothing is lost
-        CHECK(before == doctest::Approx(energy).epsilon(2e-3));
+        CHECK(before == approx(energy).epsilon(2e-3));
       CHECK(stack.speed(1) > stack.speed(0)); // they have parted
     }
 }
@@ -114,8 +116,8 @@ TEST_CASE("two rigid bodies part with the restitution of their law") {
     for (int n = 0; n < 960; ++n)
       stack.body().step();
     const double e = restitution(mu * 1.3), centre = -.2 * 1.3 / .5;
-    CHECK(stack.speed(1) == doctest::Approx(centre + .3 / .5 * e * 1.3).epsilon(1e-3));
-    CHECK(stack.speed(0) == doctest::Approx(centre - .2 / .5 * e * 1.3).epsilon(1e-3));
+    CHECK(stack.speed(1) == approx(centre + .3 / .5 * e * 1.3).epsilon(1e-3));
+    CHECK(stack.speed(0) == approx(centre - .2 / .5 * e * 1.3).epsilon(1e-3));
   }
 }
 
@@ -128,7 +130,7 @@ TEST_CASE(
   rigid.set_off(0, 1);
   for (int n = 0; n < 4800; ++n)
     rigid.body().step();
-  CHECK(rigid.speed(4) == doctest::Approx(1).epsilon(1e-3));
+  CHECK(rigid.speed(4) == approx(1).epsilon(1e-3));
   for (std::size_t i = 0; i < 4; ++i)
     CHECK(std::abs(rigid.speed(i)) < 2e-3);
 
@@ -168,7 +170,7 @@ TEST_CASE("a held striker that presses slowly feels the law in series with the b
   double force = 0;
   for (int i = 0; i < 200; ++i) // the root of a growing function, halved
     force += .5 * (law.force(std::max(way - force * compliance, 0.), 0) - force) * .2;
-  CHECK(body.force(0) == doctest::Approx(force).epsilon(1e-4));
+  CHECK(body.force(0) == approx(force).epsilon(1e-4));
   body.lead(0, -1); // and it lets go
   for (int n = 0; n < 4800; ++n)
     body.step();

@@ -1,4 +1,5 @@
 #include "core/contact/touched_body.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,6 +13,7 @@
 // Masses on vibrating bodies, against integrations of the equations of motion.
 
 using namespace tactus::contact;
+using tactus::test::approx;
 
 namespace {
 
@@ -119,10 +121,10 @@ TEST_CASE("a mass on three modes leaves with the speed, at the time and the soun
       signal += std::pow(exact.surface_velocity(), 2);
     }
     // The reference itself, and then the object.
-    CHECK(exact.velocity() == doctest::Approx(speed_after).epsilon(1e-5));
-    CHECK(exact.end() == doctest::Approx(1e-3 * end_ms).epsilon(1e-3));
-    CHECK(body.exciter(0).velocity_m_per_s == doctest::Approx(speed_after).epsilon(1e-3));
-    CHECK(body.exciter(0).last.duration_s == doctest::Approx(1e-3 * end_ms).epsilon(1e-2));
+    CHECK(exact.velocity() == approx(speed_after).epsilon(1e-5));
+    CHECK(exact.end() == approx(1e-3 * end_ms).epsilon(1e-3));
+    CHECK(body.exciter(0).velocity_m_per_s == approx(speed_after).epsilon(1e-3));
+    CHECK(body.exciter(0).last.duration_s == approx(1e-3 * end_ms).epsilon(1e-2));
     const double decibels = 10 * std::log10(error / signal);
     MESSAGE("sound beside the exact one: ", decibels, " dB");
     CHECK(decibels < -60);
@@ -147,18 +149,16 @@ TEST_CASE("restitution follows from mu v alone, over three decades and any mass 
       REQUIRE(wall.exciter(0).blows == 1);
       CHECK(wall.exciter(0).last.duration_s * 44100 >= 4);
       CAPTURE(mu_v);
-      CHECK(-wall.exciter(0).velocity_m_per_s / speed ==
-            doctest::Approx(restitution(mu_v)).epsilon(1e-3));
+      CHECK(-wall.exciter(0).velocity_m_per_s / speed == approx(restitution(mu_v)).epsilon(1e-3));
     }
     // The equation that defines e.
     const double e = restitution(mu_v);
-    CHECK(-e * mu_v - std::log1p(-e * mu_v) ==
-          doctest::Approx(mu_v - std::log1p(mu_v)).epsilon(1e-7));
+    CHECK(-e * mu_v - std::log1p(-e * mu_v) == approx(mu_v - std::log1p(mu_v)).epsilon(1e-7));
   }
   CHECK(restitution(0) == 1);
-  CHECK(restitution(1e-3) == doctest::Approx(1 - 2e-3 / 3).epsilon(1e-6));
-  CHECK(restitution(1.0000001e-4) == doctest::Approx(restitution(0.9999999e-4)).epsilon(1e-9));
-  CHECK(restitution(1e6) == doctest::Approx(1e-6).epsilon(1e-3));
+  CHECK(restitution(1e-3) == approx(1 - 2e-3 / 3).epsilon(1e-6));
+  CHECK(restitution(1.0000001e-4) == approx(restitution(0.9999999e-4)).epsilon(1e-9));
+  CHECK(restitution(1e6) == approx(1e-6).epsilon(1e-3));
 }
 
 TEST_CASE("a free mode keeps its frequency and decay time at any rate and step") {
@@ -174,7 +174,7 @@ TEST_CASE("a free mode keeps its frequency and decay time at any rate and step")
         // Every sum of exp((-d +- j omega) t) satisfies this, and nothing else does.
         const double radius = std::exp(-d / rate), turn = 2 * radius * std::cos(2 * kPi * share);
         double two_ago = body.hear(), worst = 0;
-        CHECK(two_ago == doctest::Approx(4));
+        CHECK(two_ago == approx(4));
         body.step();
         double ago = body.hear();
         for (int n = 1; n <= 400; ++n) {

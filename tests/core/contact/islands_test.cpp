@@ -1,6 +1,7 @@
 #include "core/contact/contact_islands.hpp"
 #include "core/contact/touched_body.hpp"
 #include "core/dsp/random.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -16,6 +17,7 @@
 // their own.
 
 using namespace tactus::contact;
+using tactus::test::approx;
 
 namespace {
 
@@ -449,7 +451,7 @@ TEST_CASE("rigid chains in one list keep their momentum while links meet and par
   }
   CHECK(growth < 1e-13 * energy);
   CHECK(drift < 1e-12);
-  CHECK(before == doctest::Approx(energy).epsilon(1e-2));
+  CHECK(before == approx(energy).epsilon(1e-2));
   CHECK(most >= 3);
   for (std::size_t i = 0; i < 8; ++i)
     CHECK(body.exciter(i).blows > 0);

@@ -1,4 +1,5 @@
 #include "core/contact/touched_body.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,6 +11,7 @@
 // Laws by their closed forms, and what happens at the ends of ranges.
 
 using namespace tactus::contact;
+using tactus::test::approx;
 
 namespace {
 
@@ -33,16 +35,16 @@ TEST_CASE("force, work and depth of the law belong together") {
   for (const double exponent : {1., 1.5, 2.7}) {
     const ImpactLaw law{3e6, exponent, .4};
     const double x = 2e-4, dx = 1e-9;
-    CHECK(law.force(x, 0) == doctest::Approx(3e6 * std::pow(x, exponent)));
-    CHECK(law.force(x, .5) == doctest::Approx(law.force(x, 0) * 1.2));
+    CHECK(law.force(x, 0) == approx(3e6 * std::pow(x, exponent)));
+    CHECK(law.force(x, .5) == approx(law.force(x, 0) * 1.2));
     CHECK(law.force(x, -9) == 0); // never pulls
     CHECK(law.force(0, 1) == 0);
     CHECK(law.force(-x, 1) == 0);
     CHECK((law.work(x + dx) - law.work(x - dx)) / (2 * dx) ==
-          doctest::Approx(law.force(x, 0)).epsilon(1e-5));
+          approx(law.force(x, 0)).epsilon(1e-5));
     CHECK(law.work(0) == 0);
     CHECK(law.work(-x) == 0);
-    CHECK(law.deepest(law.work(x)) == doctest::Approx(x));
+    CHECK(law.deepest(law.work(x)) == approx(x));
     CHECK(law.deepest(0) == 0);
     CHECK(law.deepest(-1) == 0);
   }
@@ -61,7 +63,7 @@ TEST_CASE("restitution of weak losses is its series, and that of none is one") {
   CHECK(restitution(-1) == 1);
   for (const double y : {1e-9, 1e-6, 9.9e-5, 1.01e-4, 1e-3}) {
     // y - ln(1 + y) is the same at y and -e y: e = 1 - 2/3 y + 4/9 y^2 - ...
-    CHECK(restitution(y) == doctest::Approx(1 - 2. / 3 * y + 4. / 9 * y * y).epsilon(1e-9));
+    CHECK(restitution(y) == approx(1 - 2. / 3 * y + 4. / 9 * y * y).epsilon(1e-9));
   }
 }
 
@@ -96,7 +98,7 @@ TEST_CASE("friction's ranges hold, and what has been released bends from nothing
   FrictionLaw stiff;
   stiff.stiffness_n_per_m *= 100;
   used.set(stiff);
-  CHECK(used.stored_j() == doctest::Approx(stored));
+  CHECK(used.stored_j() == approx(stored));
   used.enter_step(0, 1, 0, 1 / kRate); // nothing presses
   CHECK(used.stored_j() == 0);
 }
@@ -159,7 +161,7 @@ TEST_CASE("a mass flies no further than a kilometre, and falls back from there")
     body.step();
     ++samples;
   }
-  CHECK(samples / kRate == doctest::Approx(std::sqrt(2 * 1000 / 1e4)).epsilon(.01));
+  CHECK(samples / kRate == approx(std::sqrt(2 * 1000 / 1e4)).epsilon(.01));
 }
 
 TEST_CASE("masses that come and go leave the others alone") {
@@ -173,7 +175,7 @@ TEST_CASE("masses that come and go leave the others alone") {
     body.step();
   const double rest = body.exciter(0).depth_m;
   // k x^1.5 = 2 N
-  CHECK(rest == doctest::Approx(std::pow(2e-6, 2. / 3)).epsilon(1e-3));
+  CHECK(rest == approx(std::pow(2e-6, 2. / 3)).epsilon(1e-3));
   for (int round = 0; round < 3; ++round) {
     body.set_impact(1, {1e8, 1.5, .1}, .01);
     body.throw_mass(1, 1e-4, .5);
@@ -184,7 +186,7 @@ TEST_CASE("masses that come and go leave the others alone") {
     CHECK(body.force(1) == 0);
     for (int n = 0; n < 96000; ++n)
       body.step();
-    CHECK(body.exciter(0).depth_m == doctest::Approx(rest).epsilon(1e-3));
+    CHECK(body.exciter(0).depth_m == approx(rest).epsilon(1e-3));
     CHECK(body.steps() <= 4);
   }
 }

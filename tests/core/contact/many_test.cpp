@@ -1,4 +1,5 @@
 #include "core/contact/touched_body.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,6 +16,7 @@
 // Many exciters on one body at once.
 
 using namespace tactus::contact;
+using tactus::test::approx;
 
 namespace {
 
@@ -168,8 +170,8 @@ TEST_CASE("three masses on one body at once sound as the equations of motion say
   }
   CHECK(decibels[0] < -70);
   // Second order: a quarter of the step, a sixteenth of the error, 24.1 dB.
-  CHECK(decibels[0] - decibels[1] == doctest::Approx(24.1).epsilon(0.03));
-  CHECK(decibels[1] - decibels[2] == doctest::Approx(24.1).epsilon(0.03));
+  CHECK(decibels[0] - decibels[1] == approx(24.1).epsilon(0.03));
+  CHECK(decibels[1] - decibels[2] == approx(24.1).epsilon(0.03));
 }
 
 TEST_CASE("contacts that change slots sound the same, bit for bit") {
@@ -280,8 +282,8 @@ TEST_CASE("contacts far below a step are impulses with the exact restitution, al
   const double effective = 1 / (1 / .01 + 1 / .4 + 1 / .7);
   const double impulse = (1 + restitution(.8)) * effective * 2;
   body.step();
-  CHECK(body.force(0) / 44100 == doctest::Approx(impulse).epsilon(1e-9));
-  CHECK(body.exciter(0).velocity_m_per_s == doctest::Approx(2 - impulse / .01).epsilon(1e-9));
+  CHECK(body.force(0) / 44100 == approx(impulse).epsilon(1e-9));
+  CHECK(body.exciter(0).velocity_m_per_s == approx(2 - impulse / .01).epsilon(1e-9));
   body.reset();
   for (std::size_t i = 0; i < 3; ++i)
     body.throw_mass(i, 0, 1 + static_cast<double>(i));

@@ -1,4 +1,5 @@
 #include "core/contact/touched_body.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,6 +12,7 @@
 // Exciters that cannot arrive for some time are not looked at until then.
 
 using namespace tactus::contact;
+using tactus::test::approx;
 
 TEST_CASE("a mass that is far flies as gravity says, and arrives when it should") {
   // Alone, the mass is stepped every sample; beside a second, far body it sleeps in between.
@@ -42,7 +44,7 @@ TEST_CASE("a mass that is far flies as gravity says, and arrives when it should"
   CHECK(loudest > 1e-2);
   CHECK(flight < 1e-9);
   CHECK(worst < 1e-6 * loudest);
-  CHECK(both.exciter(1).place_m == doctest::Approx(-5));
+  CHECK(both.exciter(1).place_m == approx(-5));
 }
 
 TEST_CASE("an exciter that sleeps wakes for messages and for what its neighbours do") {

@@ -1,4 +1,5 @@
 #include "core/contact/touched_body.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +10,7 @@
 // A mass against a rigid wall: closed forms and an integration of the equation of motion.
 
 using namespace tactus::contact;
+using tactus::test::approx;
 
 namespace {
 
@@ -100,12 +102,12 @@ TEST_CASE("eight impacts on a wall have the restitution, time, depth and force o
     const Rebound r = strike(row.wall);
     CAPTURE(row.wall.law.stiffness);
     CAPTURE(row.duration_ms);
-    CHECK(r.restitution == doctest::Approx(row.restitution).epsilon(1e-3));
-    CHECK(r.duration_s == doctest::Approx(1e-3 * row.duration_ms).epsilon(5e-3));
+    CHECK(r.restitution == approx(row.restitution).epsilon(1e-3));
+    CHECK(r.duration_s == approx(1e-3 * row.duration_ms).epsilon(5e-3));
     // Seen at steps only, and the force as their mean: below the peak by its curvature,
     // (omega h)^2/8 <= 0.3 % in steps of 0.15 rad; a sample sees 1.1 % of depth less at worst.
-    CHECK(r.deepest_m == doctest::Approx(1e-3 * row.deepest_mm).epsilon(0.02));
-    CHECK(r.highest_n == doctest::Approx(row.highest_n).epsilon(0.01));
+    CHECK(r.deepest_m == approx(1e-3 * row.deepest_mm).epsilon(0.02));
+    CHECK(r.highest_n == approx(row.highest_n).epsilon(0.01));
     CHECK(r.growth <= 1e-12);
   }
 }

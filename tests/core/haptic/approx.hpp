@@ -1,11 +1,9 @@
 #pragma once
 
-#include <doctest/doctest.h>
+#include "tests/approx.hpp"
 
-/// doctest::Approx adds 1 to the value before it takes the share that may be wrong, which lets any
-/// small value pass; this one is relative to the value alone.
 namespace tactus::haptic::test {
 
-inline doctest::Approx approx(double value) { return doctest::Approx(value).scale(0); }
+using tactus::test::approx;
 
 } // namespace tactus::haptic::test

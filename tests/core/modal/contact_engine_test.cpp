@@ -2,6 +2,7 @@
 // ContactSolver adds to them.
 #include "core/contact/touched_body.hpp"
 #include "core/modal/contact_solver.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,6 +14,7 @@
 using namespace tactus;
 using modal::ContactSolver;
 using Complex = std::complex<double>;
+using tactus::test::approx;
 
 namespace {
 
@@ -58,7 +60,7 @@ TEST_CASE("a surface rubs a struck body with the force with which it rubs a touc
     CHECK(solver.step() == 0); // nothing presses inwards
     CAPTURE(n);
     REQUIRE(solver.steps() == touched.steps());
-    REQUIRE(solver.contact(0).exciter.force_n == doctest::Approx(touched.force(0)).epsilon(1e-7));
+    REQUIRE(solver.contact(0).exciter.force_n == approx(touched.force(0)).epsilon(1e-7));
   }
 }
 
@@ -135,7 +137,7 @@ TEST_CASE("a free body that nothing touched is at rest for the next blow") {
   REQUIRE(!solver.touching());
   solver.begin(0, strike, {}, gain);
   static_cast<void>(solver.step());
-  CHECK(solver.energy() == doctest::Approx(0.5 * strike.mass_kg).epsilon(1e-9));
+  CHECK(solver.energy() == approx(0.5 * strike.mass_kg).epsilon(1e-9));
 }
 
 TEST_CASE("a contact that goes on with other shapes keeps its striker as deep as it was") {
@@ -154,14 +156,14 @@ TEST_CASE("a contact that goes on with other shapes keeps its striker as deep as
   after.take_over_rigid(before, 1, 1);
   after.take_over(1, before, 0, body.gain[1], rigid);
   const contact::Exciter &old = before.contact(0).exciter, &now = after.contact(1).exciter;
-  CHECK(now.depth_m == doctest::Approx(old.depth_m).epsilon(1e-12));
+  CHECK(now.depth_m == approx(old.depth_m).epsilon(1e-12));
   double surface = 2 * (old.place_m - old.depth_m) / 2, was = 0, is = 0;
   for (std::size_t k = 0; k < z.size(); ++k) {
     was += body.gain[0][k] * z[k].imag() / body.rate[k].imag();
     is += body.gain[1][k] * z[k].imag() / body.rate[k].imag();
   }
   surface += is - was;
-  CHECK(now.place_m - now.depth_m == doctest::Approx(surface).epsilon(1e-6));
+  CHECK(now.place_m - now.depth_m == approx(surface).epsilon(1e-6));
   CHECK(now.impact.stored_j() == old.impact.stored_j());
 }
 

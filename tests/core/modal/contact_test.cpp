@@ -1,4 +1,5 @@
 #include "core/modal/contact_solver.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,6 +13,7 @@ using tactus::contact::dissipation_for;
 using tactus::contact::hertz_stiffness;
 using tactus::contact::ImpactLaw;
 using Complex = std::complex<double>;
+using tactus::test::approx;
 
 namespace {
 
@@ -53,17 +55,16 @@ ContactSolver::Strike ball() {
 } // namespace
 
 TEST_CASE("Hertz' numbers for the ball are the closed form's") {
-  CHECK(kBall == doctest::Approx(7.103e-3).epsilon(1e-3));
-  CHECK(kStiffness == doctest::Approx(6.032e9).epsilon(1e-3));
+  CHECK(kBall == approx(7.103e-3).epsilon(1e-3));
+  CHECK(kStiffness == approx(6.032e9).epsilon(1e-3));
   const ImpactLaw law{kStiffness, 1.5, 0};
-  CHECK(law.deepest(0.5 * kBall * kSpeed * kSpeed) == doctest::Approx(24.2e-6).epsilon(2e-3));
-  CHECK(law.duration(kBall, kSpeed) == doctest::Approx(50.9e-6).epsilon(2e-3));
-  CHECK(
-      law.duration(kBall, kSpeed) ==
-      doctest::Approx(2.9432 * law.deepest(0.5 * kBall * kSpeed * kSpeed) / kSpeed).epsilon(1e-4));
+  CHECK(law.deepest(0.5 * kBall * kSpeed * kSpeed) == approx(24.2e-6).epsilon(2e-3));
+  CHECK(law.duration(kBall, kSpeed) == approx(50.9e-6).epsilon(2e-3));
+  CHECK(law.duration(kBall, kSpeed) ==
+        approx(2.9432 * law.deepest(0.5 * kBall * kSpeed * kSpeed) / kSpeed).epsilon(1e-4));
   // A linear spring's contact is half a period.
   const ImpactLaw spring{1000, 1, 0};
-  CHECK(spring.duration(0.1, 1) == doctest::Approx(kPi * std::sqrt(0.1 / 1000)));
+  CHECK(spring.duration(0.1, 1) == approx(kPi * std::sqrt(0.1 / 1000)));
 }
 
 TEST_CASE(
@@ -72,14 +73,14 @@ TEST_CASE(
     CAPTURE(rate);
     ContactSolver solver({}, rate, 1, false);
     const Blow blow = strike(solver, rate, ball(), {});
-    CHECK(blow.rebound == doctest::Approx(1).epsilon(0.002));
-    CHECK(blow.impulse == doctest::Approx(2 * kBall * kSpeed).epsilon(0.002));
+    CHECK(blow.rebound == approx(1).epsilon(0.002));
+    CHECK(blow.impulse == approx(2 * kBall * kSpeed).epsilon(0.002));
   }
   // At a rate that resolves the contact its length and height are seen.
   ContactSolver solver({}, 4e6, 1, false);
   const Blow blow = strike(solver, 4e6, ball(), {});
-  CHECK(blow.time == doctest::Approx(50.9e-6).epsilon(0.01));
-  CHECK(blow.highest == doctest::Approx(719).epsilon(0.01));
+  CHECK(blow.time == approx(50.9e-6).epsilon(0.01));
+  CHECK(blow.highest == approx(719).epsilon(0.01));
 }
 
 TEST_CASE("two free bodies part as momentum and energy demand") {
@@ -87,7 +88,7 @@ TEST_CASE("two free bodies part as momentum and energy demand") {
   ContactSolver solver({}, 48000, 1, true);
   const Blow blow = strike(solver, 48000, ball(), {}, {1 / std::sqrt(0.02), 0, 0, 0, 0, 0});
   const double expected = (0.02 - kBall) / (0.02 + kBall); // -v'/v of the lighter body
-  CHECK(blow.rebound == doctest::Approx(expected).epsilon(0.003));
+  CHECK(blow.rebound == approx(expected).epsilon(0.003));
 }
 
 TEST_CASE("the error shrinks with the square of the step") {
@@ -140,8 +141,8 @@ TEST_CASE("the impulse is the same within half a percent at the usual rates") {
     ContactSolver solver(rates, rate, 1, true);
     impulse.push_back(strike(solver, rate, ball(), gain, {2, 0, 0, 0, 0, 0}).impulse);
   }
-  CHECK(impulse[1] == doctest::Approx(impulse[0]).epsilon(0.005));
-  CHECK(impulse[2] == doctest::Approx(impulse[0]).epsilon(0.005));
+  CHECK(impulse[1] == approx(impulse[0]).epsilon(0.005));
+  CHECK(impulse[2] == approx(impulse[0]).epsilon(0.005));
 }
 
 TEST_CASE("the steel ball on a free aluminium disk parts as finer computations found") {
@@ -179,15 +180,15 @@ TEST_CASE("the steel ball on a free aluminium disk parts as finer computations f
   for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
     CAPTURE(rate);
     const Blow rigid = play({}, rate, nullptr);
-    CHECK(rigid.impulse == doctest::Approx(18.85e-3).epsilon(0.005));
-    CHECK(rigid.rebound == doctest::Approx(0.895).epsilon(0.003));
+    CHECK(rigid.impulse == approx(18.85e-3).epsilon(0.005));
+    CHECK(rigid.rebound == approx(0.895).epsilon(0.003));
     std::vector<double> speeds;
     const Blow blow = play(low, rate, &speeds);
-    CHECK(blow.impulse == doctest::Approx(18.17e-3).epsilon(0.01));
+    CHECK(blow.impulse == approx(18.17e-3).epsilon(0.01));
     CHECK(std::abs(blow.rebound - 0.826) < 0.01);
     const double expected[] = {0.0296, 0.0334, 0.0103, 0.0937, 0.0025}; // m/s at the place
     for (std::size_t k = 0; k < speeds.size(); ++k)
-      CHECK(speeds[k] == doctest::Approx(expected[k]).epsilon(0.03));
+      CHECK(speeds[k] == approx(expected[k]).epsilon(0.03));
     CHECK(std::abs(play(both, rate, nullptr).rebound - 0.828) < 0.01);
   }
 }
@@ -198,7 +199,7 @@ TEST_CASE("restitution is met by the loss that is worked out for it") {
     ContactSolver solver({}, 48000, 1, false);
     auto contact = ball();
     contact.law.dissipation_s_per_m = dissipation_for(e, kSpeed);
-    CHECK(strike(solver, 48000, contact, {}).rebound == doctest::Approx(e).epsilon(0.01));
+    CHECK(strike(solver, 48000, contact, {}).rebound == approx(e).epsilon(0.01));
   }
   CHECK(dissipation_for(1, 1) == 0);
 }
@@ -220,7 +221,7 @@ TEST_CASE("a hand that presses slowly feels the contact law in series with the b
     force = solver.step();
   }
   const double compliance = gain * gain / std::norm(rate);
-  CHECK(force == doctest::Approx(depth / (1e-5 + compliance)).epsilon(0.002));
+  CHECK(force == approx(depth / (1e-5 + compliance)).epsilon(0.002));
 }
 
 TEST_CASE("what the table leaves out makes the contact softer by its compliance") {
@@ -233,7 +234,7 @@ TEST_CASE("what the table leaves out makes the contact softer by its compliance"
   solver.lead(0, 1e-3);
   static_cast<void>(solver.step()); // the way in
   solver.lead(0, 1e-3);
-  CHECK(solver.step() == doctest::Approx(500).epsilon(1e-6));
+  CHECK(solver.step() == approx(500).epsilon(1e-6));
 }
 
 TEST_CASE("the moments of a sample's force are those of its steps over Legendre's polynomials") {
@@ -249,20 +250,20 @@ TEST_CASE("the moments of a sample's force are those of its steps over Legendre'
     REQUIRE(solver.steps() == 4);
     REQUIRE(solver.sampled().size() == 1);
     CHECK(solver.sampled()[0].moments[0] ==
-          doctest::Approx(solver.contact(0).exciter.force_n).epsilon(1e-12));
+          approx(solver.contact(0).exciter.force_n).epsilon(1e-12));
     return solver.sampled()[0].moments;
   };
   static_cast<void>(moments(1e-9));
   // Still: nothing but the mean, 1000 N.
   const auto still = moments(1e-9);
-  CHECK(still[0] == doctest::Approx(1000).epsilon(1e-6));
+  CHECK(still[0] == approx(1000).epsilon(1e-6));
   CHECK(std::abs(still[1]) < 1e-3);
   CHECK(std::abs(still[2]) < 1e-3);
   // From 1000 to 2000 N in a line, x from 1 to -1 over the sample: the sum of x^2 over the middles
   // of n steps is n (1 - 1/n^2)/3.
   const auto rising = moments(2e-9);
-  CHECK(rising[0] == doctest::Approx(1500).epsilon(1e-6));
-  CHECK(rising[1] == doctest::Approx(-500 * (1 - 1 / 16.) / 3).epsilon(1e-6));
+  CHECK(rising[0] == approx(1500).epsilon(1e-6));
+  CHECK(rising[1] == approx(-500 * (1 - 1 / 16.) / 3).epsilon(1e-6));
   CHECK(std::abs(rising[2]) < 1e-3);
 }
 
@@ -286,6 +287,6 @@ TEST_CASE("many contacts at once: any order gives the same motion") {
     return std::pair(impulse, solver.state(7));
   };
   const auto a = play({0, 1, 2, 3, 4, 5, 6, 7}), b = play({6, 3, 0, 7, 5, 1, 4, 2});
-  CHECK(a.first == doctest::Approx(b.first).epsilon(1e-9));
+  CHECK(a.first == approx(b.first).epsilon(1e-9));
   CHECK(std::abs(a.second - b.second) < 1e-9 * std::abs(a.second));
 }

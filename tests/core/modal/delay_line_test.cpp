@@ -1,4 +1,5 @@
 #include "core/modal/delay_line.hpp"
+#include "tests/approx.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +10,7 @@
 #include <vector>
 
 using tactus::modal::DelayLine;
+using tactus::test::approx;
 
 TEST_CASE("a delay line gives the same bits sample by sample and in blocks of any size") {
   for (const double delay : {0.0, 0.3, 1.0, 1.7, 2.0, 63.2, 64.9, 500.25, 4799.0})
@@ -142,6 +144,6 @@ TEST_CASE("a gliding delay is the exact one at every sample, and no jump makes i
     last = turn;
   }
   CHECK(fastest < DelayLine::kFastest + 0.01);
-  CHECK(last == doctest::Approx(kTone).epsilon(1e-4));
+  CHECK(last == approx(kTone).epsilon(1e-4));
   CHECK(std::abs(static_cast<double>(sound.back()) - std::sin(kTone * (39999.0 - 3000))) < 1e-4);
 }

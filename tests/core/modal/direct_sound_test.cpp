@@ -1,5 +1,6 @@
 #include "core/modal/direct_sound.hpp"
 #include "core/modal/multipole.hpp"
+#include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 #include "tests/sanitized.hpp"
 
@@ -203,8 +204,7 @@ TEST_CASE("multipoles known at one frequency sound at every other as a sphere do
     const std::array<RigidDipole, 3> ball{RigidDipole{{1, 0, 0}, a}, RigidDipole{{0, 1, 0}, a},
                                           RigidDipole{{0, 0, 1}, a}};
     const auto arrivals = multipole_arrivals(table, rates, {0, 0, r}, scene, ball, 4.0);
-    CHECK(arrivals->delay_s ==
-          doctest::Approx(std::max((r - a) / c - BandLimit::kLatency / 48000.0, 0.0)));
+    CHECK(arrivals->delay_s == approx(std::max((r - a) / c - BandLimit::kLatency / 48000.0, 0.0)));
     std::vector<double> pressure(arrivals->samples() * BandLimit::kNodes);
     for (const std::size_t motion : {0U, 1U, 2U, 5U}) { // the last one: recoil along z
       arrivals->find(motion, pressure);
@@ -233,7 +233,7 @@ TEST_CASE("a rigid body's dipole is the ellipsoid's: ball, thin disk, any axes")
   const double a = 0.04, mass = 0.5, ball = 0.4 * mass * a * a;
   const std::array<Vec3, 3> inertia{Vec3{ball, 0, 0}, Vec3{0, ball, 0}, Vec3{0, 0, ball}};
   for (const RigidDipole& dipole : rigid_dipoles(mass, inertia, 4.0 / 3 * kPi * a * a * a))
-    CHECK(dipole.radius_m == doctest::Approx(a).epsilon(1e-4));
+    CHECK(dipole.radius_m == approx(a).epsilon(1e-4));
   // A thin oblate ellipsoid: added mass 8/3 rho a^3 along its axis (Lamb, section 108); turned by
   // 30 degrees about x, its axis is (0, -1/2, sqrt(3)/2).
   const double c = 1e-3 * a, flat = mass / 5 * (a * a + c * c), round = mass / 5 * 2 * a * a;
@@ -246,9 +246,8 @@ TEST_CASE("a rigid body's dipole is the ellipsoid's: ball, thin disk, any axes")
   const auto strongest =
       std::max_element(dipoles.begin(), dipoles.end(),
                        [](const auto& x, const auto& y) { return x.radius_m < y.radius_m; });
-  CHECK(2 * kPi * std::pow(strongest->radius_m, 3) ==
-        doctest::Approx(8.0 / 3 * a * a * a).epsilon(0.01));
-  CHECK(std::abs(dot(strongest->axis, Vec3{0, -sine, cosine})) == doctest::Approx(1).epsilon(1e-6));
+  CHECK(2 * kPi * std::pow(strongest->radius_m, 3) == approx(8.0 / 3 * a * a * a).epsilon(0.01));
+  CHECK(std::abs(dot(strongest->axis, Vec3{0, -sine, cosine})) == approx(1).epsilon(1e-6));
 }
 
 TEST_CASE("the sound of forces is the same to the bit however it is cut into blocks") {
@@ -353,7 +352,7 @@ TEST_CASE("a force that no body stands does not silence the blows that come afte
     rig.body.set_striker({0.007, 0.006, 206e9, 0.29, 1e12, 6, 0, 1});
     rig.hit({0.03, 0.02, 0}, speed);
     static_cast<void>(rig.run(4096));
-    CHECK(loudest(rig) == doctest::Approx(before).epsilon(0.1));
+    CHECK(loudest(rig) == approx(before).epsilon(0.1));
   }
 }
 

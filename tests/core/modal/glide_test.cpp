@@ -6,7 +6,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -42,15 +41,18 @@ double far_from_tone(std::span<const float> sound, double tone_hz, double width_
   // Bins a window's width apart miss nothing.
   const double step = 2 * kRate / count;
   for (double f = step; f < 8000; f += step) {
-    std::complex<double> sum = 0, turn = 1;
-    const std::complex<double> by = std::polar(1.0, -2 * kPi * f / kRate);
+    // |sum of x e^(-j w n)|^2 by Goertzel's recursion (1958).
+    const double twice = 2 * std::cos(2 * kPi * f / kRate);
+    double last = 0, before = 0;
     for (const double x : windowed) {
-      sum += x * turn;
-      turn *= by;
+      const double next = x + twice * last - before;
+      before = last;
+      last = next;
     }
-    all += std::norm(sum);
+    const double power = last * last + before * before - twice * last * before;
+    all += power;
     if (std::abs(f - tone_hz) > width_hz)
-      far += std::norm(sum);
+      far += power;
   }
   return 10 * std::log10(far / all + 1e-30);
 }
@@ -86,34 +88,36 @@ struct Sounding : Rig {
 
 TEST_CASE("a listener that moves smoothly is heard without a trace of the updates' rate" *
           doctest::skip(kSanitized)) {
-  for (const bool doppler : {false, true})
-    for (const std::size_t every : {8UL, 48UL, 64UL, 480UL, 777UL}) {
-      CAPTURE(doppler);
-      CAPTURE(every);
-      Sounding rig(doppler);
-      const auto sound = listen(rig, every, every == 8 ? 4096 : 16384, [](double t) {
-        return Vec3{0.4 * std::cos(3 * t), 0.1, 0.3 + 0.5 * t};
-      });
-      CHECK(far_from_tone(sound, tone_of(rig), every == 8 ? 300 : 150) < -60);
-    }
+  bool doppler = true;
+  for (const std::size_t every : {8UL, 48UL, 64UL, 480UL, 777UL}) {
+    doppler = !doppler;
+    CAPTURE(doppler);
+    CAPTURE(every);
+    Sounding rig(doppler);
+    const auto sound = listen(rig, every, every == 8 ? 4096 : 16384, [](double t) {
+      return Vec3{0.4 * std::cos(3 * t), 0.1, 0.3 + 0.5 * t};
+    });
+    CHECK(far_from_tone(sound, tone_of(rig), every == 8 ? 300 : 150) < -60);
+  }
 }
 
 TEST_CASE("a listener that leaps by metres, through the plate as well, does not click" *
           doctest::skip(kSanitized)) {
-  for (const bool doppler : {false, true})
-    for (const std::size_t every : {48UL, 64UL, 1000UL}) {
-      CAPTURE(doppler);
-      CAPTURE(every);
-      Sounding rig(doppler);
-      std::mt19937 random(5);
-      const auto coordinate = [&](double reach) {
-        return reach * (2 * static_cast<double>(random() % 1000) / 999 - 1);
-      };
-      const auto sound = listen(rig, every, 16384, [&](double) {
-        return Vec3{coordinate(2), coordinate(2), coordinate(1) + 0.02};
-      });
-      CHECK(far_from_tone(sound, tone_of(rig), 1000) < -60);
-    }
+  bool doppler = true;
+  for (const std::size_t every : {48UL, 64UL, 1000UL, 1500UL}) {
+    doppler = !doppler;
+    CAPTURE(doppler);
+    CAPTURE(every);
+    Sounding rig(doppler);
+    std::mt19937 random(5);
+    const auto coordinate = [&](double reach) {
+      return reach * (2 * static_cast<double>(random() % 1000) / 999 - 1);
+    };
+    const auto sound = listen(rig, every, 16384, [&](double) {
+      return Vec3{coordinate(2), coordinate(2), coordinate(1) + 0.02};
+    });
+    CHECK(far_from_tone(sound, tone_of(rig), 1000) < -60);
+  }
 }
 
 TEST_CASE("a listener that moves while something touches the body does not click either") {

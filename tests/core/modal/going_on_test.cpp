@@ -1,5 +1,6 @@
 // What goes on: contacts while the body is retuned, balls that bounce, culled bowls.
 #include "core/modal/struck_body.hpp"
+#include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
@@ -49,7 +50,7 @@ TEST_CASE("a blow that lasts goes on through a retuning as if there had been non
     return heard;
   };
   const Heard a = play(false), b = play(true);
-  CHECK(impulse(b, 48000) == doctest::Approx(impulse(a, 48000)).epsilon(1e-6));
+  CHECK(impulse(b, 48000) == approx(impulse(a, 48000)).epsilon(1e-6));
   float largest = 0, difference = 0;
   for (std::size_t n = 0; n < a.left.size(); ++n) {
     largest = std::max(largest, std::abs(a.left[n]));
@@ -69,7 +70,7 @@ TEST_CASE("a hand that presses while size and material change keeps its force an
     retune(rig, 1 + 0.002 * round);
     CHECK(rig.body.contacts() == 1);
     for (const float force : rig.run(480, 64, {}, std::vector<float>(480, -1e-4F)).contact)
-      CHECK(force == doctest::Approx(before).epsilon(0.1));
+      CHECK(force == approx(before).epsilon(0.1));
   }
 }
 
@@ -136,7 +137,7 @@ TEST_CASE("a ball that falls comes back in the times of its bounces until it lie
         // 2 v/g in the air, and the contact's own time, here below a millisecond.
         CHECK(std::abs(onset[i] - onset[i - 1] - 2 * up / StruckBody::kGravity) <
               1e-3 + 0.02 * onset[i]);
-        CHECK(impulses[i] / impulses[i - 1] == doctest::Approx(e).epsilon(0.05));
+        CHECK(impulses[i] / impulses[i - 1] == approx(e).epsilon(0.05));
       }
       CHECK(rig.body.flights() == 0);
       CHECK(rig.body.contacts() == 0);

@@ -1,4 +1,5 @@
 #include "core/modal/direct_sound.hpp"
+#include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
@@ -247,5 +248,5 @@ TEST_CASE("and of places that a surface slides on to") {
   CHECK(contact.active);
   CHECK(changes >= 800 / 64);
   CHECK(changes <= 900 / 64 + 2);
-  CHECK(before == doctest::Approx(0.3 + 0.001 * 199));
+  CHECK(before == approx(0.3 + 0.001 * 199));
 }

@@ -1,4 +1,5 @@
 // Where a body's sound ends, what no body stands, and where a ball comes down.
+#include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
@@ -65,7 +66,7 @@ TEST_CASE("a force that no body stands ends the contact, and the next blow is as
     rig.hit({0.05, 0.03, 0}, 1);
     return impulse(rig.run(4800, 64, {}, std::vector<float>(4800, 1.0F)), 48000);
   };
-  CHECK(blow(true) / blow(false) == doctest::Approx(1).epsilon(1e-6));
+  CHECK(blow(true) / blow(false) == approx(1).epsilon(1e-6));
 }
 
 TEST_CASE("a ball thrown off by a swinging body lands as fast as it falls from there") {

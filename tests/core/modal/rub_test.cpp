@@ -1,6 +1,7 @@
 // A surface that rubs a body of modes: a bowed string against Helmholtz' motion and Schelleng's
 // limits, and what rubbing may never do.
 #include "core/modal/contact_solver.hpp"
+#include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
@@ -16,6 +17,7 @@ using namespace tactus::modal;
 using tactus::contact::FrictionLaw;
 using tactus::test::Rig;
 using Complex = std::complex<double>;
+using tactus::test::approx;
 
 namespace {
 
@@ -140,21 +142,27 @@ TEST_CASE("a bowed string goes on in Helmholtz' motion, whatever the force and t
   for (const double speed : {0.05, 0.1, 0.2}) {
     CAPTURE(speed);
     std::vector<double> fundamental;
+    double last_share = 1;
     for (const double force : {0.6, 1.2, 2.4})
       for (const double rate : {44100.0, 96000.0}) {
         CAPTURE(force);
         CAPTURE(rate);
         const Bowed b = bow(force * speed, kBeta, speed, rate);
-        CHECK(b.slips == doctest::Approx(1).epsilon(0.02));
+        CHECK(b.slips == approx(1).epsilon(0.02));
         CHECK(b.spread < 0.02);
-        // The corner is round: it takes a tenth of a millisecond to pass.
-        CHECK(b.share == doctest::Approx(kBeta).epsilon(0.08));
-        CHECK(b.sticking == doctest::Approx(speed).epsilon(0.01));
-        CHECK(b.fundamental == doctest::Approx(helmholtz(1, kBeta, speed)).epsilon(0.02));
+        // The corner is round, the more so the lighter the bow presses (Cremer 1974): the slip
+        // lasts longer by a fifth of a millisecond at most.
+        CHECK(b.share > kBeta);
+        CHECK(b.share < kBeta + 2e-4 * kFundamental);
+        CHECK(b.share < last_share);
+        if (rate > 50000)
+          last_share = b.share;
+        CHECK(b.sticking == approx(speed).epsilon(0.01));
+        CHECK(b.fundamental == approx(helmholtz(1, kBeta, speed)).epsilon(0.02));
         fundamental.push_back(b.fundamental);
       }
     for (std::size_t i = 0; i < fundamental.size(); i += 2)
-      CHECK(fundamental[i] == doctest::Approx(fundamental[i + 1]).epsilon(0.003));
+      CHECK(fundamental[i] == approx(fundamental[i + 1]).epsilon(0.003));
   }
 }
 
@@ -275,8 +283,7 @@ TEST_CASE("a struck body is rubbed where and while something presses, and heard"
   for (std::size_t n = 2400; n < 4800; ++n)
     mean += static_cast<double>(friction[n]) / 2400;
   const FrictionLaw law;
-  CHECK(mean ==
-        doctest::Approx(2 * law.dynamic_coefficient + law.viscosity_ns_per_m).epsilon(0.02));
+  CHECK(mean == approx(2 * law.dynamic_coefficient + law.viscosity_ns_per_m).epsilon(0.02));
   // Against its direction the force turns round.
   CHECK(run(2, -1, 4800).second.back() < 0);
   run(0, 1, 64);

@@ -1,5 +1,6 @@
 // A body's material and size: what moves, decays, recoils and gives way, by the laws of elasticity.
 #include "core/haptic/scene/pose.hpp"
+#include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
@@ -77,7 +78,7 @@ TEST_CASE("a free body's recoil is that of its mass and inertia, in any size and
       body.settings.density_kg_per_m3 = density;
       const BodyModel model = body.model();
       const double heavier = density / 2700;
-      CHECK(model.mass_kg == doctest::Approx(table.mass_kg * heavier * std::pow(size, 3)));
+      CHECK(model.mass_kg == approx(table.mass_kg * heavier * std::pow(size, 3)));
       std::array<Vec3, 3> inertia = table.inertia_kg_m2;
       for (Vec3& row : inertia)
         row = row * (heavier * std::pow(size, 5));
@@ -87,7 +88,7 @@ TEST_CASE("a free body's recoil is that of its mass and inertia, in any size and
         const Vec3 arm = size * (place - table.centre_of_mass_m);
         for (const Vec3& n : {Vec3{0, 0, 1}, Vec3{.6, 0, .8}, Vec3{.48, -.6, .64}})
           CHECK(square(model.rigid_gains(at, n)) ==
-                doctest::Approx(mobility(model.mass_kg, inertia, arm, n)).epsilon(1e-6));
+                approx(mobility(model.mass_kg, inertia, arm, n)).epsilon(1e-6));
       }
     }
 }
@@ -101,11 +102,11 @@ TEST_CASE("what the table left out gives way as 1 over modulus and size") {
     return model.left_out(model.nearest(size * Vec3{.05, .03, .0025}));
   };
   const double own = compliance(1, 0);
-  CHECK(own == doctest::Approx(1e-8 * (2 + 3 * .05)).epsilon(1e-5));
-  CHECK(compliance(2, 0) == doctest::Approx(own / 2).epsilon(1e-6));
-  CHECK(compliance(.25, 0) == doctest::Approx(own * 4).epsilon(1e-6));
-  CHECK(compliance(1, 2 * 70.3e9) == doctest::Approx(own / 2).epsilon(1e-6));
-  CHECK(compliance(3, 70.3e9 / 3) == doctest::Approx(own).epsilon(1e-6));
+  CHECK(own == approx(1e-8 * (2 + 3 * .05)).epsilon(1e-5));
+  CHECK(compliance(2, 0) == approx(own / 2).epsilon(1e-6));
+  CHECK(compliance(.25, 0) == approx(own * 4).epsilon(1e-6));
+  CHECK(compliance(1, 2 * 70.3e9) == approx(own / 2).epsilon(1e-6));
+  CHECK(compliance(3, 70.3e9 / 3) == approx(own).epsilon(1e-6));
 }
 
 TEST_CASE("frequencies follow modulus, density, size and Poisson's ratio") {
@@ -113,19 +114,19 @@ TEST_CASE("frequencies follow modulus, density, size and Poisson's ratio") {
   const BodyModel own = body.model();
   const double f = rate(own, 3).imag();
   const ModalTable table = free_plate();
-  CHECK(f == doctest::Approx(2 * kPi * table.frequency_hz[3]));
+  CHECK(f == approx(2 * kPi * table.frequency_hz[3]));
   body.settings.youngs_modulus_pa = 9 * 70.3e9;
-  CHECK(rate(body.model(), 3).imag() == doctest::Approx(3 * f));
+  CHECK(rate(body.model(), 3).imag() == approx(3 * f));
   body.settings.density_kg_per_m3 = 4 * 2700;
-  CHECK(rate(body.model(), 3).imag() == doctest::Approx(1.5 * f));
+  CHECK(rate(body.model(), 3).imag() == approx(1.5 * f));
   body.settings.size = 3;
-  CHECK(rate(body.model(), 3).imag() == doctest::Approx(.5 * f));
+  CHECK(rate(body.model(), 3).imag() == approx(.5 * f));
   body.settings = {};
   body.settings.radiation = Radiation::kNone;
   body.settings.poisson = .33 + .05;
-  CHECK(rate(body.model(), 3).imag() == doctest::Approx(f * std::exp(.05 * .13)).epsilon(1e-3));
+  CHECK(rate(body.model(), 3).imag() == approx(f * std::exp(.05 * .13)).epsilon(1e-3));
   body.settings.poisson = .33;
-  CHECK(rate(body.model(), 3).imag() == doctest::Approx(f));
+  CHECK(rate(body.model(), 3).imag() == approx(f));
 }
 
 TEST_CASE("decay is the material's, the radiation's and the choke's together") {
@@ -138,27 +139,27 @@ TEST_CASE("decay is the material's, the radiation's and the choke's together") {
   const double own = decay() - air; // of the table
   CHECK(own > 0);
   s.choke_t60_s = .5;
-  CHECK(decay() == doctest::Approx(own + air + std::log(1000.) / .5));
+  CHECK(decay() == approx(own + air + std::log(1000.) / .5));
   s.choke_t60_s = 0;
   s.damping = Damping::kLoss;
   s.loss_factor = .004;
-  CHECK(decay() == doctest::Approx(.5 * omega * .004 + air));
+  CHECK(decay() == approx(.5 * omega * .004 + air));
   s.damping = Damping::kRayleigh;
   s.rayleigh_a_per_s = 3;
   s.rayleigh_b_s = 2e-7;
-  CHECK(decay() == doctest::Approx(.5 * (3 + 2e-7 * omega * omega) + air));
+  CHECK(decay() == approx(.5 * (3 + 2e-7 * omega * omega) + air));
   s.damping = Damping::kCurve;
   const double f = table.frequency_hz[k];
   s.loss_curve = {{f / 2, .001}, {2 * f, .003}}; // logarithms on a straight line: their mean at f
-  CHECK(decay() == doctest::Approx(.5 * omega * std::sqrt(.001 * .003) + air).epsilon(1e-6));
+  CHECK(decay() == approx(.5 * omega * std::sqrt(.001 * .003) + air).epsilon(1e-6));
   s.loss_curve = {{2 * f, .003}, {4 * f, .001}}; // level before the first and after the last
-  CHECK(decay() == doctest::Approx(.5 * omega * .003 + air).epsilon(1e-6));
+  CHECK(decay() == approx(.5 * omega * .003 + air).epsilon(1e-6));
   s.loss_curve = {{f / 4, .003}, {f / 2, .001}};
-  CHECK(decay() == doctest::Approx(.5 * omega * .001 + air).epsilon(1e-6));
+  CHECK(decay() == approx(.5 * omega * .001 + air).epsilon(1e-6));
   // Radiation: rho_air c area/mass at the same shape: as 1/(rho L); the rest is as without it.
   s.damping = Damping::kLoss;
   s.size = 2;
-  CHECK(decay() == doctest::Approx(.5 * omega / 2 * .004 + air / 2));
+  CHECK(decay() == approx(.5 * omega / 2 * .004 + air / 2));
   s.density_kg_per_m3 = 3 * 2700;
-  CHECK(decay() == doctest::Approx(.5 * omega / 2 / std::sqrt(3.) * .004 + air / 6));
+  CHECK(decay() == approx(.5 * omega / 2 / std::sqrt(3.) * .004 + air / 6));
 }

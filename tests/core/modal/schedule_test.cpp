@@ -1,5 +1,6 @@
 // Blows, points and silence at their own samples.
 #include "core/modal/timed_queue.hpp"
+#include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
@@ -176,7 +177,7 @@ TEST_CASE("many blows at once on a large body are one contact and pulses beside 
     a += std::pow(static_cast<double>(one.left[n]), 2);
     b += std::pow(static_cast<double>(two.left[n]), 2);
   }
-  CHECK(10 * std::log10(b / a) == doctest::Approx(6.02).epsilon(0.05));
+  CHECK(10 * std::log10(b / a) == approx(6.02).epsilon(0.05));
   for (const std::size_t block : {1UL, 50UL, 960UL})
     CHECK(play(2, block).left == two.left);
 }

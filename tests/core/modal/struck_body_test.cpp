@@ -1,4 +1,5 @@
 #include "core/modal/struck_body.hpp"
+#include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 
 #include <doctest/doctest.h>
@@ -44,8 +45,8 @@ TEST_CASE("the coupled blow has the same impulse at every sample rate, and it is
     CHECK(impulses.back() > 0.0071 * 1.4);
     CHECK(impulses.back() < 2 * 0.0071 * 1.4);
   }
-  CHECK(impulses[1] == doctest::Approx(impulses[0]).epsilon(0.005));
-  CHECK(impulses[2] == doctest::Approx(impulses[0]).epsilon(0.005));
+  CHECK(impulses[1] == approx(impulses[0]).epsilon(0.005));
+  CHECK(impulses[2] == approx(impulses[0]).epsilon(0.005));
 }
 
 TEST_CASE("the modes ring at the table's frequencies and lose 60 dB in their decay times") {
@@ -63,7 +64,7 @@ TEST_CASE("the modes ring at the table's frequencies and lose 60 dB in their dec
     CAPTURE(k);
     // Turned by the frequency's error times half a second: 0.05 Hz would be 0.16 radians.
     CHECK(std::abs(std::arg(b / a / expected)) < 0.03);
-    CHECK(std::log(std::abs(b / a)) == doctest::Approx(s.real() * 0.5).epsilon(0.01));
+    CHECK(std::log(std::abs(b / a)) == approx(s.real() * 0.5).epsilon(0.01));
   }
 }
 
@@ -101,7 +102,7 @@ TEST_CASE(
       }
       loudest = std::max(loudest, 2 * std::abs(sum) / weight);
     }
-    CHECK(levels[k] == doctest::Approx(20 * std::log10(loudest)).epsilon(0.002));
+    CHECK(levels[k] == approx(20 * std::log10(loudest)).epsilon(0.002));
   }
 }
 
@@ -238,8 +239,7 @@ TEST_CASE("a pulse has the coupled blow's impulse and sound below half its inver
     return rig.run(48000);
   };
   const auto a = play(true), b = play(false);
-  CHECK(20 * std::log10(impulse(b, 96000) / impulse(a, 96000)) ==
-        doctest::Approx(0).epsilon(1).scale(1));
+  CHECK(20 * std::log10(impulse(b, 96000) / impulse(a, 96000)) == approx(0).epsilon(1).scale(1));
   const Rig rig(96000, table);
   const tactus::contact::ImpactLaw law{2e7, 1.5, 0};
   const double highest = 0.5 / law.duration(0.002, 0.5);
@@ -262,20 +262,20 @@ TEST_CASE("size and material scale frequencies, shapes and mass as elasticity sa
   BodySettings twice = rig.settings;
   twice.size = 2;
   const BodyModel scaled(rig.loaded, twice), solved(fresh, rig.settings);
-  CHECK(scaled.rate[scaled.place_of[0]].imag() == doctest::Approx(f / 2).epsilon(1e-6));
-  CHECK(scaled.mass_kg == doctest::Approx(solved.mass_kg).epsilon(1e-9));
+  CHECK(scaled.rate[scaled.place_of[0]].imag() == approx(f / 2).epsilon(1e-6));
+  CHECK(scaled.mass_kg == approx(solved.mass_kg).epsilon(1e-9));
   std::vector<double> a(scaled.mode.size()), b(solved.mode.size());
   scaled.gains(scaled.nearest({0.1, 0.07, 0}), {0, 0, 1}, a);
   solved.gains(solved.nearest({0.1, 0.07, 0}), {0, 0, 1}, b);
   for (std::size_t k = 0; k < 20; ++k) {
     CHECK(scaled.rate[scaled.place_of[k]].imag() ==
-          doctest::Approx(solved.rate[solved.place_of[k]].imag()).epsilon(1e-6));
-    CHECK(a[scaled.place_of[k]] == doctest::Approx(b[solved.place_of[k]]).epsilon(1e-5));
+          approx(solved.rate[solved.place_of[k]].imag()).epsilon(1e-6));
+    CHECK(a[scaled.place_of[k]] == approx(b[solved.place_of[k]]).epsilon(1e-5));
   }
   BodySettings steel = rig.settings;
   steel.youngs_modulus_pa = 4 * 70.3e9;
   const BodyModel stiff(rig.loaded, steel);
-  CHECK(stiff.rate[stiff.place_of[0]].imag() == doctest::Approx(2 * f).epsilon(1e-6));
+  CHECK(stiff.rate[stiff.place_of[0]].imag() == approx(2 * f).epsilon(1e-6));
 }
 
 TEST_CASE("a gain that is set in silence holds from the first sample, and is smoothed in sound") {
@@ -304,8 +304,9 @@ TEST_CASE("a gain that is set in silence holds from the first sample, and is smo
   double gain = 1;
   for (std::size_t n = 0; n < steady.size(); ++n) {
     gain += 0.005 * (0.01 - gain);
-    CHECK(static_cast<double>(changing[n]) ==
-          doctest::Approx(gain * static_cast<double>(steady[n])).epsilon(1e-3));
+    const double expected = gain * static_cast<double>(steady[n]);
+    // Modes below 1e-8 of full scale rest sooner where the gain is less.
+    CHECK(std::abs(static_cast<double>(changing[n]) - expected) < 1e-4 * std::abs(expected) + 1e-8);
   }
 }
 

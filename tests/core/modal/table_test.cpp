@@ -1,3 +1,4 @@
+#include "tests/approx.hpp"
 #include "tests/core/modal/tables.hpp"
 
 #include <doctest/doctest.h>
@@ -53,6 +54,73 @@ TEST_CASE("a sound table is read with its units and its shapes") {
   CHECK(table.mass_kg == 0.2);
 }
 
+TEST_CASE("every array of a table comes to its own place") {
+  auto members = small_table();
+  named(members, "com").data = raw(std::vector<double>{.02, .025, .03});
+  named(members, "inertia").data =
+      raw(std::vector<double>{3e-4, 1e-5, 2e-5, 1e-5, 4e-4, 3e-5, 2e-5, 3e-5, 5e-4});
+  members.push_back({"raw_v", "<f4", {2, 3, 4}, [] {
+                       std::vector<float> v;
+                       for (int i = 0; i < 24; ++i)
+                         v.push_back(static_cast<float>(i));
+                       return raw(v);
+                     }()});
+  members.push_back(
+      {"raw_xyz", "<f8", {3, 3}, raw(std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9})});
+  members.push_back({"raw_hit", "<f8", {2, 3}, raw(std::vector<double>{10, 11, 12, 13, 14, 15})});
+  members.push_back({"raw_ds", "<f8", {3}, raw(std::vector<double>{.1, .2, .3})});
+  members.push_back({"raw_fs", "<f8", {}, raw(std::vector<double>{96000})});
+  const auto add = [&](const char* name, const char* type, std::vector<std::size_t> shape,
+                       std::string data) {
+    members.push_back({name, type, shape, data});
+  };
+  add("mp_lmax", "<i4", {2}, raw(std::vector<std::int32_t>{1, 0}));
+  add("mp_off", "<i8", {3}, raw(std::vector<std::int64_t>{0, 4, 5}));
+  add("mp_center", "<f8", {3}, raw(std::vector<double>{.1, .2, .3}));
+  add("mp_rref", "<f8", {}, raw(std::vector<double>{.4}));
+  add("mp_coef", "<c8", {5}, raw(std::vector<float>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+  add("mp_band_freq", "<f8", {4}, raw(std::vector<double>{100, 200, 400, 800}));
+  add("mp_band_lmax", "<i4", {2}, raw(std::vector<std::int32_t>{0, 1}));
+  add("mp_band_off", "<i8", {3}, raw(std::vector<std::int64_t>{0, 1, 5}));
+  std::vector<float> band(40);
+  for (std::size_t i = 0; i < band.size(); ++i)
+    band[i] = static_cast<float>(i);
+  add("mp_band_coef", "<c8", {20}, raw(band));
+  ModalTable table;
+  REQUIRE(read_modal_table(bytes_of(archive(members)), table) == "");
+  CHECK(table.body_name == "four corners");
+  CHECK(table.material.youngs_modulus_pa == 7e10);
+  CHECK(table.material.poisson == .3);
+  CHECK(table.loss_factor == std::vector<double>{1e-3, 2e-3});
+  CHECK(table.centre_of_mass_m == Vec3{.02, .025, .03});
+  CHECK(table.inertia_kg_m2[0] == Vec3{3e-4, 1e-5, 2e-5});
+  CHECK(table.inertia_kg_m2[1] == Vec3{1e-5, 4e-4, 3e-5});
+  CHECK(table.inertia_kg_m2[2] == Vec3{2e-5, 3e-5, 5e-4});
+  CHECK(norm(table.vertex_m[2] - Vec3{0, .1, 0}) < 1e-8);
+  CHECK(table.triangle[3] == std::array<std::int32_t, 3>{1, 2, 3});
+  const RawTable& r = table.raw;
+  CHECK(r.hits == 2);
+  CHECK(r.points == 3);
+  CHECK(r.samples == 4);
+  CHECK(r.sample_rate_hz == 96000);
+  CHECK(r.velocity_m_per_s[23] == 23);
+  CHECK(r.position_m[1] == Vec3{4, 5, 6});
+  CHECK(r.hit_m[1] == Vec3{13, 14, 15});
+  CHECK(r.area_m2 == std::vector<double>{.1, .2, .3});
+  const MultipoleTable& m = table.multipoles;
+  CHECK(m.centre == Vec3{.1, .2, .3});
+  CHECK(m.reference_radius_m == .4);
+  CHECK(m.highest_degree == std::vector<std::int32_t>{1, 0});
+  CHECK(m.offset == std::vector<std::int64_t>{0, 4, 5});
+  CHECK(m.coefficients[3] == std::complex<float>(6, 7));
+  CHECK(m.band.frequency_hz == std::vector<double>{100, 200, 400, 800});
+  CHECK(m.band.highest_degree == std::vector<std::int32_t>{0, 1});
+  CHECK(m.band.offset == std::vector<std::int64_t>{0, 1, 5});
+  CHECK(m.band.coefficients[19] == std::complex<float>(38, 39));
+  // Without coefficients at several scales there is one, the mode's own frequency.
+  CHECK(m.scales == std::vector<double>{1});
+}
+
 TEST_CASE("big-endian numbers, columns first and other widths are converted") {
   auto members = small_table();
   auto& freq = named(members, "freq");
@@ -69,8 +137,8 @@ TEST_CASE("big-endian numbers, columns first and other widths are converted") {
   ModalTable table;
   REQUIRE(read_modal_table(bytes_of(archive(members)), table) == "");
   CHECK(table.frequency_hz[0] == 440);
-  CHECK(table.vertex_m[2].y == doctest::Approx(0.1));
-  CHECK(table.vertex_m[3].z == doctest::Approx(0.1));
+  CHECK(table.vertex_m[2].y == approx(0.1));
+  CHECK(table.vertex_m[3].z == approx(0.1));
   CHECK(table.triangle[1] == std::array<std::int32_t, 3>{0, 1, 3});
 }
 
