@@ -1,0 +1,136 @@
+// One contact's law in steps, without a body: what it stores, how it bends, how fine it must be.
+#include "core/contact/friction.hpp"
+#include "core/contact/impact.hpp"
+#include "tests/approx.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+using namespace tactus::contact;
+using tactus::test::approx;
+
+namespace {
+
+constexpr double kRate = 48000;
+
+} // namespace
+
+TEST_CASE("a contact pressed slowly in and out stores the work of its law, and gives it back") {
+  for (const double exponent : {1., 1.5, 2.5, 4.})
+    for (const double compliance : {0., 1e-8, 1e-6, 1e-4}) {
+      CAPTURE(exponent);
+      CAPTURE(compliance);
+      const ImpactLaw law{1e7, exponent, 0, compliance};
+      Impact impact;
+      impact.set(law);
+      constexpr int kSteps = 2000;
+      constexpr double kDeepest = 2e-4, h = 1 / kRate;
+      double x = -1e-9, work = 0, worst = 0, force_error = 0;
+      const double most = law.work(kDeepest), strongest = law.force(kDeepest, 0);
+      for (int n = 0; n < 2 * kSteps; ++n) {
+        const double way = (n < kSteps ? kDeepest : -kDeepest) / kSteps, rate = way / h;
+        double force = 0;
+        if (Impact::meets(x, rate, h)) {
+          const LinearForce f = impact.enter_step(x, rate, h);
+          force = f.offset_n + f.slope_ns_per_m * rate;
+          impact.pass_step(rate, h);
+        }
+        work += force * way;
+        if (x > .05 * kDeepest)
+          force_error = std::max(force_error, std::abs(force - law.force(x + .5 * way, 0)));
+        x += way;
+        impact.leave_step(x);
+        worst = std::max(worst, std::abs(impact.stored_j() + impact.bank_j() - work));
+        if (n % 100 == 50)
+          CHECK(impact.stored_j() == approx(law.work(x)).epsilon(1e-3));
+      }
+      CHECK(worst < 1e-9 * most);
+      CHECK(force_error < 1e-3 * strongest);
+      CHECK(!impact.touching());
+    }
+}
+
+TEST_CASE("the indentation, work and depth of a law in series with a compliance belong together") {
+  for (const double exponent : {1., 1.5, 3., 6.})
+    for (const double compliance : {1e-9, 1e-6, 1e-3, 1.})
+      for (const double x : {1e-7, 1e-5, 1e-3, .1}) {
+        const ImpactLaw law{1e6, exponent, 0, compliance};
+        const double d = law.indentation(x), force = 1e6 * std::pow(d, exponent);
+        CAPTURE(exponent);
+        CAPTURE(compliance);
+        CAPTURE(x);
+        CHECK(d + compliance * force == approx(x).epsilon(1e-9));
+        CHECK(law.force(x, 0) == approx(force).epsilon(1e-9));
+        CHECK(law.work(x) ==
+              approx(force * d / (exponent + 1) + .5 * compliance * force * force).epsilon(1e-9));
+        if (law.work(x) > 1e-40)
+          CHECK(law.deepest(law.work(x)) == approx(x).epsilon(1e-6));
+        // The contact in steps yields alike.
+        Impact impact;
+        impact.set(law);
+        const double h = 1 / kRate, rate = 1e-3 * x / h;
+        static_cast<void>(impact.enter_step(x, rate, h));
+        const LinearForce f = impact.enter_step(x, rate, h);
+        // The slope is h/2 of the stiffness dF/dx in series, F and psi being 0.
+        const double stiffness = exponent * force / d;
+        static_cast<void>(f);
+        const double expected = 2 * law.work(x) > 0 ? stiffness / (1 + compliance * stiffness) : 0;
+        CHECK(impact.stiffest(law.work(x), 1) <=
+              1.001 * exponent * 1e6 *
+                  std::pow(ImpactLaw{1e6, exponent, 0, 0}.deepest(law.work(x)), exponent - 1));
+        CHECK(impact.stiffest(law.work(x), 1) >= .999 * expected);
+      }
+}
+
+TEST_CASE("the stiffest rate that an energy leads to is that of the law at its deepest") {
+  for (const double exponent : {1., 1.5, 3.})
+    for (const double energy : {1e-9, 1e-5, 1e-2}) {
+      const ImpactLaw law{1e8, exponent, 0, 0};
+      Impact impact;
+      impact.set(law);
+      const double x = law.deepest(energy);
+      CHECK(impact.stiffest(energy, .02) ==
+            approx(exponent * 1e8 * std::pow(x, exponent - 1) / .02).epsilon(1e-6));
+    }
+  // A compliance in series: never stiffer than it.
+  Impact impact;
+  impact.set({1e12, 1, 0, 1e-5});
+  CHECK(impact.stiffest(1, 1) == approx(1e5).epsilon(1e-5));
+  impact.set({1e6, 1.5, 0, 0});
+  CHECK(impact.stiffest(0, 1) == 0);
+  impact.set({1e6, 1, 0, 0});
+  CHECK(impact.stiffest(0, 1) == approx(1e6));
+}
+
+TEST_CASE("friction's first stage follows its law to the second order of the velocity's change") {
+  FrictionLaw law;
+  law.viscosity_ns_per_m = 0;
+  for (const double speed : {.04, .07, .12, .2}) {
+    Friction rubbing;
+    rubbing.set(law);
+    for (int n = 0; n < 4000; ++n) { // sliding
+      rubbing.enter_step(10, speed, 0, 1 / kRate);
+      rubbing.refine(speed);
+      rubbing.pass_step(speed);
+    }
+    const auto force = [&](double velocity, bool anew) {
+      Friction friction = rubbing;
+      if (anew) // far away: it is taken there exactly, and then here
+        friction.enter_step(10, 10, 0, 1 / kRate);
+      friction.enter_step(10, velocity, 0, 1 / kRate);
+      return friction.force(velocity, 0);
+    };
+    for (const double change : {-.006, -.003, .003, .006}) {
+      CAPTURE(speed);
+      CAPTURE(change);
+      const double followed = force(speed + change, false), exact = force(speed + change, true);
+      CHECK(std::abs(followed - exact) < .12 * std::abs(exact - force(speed, true)));
+    }
+    CHECK(force(speed, false) == approx(force(speed, true)).epsilon(1e-9));
+    // Steady sliding: f = F_n (mu_d + (mu_s - mu_d) e^-(v/v_s)^2).
+    CHECK(force(speed, true) ==
+          approx(10 * (.3 + .5 * std::exp(-speed * speed / .01))).epsilon(1e-4));
+  }
+}

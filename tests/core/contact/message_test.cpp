@@ -1,0 +1,276 @@
+// What messages do to a touched body, to the number: impulses, forces, places, modes, and what they
+// are held within.
+#include "core/contact/touched_body.hpp"
+#include "tests/approx.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+using namespace tactus::contact;
+using tactus::test::approx;
+
+namespace {
+
+constexpr double kRate = 48000, kSixtyDecibels = 6.907755278982137;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
+                 kInfinity = std::numeric_limits<double>::infinity();
+
+/// A block of so many kg that nothing holds.
+TouchedBody block(double mass_kg, std::size_t exciters = 1) {
+  TouchedBody body(1, exciters, 1);
+  body.prepare(kRate);
+  const Mode rigid{0, 1, mass_kg};
+  body.set_modes({&rigid, 1});
+  return body;
+}
+
+} // namespace
+
+TEST_CASE("a knock gives a block its impulse over its mass, and its place's shape of it") {
+  for (const double impulse : {1., -1., .25, 0.}) {
+    TouchedBody body = block(2);
+    body.knock_body(0, impulse);
+    CHECK(body.hear() == approx(impulse / 2));
+    CHECK(body.energy() == approx(impulse * impulse / 4));
+    CHECK(body.active() == (impulse != 0));
+    body.step();
+    CHECK(body.hear() == approx(impulse / 2));
+  }
+  TouchedBody body = block(2);
+  const double shape = 3;
+  body.set_place(0, {&shape, 1});
+  body.knock_body(0, 1);
+  CHECK(body.hear() == approx(1.5));
+  body.knock_body(1, 1); // there is no such slot
+  body.knock_body(0, kNan);
+  CHECK(body.hear() == approx(1.5));
+}
+
+TEST_CASE("a force on the body acts for one sample, and forces of a sample add up") {
+  for (const double force : {1., -1., 3.}) {
+    TouchedBody body = block(2, 2);
+    const double shape = .5;
+    body.set_place(1, {&shape, 1});
+    body.push_body(0, force);
+    body.push_body(1, 4);
+    body.push_body(2, 1e6); // there is no such slot
+    for (int n = 0; n < 3; ++n) {
+      body.step();
+      CHECK(body.hear() == approx((force + 2) / 2 / kRate));
+    }
+  }
+}
+
+TEST_CASE("a force on a mass lasts until it is changed") {
+  TouchedBody body = block(1);
+  body.set_impact(0, {}, .5);
+  body.throw_mass(0, 1, 0);
+  body.push_mass(0, -1);
+  for (int n = 0; n < 480; ++n)
+    body.step();
+  CHECK(body.exciter(0).velocity_m_per_s == approx(-2 * 480 / kRate));
+  CHECK(body.exciter(0).place_m == approx(-1 - .5 * 2 * 480 * 480 / kRate / kRate));
+  body.push_mass(0, 0);
+  body.step();
+  CHECK(body.exciter(0).velocity_m_per_s == approx(-2 * 480 / kRate));
+}
+
+TEST_CASE("a mode that is set going moves with that velocity, decaying as it says") {
+  TouchedBody body(3, 1, 1);
+  body.prepare(kRate);
+  const std::array<Mode, 3> modes{{{200, .5, .1}, {700, .2, .4}, {30000, 1, 1}}};
+  body.set_modes(modes);
+  body.set_modal_velocity(0, 1);
+  CHECK(body.hear() == approx(1));
+  CHECK(body.energy() == approx(.5 * .1));
+  body.set_modal_velocity(1, -2);
+  CHECK(body.hear() == approx(-1));
+  CHECK(body.energy() == approx(.5 * .1 + .5 * .4 * 4));
+  body.set_modal_velocity(2, 5); // beyond what can be heard
+  body.set_modal_velocity(3, 5);
+  CHECK(body.hear() == approx(-1));
+  const double before = body.energy();
+  for (int n = 0; n < 9600; ++n)
+    body.step();
+  // m (v^2 + (w^2 + d^2) q^2)/2 falls by 60 dB in its T60, but for ripples of d/w.
+  CHECK(body.energy() ==
+        approx(.05 * std::exp(-2 * kSixtyDecibels / .5 * .2) + .8 * std::exp(-2 * kSixtyDecibels))
+            .epsilon(.03));
+  CHECK(body.energy() < before);
+  // Set anew while it is bent: the velocity is what was asked for, whatever the decay.
+  body.set_modal_velocity(0, 0);
+  body.set_modal_velocity(1, 0);
+  CHECK(std::abs(body.hear()) < 1e-15);
+  CHECK(body.energy() > 0);
+}
+
+TEST_CASE("new frequencies, decays, masses and rates leave each mode's two energies alone") {
+  TouchedBody body(2, 1, 1);
+  body.prepare(kRate);
+  std::array<Mode, 2> modes{{{150, .02, .1}, {460, .5, .3}}};
+  body.set_modes(modes);
+  body.set_modal_velocity(0, 1);
+  body.set_modal_velocity(1, .4);
+  for (int n = 0; n < 77; ++n)
+    body.step();
+  const auto kinetic = [&](std::size_t k) {
+    const double v = body.body().real[k] - body.body().slowing[k] * body.body().imaginary[k];
+    return .5 * v * v;
+  };
+  const auto elastic = [&](std::size_t k) {
+    const double q = body.body().imaginary[k] * body.body().displacement[k],
+                 w = 1 / body.body().displacement[k], d = w * body.body().slowing[k];
+    return .5 * (w * w + d * d) * q * q;
+  };
+  std::array<double, 4> before{};
+  const auto energies = [&] { return std::array{kinetic(0), elastic(0), kinetic(1), elastic(1)}; };
+  before = energies();
+  const auto same = [&] {
+    const auto now = energies();
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      CAPTURE(i);
+      CHECK(now[i] == approx(before[i]));
+    }
+  };
+  modes = {{{300, .004, .7}, {90, 3, .01}}};
+  body.set_modes(modes);
+  same();
+  CHECK(1 / body.body().displacement[0] == approx(2 * std::numbers::pi * 300));
+  CHECK(body.body().slowing[0] == approx(kSixtyDecibels / .004 / (2 * std::numbers::pi * 300)));
+  body.prepare(96000);
+  same();
+  CHECK(body.energy() == approx(before[0] + before[1] + before[2] + before[3]));
+}
+
+TEST_CASE("numbers of modes and rates are held within their ranges, and nonsense is the usual") {
+  TouchedBody body(4, 1, 1);
+  body.prepare(1e8);
+  CHECK(body.body().sample_rate() == 1e7);
+  body.prepare(1);
+  CHECK(body.body().sample_rate() == 1000);
+  body.prepare(kNan);
+  CHECK(body.body().sample_rate() == 48000);
+  const std::array<Mode, 4> modes{
+      {{1e-9, 1e9, 1e-30}, {kNan, kInfinity, -kInfinity}, {100, 1e-30, 1e30}, {0, 1, 2}}};
+  body.set_modes(modes);
+  const auto frequency = [&](std::size_t k) {
+    return 1 / (2 * std::numbers::pi * body.body().displacement[k]);
+  };
+  const auto t60 = [&](std::size_t k) {
+    return kSixtyDecibels * body.body().displacement[k] / body.body().slowing[k];
+  };
+  const auto mass = [&](std::size_t k) { return std::pow(body.body().per_root_mass(k), -2); };
+  CHECK(frequency(0) == approx(1e-3));
+  CHECK(t60(0) == approx(1e4));
+  CHECK(mass(0) == approx(1e-6));
+  CHECK(frequency(1) == approx(Mode{}.frequency_hz));
+  CHECK(t60(1) == approx(Mode{}.t60_s));
+  CHECK(mass(1) == approx(Mode{}.mass_kg));
+  CHECK(t60(2) == approx(1e-4));
+  CHECK(mass(2) == approx(1e9));
+  CHECK(body.body().slowing[3] == 0);
+  CHECK(mass(3) == approx(2));
+}
+
+TEST_CASE("modes of .49 of the sample rate and above are left out, below they sound") {
+  TouchedBody body(2, 1, 1);
+  body.prepare(kRate);
+  const std::array<Mode, 2> modes{{{.489 * kRate, 1, 1}, {.4901 * kRate, 1, 1}}};
+  body.set_modes(modes);
+  CHECK(body.body().per_root_mass(0) > 0);
+  CHECK(body.body().per_root_mass(1) == 0);
+  body.knock_body(0, 1);
+  CHECK(body.hear() == approx(1)); // of one mode alone
+}
+
+TEST_CASE("a mass over another place meets the surface as one that was thrown there") {
+  const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
+  const std::array<double, 2> first{1, .2}, second{-.7, 1.3};
+  const auto play = [&](bool thrown) {
+    TouchedBody body(2, 2, 1); // the other slot keeps this one from being the only one
+    body.prepare(kRate);
+    body.set_modes(modes);
+    body.set_place(0, first);
+    body.set_impact(0, {1e7, 1.5, .1}, .01);
+    body.set_impact(1, {1e7, 1.5, .1}, .01);
+    body.throw_mass(1, .5, 0);
+    body.throw_mass(0, 1.2e-5, .6);
+    body.set_modal_velocity(1, 1);
+    body.step();
+    CHECK(body.exciter(0).near);
+    CHECK(body.force(0) == 0);
+    body.set_place(0, second);
+    const Exciter& e = body.exciter(0);
+    CHECK(e.depth_m < 0);
+    if (thrown)
+      body.throw_mass(0, -e.depth_m, e.velocity_m_per_s);
+    std::vector<double> heard;
+    for (int n = 0; n < 60; ++n) {
+      body.step();
+      heard.push_back(body.hear());
+      heard.push_back(body.force(0));
+    }
+    CHECK(body.exciter(0).blows > 0);
+    return heard;
+  };
+  const auto moved = play(false), thrown = play(true);
+  for (std::size_t n = 0; n < moved.size(); ++n) {
+    CAPTURE(n);
+    CHECK(moved[n] == approx(thrown[n]).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("an ear hears its own shape, and slots that there are none of change nothing") {
+  TouchedBody body(2, 2, 2);
+  body.prepare(kRate);
+  const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
+  body.set_modes(modes);
+  const std::array<double, 2> left{1, -2};
+  const double only = 3;
+  body.set_ear(0, left);
+  body.set_ear(1, {&only, 1}); // the missing number is 0
+  body.set_ear(2, left);
+  body.set_modal_velocity(0, 1);
+  body.set_modal_velocity(1, .5);
+  CHECK(std::abs(body.hear(0)) < 1e-12);
+  CHECK(body.hear(1) == approx(3));
+  const double energy = body.energy();
+  body.set_place(2, left);
+  body.set_impact(2, {}, 1);
+  body.set_held(2, {});
+  body.set_friction(2, {});
+  body.clear(2);
+  body.throw_mass(2, 0, 1);
+  body.throw_mass(0, 0, 1); // nothing is in the slot
+  body.lead(2, 1);
+  body.lead(0, 1);
+  body.push_mass(2, 1);
+  body.rub(2, 1, 1);
+  body.seed(2, 1);
+  CHECK(body.energy() == energy);
+  CHECK(body.exciter(0).kind == Exciter::Kind::kNone);
+  CHECK(body.exciter(0).velocity_m_per_s == 0);
+}
+
+TEST_CASE("a heavier mass is no faster than its energy, a lighter one keeps its speed") {
+  TouchedBody body = block(1);
+  body.set_impact(0, {}, .1);
+  body.throw_mass(0, 1, -2);
+  body.set_impact(0, {}, .4);
+  CHECK(body.exciter(0).velocity_m_per_s == approx(-1));
+  CHECK(body.energy() == approx(.5 * .1 * 4));
+  body.set_impact(0, {}, .1);
+  CHECK(body.exciter(0).velocity_m_per_s == approx(-1));
+  CHECK(body.exciter(0).place_m == approx(-1));
+  body.set_impact(0, {}, kNan);
+  CHECK(body.exciter(0).mass_kg == .01);
+  body.set_impact(0, {}, 0);
+  CHECK(body.exciter(0).mass_kg == 1e-6);
+  body.set_impact(0, {}, 1e9);
+  CHECK(body.exciter(0).mass_kg == 1e6);
+}
