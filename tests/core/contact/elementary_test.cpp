@@ -36,3 +36,17 @@ TEST_CASE("a power that is followed stays within 1e-9 of the exact one") {
     CHECK(worst < 1e-9);
   }
 }
+
+TEST_CASE("a power is followed from wherever it was last taken, near one as well") {
+  for (const double exponent : {.25, .5, 1.25, 2.5})
+    for (const double start : {1e-12, .02, .5, 1., 1.03, 7., 600.}) {
+      FollowedPower power(exponent);
+      double x = start;
+      for (int n = 0; n < 400; ++n) {
+        CAPTURE(exponent);
+        CAPTURE(x);
+        CHECK(std::abs(power(x) / std::pow(x, exponent) - 1) < 1e-9);
+        x *= n % 100 < 50 ? 1.003 : .997 / 1.0001;
+      }
+    }
+}
