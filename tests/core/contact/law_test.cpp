@@ -134,3 +134,33 @@ TEST_CASE("friction's first stage follows its law to the second order of the vel
           approx(10 * (.3 + .5 * std::exp(-speed * speed / .01))).epsilon(1e-4));
   }
 }
+
+TEST_CASE(
+    "a rough surface drags at random, as the root of force and speed, and not without bound") {
+  FrictionLaw smooth, rough;
+  smooth.damping_ns_per_m = rough.damping_ns_per_m = 0; // which passivity holds by the viscosity
+  rough.roughness = 2;
+  const auto force = [](const FrictionLaw& law, double press, double speed, double noise) {
+    Friction friction;
+    friction.set(law);
+    friction.enter_step(press, speed, noise, 1 / kRate);
+    return friction.force(speed, 0);
+  };
+  for (const double noise : {.5, -.5, 2.})
+    for (const double press : {1., 9.})
+      for (const double speed : {.2, -.2, 5e-4, -5e-4}) {
+        CAPTURE(noise);
+        CAPTURE(press);
+        CAPTURE(speed);
+        // sigma3 |w| sqrt(F_n |v|), bounded towards rest as by another 0.1 mm/s.
+        const double size = std::abs(speed),
+                     expected = 2 * std::abs(noise) * std::sqrt(press / (size + 1e-4)) * speed;
+        CHECK(force(rough, press, speed, noise) - force(smooth, press, speed, noise) ==
+              approx(expected).epsilon(1e-6));
+        CHECK(force(smooth, press, speed, noise) == force(smooth, press, speed, 0));
+      }
+  // Nearly at rest: a viscosity of no more than sigma3 |w| sqrt(F_n/0.1 mm/s).
+  CHECK(force(rough, 4, 1e-9, 1) - force(smooth, 4, 1e-9, 1) ==
+        approx(2 * 200 * 1e-9).epsilon(1e-3));
+  CHECK(force(rough, 0, 1, 1) == 0);
+}
