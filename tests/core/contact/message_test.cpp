@@ -274,3 +274,51 @@ TEST_CASE("a heavier mass is no faster than its energy, a lighter one keeps its 
   body.set_impact(0, {}, 1e9);
   CHECK(body.exciter(0).mass_kg == 1e6);
 }
+
+TEST_CASE("after a reset all is at rest, masses a metre away, and sounds as the first time") {
+  const std::array<Mode, 2> modes{{{300, 1, .05}, {800, 1, .08}}};
+  TouchedBody body(2, 3, 1);
+  body.prepare(kRate);
+  body.set_modes(modes);
+  const auto play = [&] {
+    body.set_impact(0, {1e7, 1.5, .1}, .01);
+    body.throw_mass(0, 1e-5, .6);
+    body.set_friction(1, {});
+    body.rub(1, 2, .1);
+    body.set_held(2, {1e5, 1, 0});
+    std::vector<double> heard;
+    for (int n = 0; n < 200; ++n) {
+      if (n == 100)
+        body.push_body(0, 5);
+      body.step();
+      heard.push_back(body.hear());
+    }
+    return heard;
+  };
+  const auto first = play();
+  CHECK(body.exciter(0).blows > 0);
+  CHECK(body.exciter(1).friction.stored_j() > 0);
+  body.push_body(0, 1); // not yet in a step
+  body.reset();
+  CHECK(body.energy() == 0);
+  CHECK(body.hear() == 0);
+  CHECK(!body.active());
+  for (const std::size_t slot : {0UL, 2UL}) {
+    CHECK(body.exciter(slot).place_m == -1);
+    CHECK(body.exciter(slot).depth_m == -1);
+    CHECK(body.exciter(slot).velocity_m_per_s == 0);
+  }
+  CHECK(body.exciter(0).blows == 0);
+  CHECK(body.exciter(0).last.impulse_ns == 0);
+  CHECK(body.force(0) == 0);
+  CHECK(body.force(1) == 0);
+  body.rub(1, 0, 0);
+  body.step();
+  CHECK(body.hear() == 0);
+  CHECK(body.steps() == 1);
+  body.reset();
+  body.seed(1, 2);
+  const auto second = play();
+  for (std::size_t n = 0; n < first.size(); ++n)
+    CHECK(second[n] == approx(first[n]).epsilon(1e-9));
+}
