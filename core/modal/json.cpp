@@ -64,12 +64,23 @@ private:
     }
   }
 
+  [[nodiscard]] bool is_digit(std::size_t at) const noexcept {
+    return at < rest_.size() && rest_[at] >= '0' && rest_[at] <= '9';
+  }
+
   bool number(Json& value) {
     value.kind = Json::Kind::kNumber;
+    const std::size_t first = rest_[0] == '-' ? 1 : 0;
+    if (!is_digit(first) || (rest_[first] == '0' && is_digit(first + 1)))
+      return false;
     const auto read = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value.number);
     if (read.ec != std::errc{} || !std::isfinite(value.number))
       return false;
-    rest_.remove_prefix(static_cast<std::size_t>(read.ptr - rest_.data()));
+    const auto used = static_cast<std::size_t>(read.ptr - rest_.data());
+    const std::size_t point = rest_.substr(0, used).find('.');
+    if (point != std::string_view::npos && !is_digit(point + 1))
+      return false;
+    rest_.remove_prefix(used);
     return true;
   }
 
@@ -88,7 +99,7 @@ private:
         letter = rest_[0];
         rest_.remove_prefix(1);
         if (letter == 'u') {
-          if (rest_.size() < 4)
+          if (rest_.find_first_not_of("0123456789abcdefABCDEF") < 4 || rest_.size() < 4)
             return false;
           rest_.remove_prefix(4);
           letter = '?';
