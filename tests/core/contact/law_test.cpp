@@ -1,4 +1,5 @@
 // One contact's law in steps, without a body: what it stores, how it bends, how fine it must be.
+#include "core/contact/exciter.hpp"
 #include "core/contact/friction.hpp"
 #include "core/contact/impact.hpp"
 #include "tests/approx.hpp"
@@ -163,4 +164,78 @@ TEST_CASE(
   CHECK(force(rough, 4, 1e-9, 1) - force(smooth, 4, 1e-9, 1) ==
         approx(2 * 200 * 1e-9).epsilon(1e-3));
   CHECK(force(rough, 0, 1, 1) == 0);
+}
+
+TEST_CASE("what an exciter is told to do changes its velocities against the body by as much") {
+  Exciter e;
+  e.held = true;
+  e.velocity_m_per_s = .5;
+  e.approach_m_per_s = .2;
+  e.mean_velocity_m_per_s = .1;
+  e.move_at(.8);
+  CHECK(e.velocity_m_per_s == .8);
+  CHECK(e.approach_m_per_s == approx(.5));
+  CHECK(e.mean_velocity_m_per_s == approx(.4));
+  e.move_at(-1e9); // as fast as anything goes here
+  CHECK(e.velocity_m_per_s == -kFastest);
+  Exciter rubbing;
+  rubbing.kind = Exciter::Kind::kFriction;
+  rubbing.rubbing_m_per_s = -.1;
+  rubbing.approach_m_per_s = .2;
+  rubbing.mean_velocity_m_per_s = .3;
+  rubbing.rub(7, .4);
+  CHECK(rubbing.rubbing_m_per_s == .4);
+  CHECK(rubbing.normal_force_n == 7);
+  CHECK(rubbing.approach_m_per_s == approx(.7));
+  CHECK(rubbing.mean_velocity_m_per_s == approx(.8));
+  rubbing.rub(1e30, std::nan(""));
+  CHECK(rubbing.normal_force_n == kMostForce);
+  CHECK(rubbing.rubbing_m_per_s == 0);
+}
+
+TEST_CASE("bristles get steps of .4 rad of their own swing, eight a sample at most") {
+  Exciter e;
+  e.kind = Exciter::Kind::kFriction;
+  FrictionLaw law;
+  law.stiffness_n_per_m = 1e6;
+  e.friction.set(law);
+  for (const double mobility : {1e-3, .1, 10., 200.}) {
+    e.quick_mobility = mobility;
+    const double angle = std::sqrt(1e6 * mobility) / kRate;
+    CHECK(e.rubbing_steps(1 / kRate) == approx(std::min(angle / .4, 8.)));
+  }
+  e.quick_mobility = 1e6;
+  CHECK(e.rubbing_steps(1 / kRate) == 8);
+}
+
+TEST_CASE("a contact's energy is its striker's and what it stores; a held striker has none") {
+  Exciter e;
+  CHECK(e.energy() == 0);
+  e.kind = Exciter::Kind::kImpact;
+  e.mass_kg = .2;
+  e.velocity_m_per_s = 3;
+  CHECK(e.energy() == approx(.9));
+  e.held = true;
+  CHECK(e.energy() == 0);
+  // What it is judged by: from half of it to a tenth more.
+  e.judged_j = 2;
+  CHECK(e.judged(2));
+  CHECK(e.judged(2.19));
+  CHECK(!e.judged(2.21));
+  CHECK(e.judged(1.01));
+  CHECK(!e.judged(.99));
+}
+
+TEST_CASE("one contact alone takes the force that its own change of velocity leaves it") {
+  // F = offset + slope v, v = free - mobility F.
+  ContactTerm t;
+  t.free = .7;
+  t.law = {3, 20};
+  t.solve(.05);
+  CHECK(t.force == approx(3 + 20 * t.mean));
+  CHECK(t.mean == approx(.7 - .05 * t.force));
+  t.solve(0);
+  CHECK(t.force == approx(17));
+  CHECK(continued(2, 1) == 2.5);
+  CHECK(expected(2, 1) == 1.5);
 }

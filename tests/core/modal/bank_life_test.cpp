@@ -1,0 +1,235 @@
+// A bank's states, weights and ends beside the recursion written out: what is pushed while weights
+// glide, what is released, what rests.
+#include "core/modal/mode_bank.hpp"
+#include "tests/approx.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+using namespace tactus::modal;
+using tactus::test::approx;
+using Complex = std::complex<double>;
+
+namespace {
+
+constexpr double kRate = 48000, kPi = std::numbers::pi;
+
+const std::vector<Complex> kRates{{-4, 2 * kPi * 210}, {-9, 2 * kPi * 777}, {-20, 2 * kPi * 3100}};
+const std::vector<double> kGain{1, -.7, 1.6};
+
+std::vector<Complex> weight(double turned) {
+  return {std::polar(1., turned), std::polar(.5, 2 * turned), std::polar(2., -turned)};
+}
+
+/// One drive, one pick-up.
+struct Plain {
+  std::vector<Complex> z = std::vector<Complex>(kRates.size());
+  void move(double force) {
+    for (std::size_t k = 0; k < z.size(); ++k)
+      z[k] = std::exp(kRates[k] / kRate) * z[k] + kGain[k] * force / kRate;
+  }
+  [[nodiscard]] double heard(const std::vector<Complex>& w) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < z.size(); ++k)
+      sum += (w[k] * z[k]).imag();
+    return sum;
+  }
+};
+
+std::vector<float> play(ModeBank& bank, const std::vector<float>& force) {
+  std::vector<float> out(force.size());
+  const float* const in = force.data();
+  float* const to = out.data();
+  bank.process({&in, 1}, {&to, 1}, force.size());
+  return out;
+}
+
+ModeBank bank_of(const std::vector<Complex>& w) {
+  ModeBank bank(kRates, kRate, 1, 1);
+  bank.set_gain(0, kGain);
+  bank.jump_to_weight(0, w);
+  return bank;
+}
+
+} // namespace
+
+TEST_CASE("what is pushed while weights glide is heard by the B-spline of the three") {
+  // Targets at 100 (at once), 300 (waits for 612), 400 (takes its place), 1700.
+  ModeBank bank = bank_of(weight(0));
+  Plain plain;
+  std::vector<float> heard;
+  std::vector<double> expected;
+  const std::vector<std::vector<Complex>> target{weight(0), weight(.8), weight(-1.3), weight(2.2)};
+  struct Segment {
+    std::size_t begin;
+    std::size_t old, middle, fresh;
+  };
+  const std::vector<Segment> segments{
+      {100, 0, 0, 1}, {612, 0, 1, 3}, {1124, 1, 3, 3}, {1700, 3, 3, 2}, {2212, 3, 2, 2}};
+  for (std::size_t n = 0; n < 3000; ++n) {
+    if (n == 100)
+      bank.set_weight(0, target[1]);
+    if (n == 300)
+      bank.set_weight(0, target[2]);
+    if (n == 400)
+      bank.set_weight(0, target[3]);
+    if (n == 1700)
+      bank.set_weight(0, target[2]);
+    const float force = n % 50 == 7 || (n > 900 && n < 1300)
+                            ? static_cast<float>(std::sin(.1 * static_cast<double>(n)))
+                            : 0;
+    heard.push_back(play(bank, {force})[0]);
+    plain.move(static_cast<double>(force));
+    double value = plain.heard(target[n < 100 ? 0 : n < 1700 ? 3 : 2]);
+    for (const Segment& s : segments)
+      if (n >= s.begin && n < s.begin + 512) {
+        const double u = (static_cast<double>(n - s.begin) + .5) / 512;
+        value = .5 * (1 - u) * (1 - u) * plain.heard(target[s.old]) +
+                (.5 + u * (1 - u)) * plain.heard(target[s.middle]) +
+                .5 * u * u * plain.heard(target[s.fresh]);
+      }
+    expected.push_back(value);
+    CHECK(bank.glide(0).moving() == ((n >= 100 && n < 1635) || (n >= 1700 && n < 2723)));
+  }
+  double most = 0, apart = 0;
+  for (std::size_t n = 0; n < heard.size(); ++n) {
+    most = std::max(most, std::abs(expected[n]));
+    apart = std::max(apart, std::abs(static_cast<double>(heard[n]) - expected[n]));
+  }
+  CHECK(apart < 2e-3 * most); // the bank's -60 dB
+}
+
+TEST_CASE("what is released fades out by half a cosine, and what comes after it does not") {
+  const auto w = weight(.3);
+  ModeBank bank = bank_of(w);
+  Plain old, fresh;
+  for (int n = 0; n < 100; ++n) {
+    static_cast<void>(play(bank, {n == 0 ? 1.F : 0.F}));
+    old.move(n == 0 ? 1 : 0);
+  }
+  bank.release();
+  CHECK(bank.release_left() == ModeBank::kRelease);
+  CHECK(bank.state(0) == Complex(0));
+  double most = 0, apart = 0;
+  for (std::size_t n = 0; n < 1500; ++n) {
+    const double force = n == 200 ? .5 : 0;
+    const double heard = static_cast<double>(play(bank, {static_cast<float>(force)})[0]);
+    old.move(0);
+    fresh.move(force);
+    const double turn = kPi * static_cast<double>(n) / static_cast<double>(ModeBank::kRelease);
+    const double share = n < ModeBank::kRelease ? .5 + .5 * std::cos(turn) : 0;
+    const double expected = share * old.heard(w) + fresh.heard(w);
+    most = std::max(most, std::abs(expected));
+    apart = std::max(apart, std::abs(heard - expected));
+  }
+  CHECK(apart < 2e-3 * most);
+  CHECK(bank.release_left() == 0);
+  // A second release takes what is left of the first along.
+  bank.release();
+  static_cast<void>(play(bank, std::vector<float>(512, 0)));
+  bank.release();
+  CHECK(bank.release_left() == ModeBank::kRelease);
+  std::vector<Complex> half(3);
+  bank.read_released(half);
+  for (int n = 0; n < 512; ++n)
+    fresh.move(0);
+  for (std::size_t k = 0; k < 3; ++k)
+    CHECK(std::abs(half[k] - .5 * fresh.z[k]) < 2e-3 * std::abs(half[k]) + 1e-9);
+}
+
+TEST_CASE("a bank that is silenced is asleep at once, and wakes for a push alone") {
+  ModeBank bank = bank_of(weight(0));
+  CHECK(bank.asleep());
+  static_cast<void>(play(bank, std::vector<float>(64, 1)));
+  CHECK(!bank.asleep());
+  CHECK(bank.active_blocks() == 1);
+  bank.silence();
+  CHECK(bank.asleep());
+  CHECK(bank.active_blocks() == 0);
+  for (const float x : play(bank, std::vector<float>(128, 0)))
+    CHECK(x == 0);
+  CHECK(bank.asleep());
+  static_cast<void>(play(bank, {0, 0, 1}));
+  CHECK(!bank.asleep());
+  bank.release();
+  CHECK(!bank.asleep()); // it is heard still
+  static_cast<void>(play(bank, std::vector<float>(ModeBank::kRelease, 0)));
+  CHECK(bank.asleep());
+  // Released with nothing in it: nothing to fade.
+  bank.release();
+  CHECK(bank.asleep());
+}
+
+TEST_CASE(
+    "states are read and written to the present, the others at rest, in the middle of a leap") {
+  for (const std::size_t begun : {0UL, 3UL, 8UL, 13UL}) {
+    ModeBank bank = bank_of(weight(.2));
+    Plain plain;
+    for (std::size_t n = 0; n < begun; ++n) {
+      static_cast<void>(play(bank, {1}));
+      plain.move(1);
+    }
+    std::vector<Complex> z(3);
+    bank.read_states(z);
+    for (std::size_t k = 0; k < 3; ++k)
+      CHECK(std::abs(z[k] - plain.z[k]) < 1e-6 * std::abs(z[k]) + 1e-12);
+    const std::vector<Complex> two{{1, 2}, {-.5, .25}};
+    bank.write_states(two);
+    bank.read_states(z);
+    CHECK(z == std::vector<Complex>{{1, 2}, {-.5, .25}, {0, 0}});
+    bank.set_state(2, {.5, -1});
+    CHECK(bank.state(2) == Complex(.5, -1));
+    CHECK(!bank.asleep());
+    plain.z = {{1, 2}, {-.5, .25}, {.5, -1}};
+    for (int n = 0; n < 40; ++n) {
+      const double heard = static_cast<double>(play(bank, {0})[0]);
+      plain.move(0);
+      CHECK(std::abs(heard - plain.heard(weight(.2))) < 3e-3);
+    }
+  }
+}
+
+TEST_CASE("time that another computes moves the clock and the glides, and nothing else") {
+  ModeBank bank = bank_of(weight(0));
+  bank.set_clock(1003);
+  bank.set_weight(0, weight(1));
+  bank.skip(500);
+  CHECK(bank.clock() == 1503);
+  CHECK(bank.glide(0).moving());
+  CHECK(bank.glide_left() == 12);
+  const auto version = bank.glide_version();
+  bank.skip(12);
+  CHECK(bank.glide_version() != version);
+  CHECK(bank.glide_left() == 512);
+  bank.skip(1000);
+  CHECK(!bank.glide(0).moving());
+  CHECK(bank.clock() == 2515);
+  CHECK(bank.asleep());
+  CHECK(std::abs(bank.weight(0, ModeBank::kFresh, 1) - weight(1)[1]) < 1e-6);
+}
+
+TEST_CASE("weights that are what they are already start no glide") {
+  ModeBank bank(kRates, kRate, 1, 2);
+  const std::vector<std::vector<Complex>> both{weight(0), weight(1)};
+  for (std::size_t i = 0; i < 2; ++i)
+    bank.jump_to_weight(i, both[i]);
+  bank.set_weight(0, both[0]);
+  bank.set_weights(both);
+  CHECK(!bank.glide(0).moving());
+  CHECK(!bank.glide(1).moving());
+  // One that hears anew makes all glide, in step.
+  bank.set_weights(std::vector<std::vector<Complex>>{weight(0), weight(1.1)});
+  CHECK(bank.glide(0).moving());
+  CHECK(bank.glide(1).moving());
+  bank.set_weight(2, weight(0)); // there is none
+  bank.jump_to_weight(2, weight(0));
+  bank.jump_to_weight(1, weight(2));
+  CHECK(!bank.glide(1).moving());
+  CHECK(bank.glide(0).moving());
+}
