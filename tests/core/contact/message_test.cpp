@@ -322,3 +322,72 @@ TEST_CASE("after a reset all is at rest, masses a metre away, and sounds as the 
   for (std::size_t n = 0; n < first.size(); ++n)
     CHECK(second[n] == approx(first[n]).epsilon(1e-9));
 }
+
+TEST_CASE("what moves the body during a contact is felt by it at once, and no energy comes of it") {
+  // A mass that lies on a lossless contact and a body without decay worth the name.
+  for (const bool knocked : {false, true}) {
+    TouchedBody body(2, 1, 1);
+    body.prepare(kRate);
+    const std::array<Mode, 2> modes{{{300, 1e4, .05}, {800, 1e4, .08}}};
+    body.set_modes(modes);
+    body.set_impact(0, {1e6, 1.5, 0}, .05);
+    body.throw_mass(0, 0, .4);
+    for (int n = 0; n < 5; ++n)
+      body.step();
+    REQUIRE(body.exciter(0).impact.touching());
+    if (knocked)
+      body.knock_body(0, .01);
+    else
+      body.set_modal_velocity(1, -.5);
+    const double energy = body.energy();
+    for (int n = 0; n < 20; ++n) {
+      body.step();
+      CAPTURE(n);
+      CHECK(body.energy() == approx(energy).epsilon(2e-6)); // 1.4e-7 a sample are lost in decay
+    }
+  }
+}
+
+TEST_CASE("a light string gets its bristles' steps, after a reset as well") {
+  TouchedBody body(1, 2, 1);
+  body.prepare(kRate);
+  const Mode light{300, 1, 1e-3};
+  body.set_modes({&light, 1});
+  FrictionLaw law;
+  law.stiffness_n_per_m = 1e6;
+  body.set_friction(0, law);
+  // sqrt(1e6/1e-3)/48000 rad a sample, .4 in a step: 1.6, two steps.
+  for (int round = 0; round < 2; ++round) {
+    body.rub(0, 1, .1);
+    body.step();
+    CHECK(body.steps() == 2);
+    body.reset();
+  }
+  // What strikes needs its own steps anew: a hard blow, a reset, a soft one.
+  body.clear(0);
+  for (const double stiffness : {1e11, 1e3}) {
+    body.set_impact(1, {stiffness, 1.5, 0}, .01);
+    body.throw_mass(1, 0, 1);
+    body.step();
+    CHECK((body.steps() > 1) == (stiffness > 1e6));
+    body.reset();
+    body.step();
+    CHECK(body.steps() == 1);
+  }
+}
+
+TEST_CASE("a contact that turns by more than half a radian in a 64th of a sample is an impulse") {
+  for (const double radians : {.1, .48, .52, 3.}) {
+    CAPTURE(radians);
+    TouchedBody body = block(1e9);
+    const double rate = radians * 64 * kRate, mass = .01;
+    body.set_impact(0, {rate * rate * mass, 1, 0}, mass);
+    body.throw_mass(0, 0, 1);
+    for (int n = 0; n < 3; ++n)
+      body.step();
+    REQUIRE(body.exciter(0).blows == 1);
+    CHECK((body.exciter(0).last.duration_s == 0) == (radians > .5));
+    CHECK(body.exciter(0).velocity_m_per_s == approx(-1).epsilon(.01));
+    CHECK(body.exciter(0).last.impulse_ns == approx(2 * mass).epsilon(.01));
+  }
+}

@@ -92,6 +92,10 @@ TEST_CASE("places are kept in metres when the next body has another size") {
   rig.renew(false);
   // What waits, in the table's own lengths: 2 x its position.
   CHECK(norm(rig.body.point().position - Vec3{-.06, .02, .0025}) < 1e-6);
+  Rig alone; // one point is all that waits
+  alone.body.schedule_point(alone.body.model()->nearest({-.06, .02, 0}), {0, 0, 1}, 300);
+  alone.renew();
+  CHECK(norm(alone.body.point().position - Vec3{-.06, .02, .0025}) < 1e-6);
   Rig direct;
   direct.loaded = inclined(0);
   direct.renew(false);
