@@ -169,7 +169,7 @@ TEST_CASE("strikers at several places of a free body feel each other through it"
       s.gain.push_back(4 * std::cos(.4 + i + 1.7 * k));
     strikers.push_back(s);
   }
-  for (const std::size_t count : {2, 3, 4}) {
+  for (const std::size_t count : {2UL, 3UL, 4UL}) {
     CAPTURE(count);
     compare(rate, {strikers.begin(), strikers.begin() + static_cast<std::ptrdiff_t>(count)}, 3, 60,
             .005);
