@@ -12,6 +12,7 @@ static int all_calls;
 static int open_devices, force_on, cause, saturated, dead, calls, reset, expert, watchdog_steps;
 static double max_force;
 static unsigned buttons;
+static int broken, open_calls, status_calls;
 
 static int device_counts;
 #ifndef FAKE_DHD_INCOMPLETE
@@ -46,6 +47,9 @@ int fake_dhd_wrist(double* out) {
   return all_calls;
 }
 void fake_dhd_gap(double opening) { gap = opening; }
+void fake_dhd_break(int is_broken) { broken = is_broken; }
+/* calls of dhdOpenID and of dhdGetStatus so far */
+void fake_dhd_calls(int* out) { out[0] = open_calls, out[1] = status_calls; }
 /* open devices, force on, watchdog steps, expert mode */
 void fake_dhd_counts(int* out) {
   out[0] = open_devices, out[1] = force_on, out[2] = watchdog_steps, out[3] = expert;
@@ -56,9 +60,10 @@ double fake_dhd_max_force(void) { return max_force; }
 int dhdGetDeviceCount(void) { return ++device_counts, mode("none") ? 0 : 1; }
 int fake_dhd_device_counts(void) { return device_counts; }
 int dhdOpenID(char index) {
+  ++open_calls;
   if ((index != 0 && !mode("many")) || mode("none"))
     return -1;
-  dead = saturated = reset = cause = 0;
+  dead = saturated = reset = cause = broken = 0;
   buttons = 0;
   memset(force, 0, sizeof force);
   memset(velocity, 0, sizeof velocity);
@@ -84,7 +89,7 @@ bool dhdHasGripper(char id) { return dhdHasWrist(id); }
 bool dhdHasActiveGripper(char id) { return dhdHasWrist(id); }
 int dhdGetGripperGap(double* out, char id) { return (void)id, *out = gap, 0; }
 int dhdGetOrientationRad(double* a, double* b, double* c, char id) {
-  return (void)id, *a = *b = *c = 0, 0;
+  return (void)id, *a = 0.1, *b = 0.2, *c = 0.3, 0;
 }
 int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty,
                                         double tz, double fg, char id) {
@@ -141,10 +146,12 @@ int dhdEnableForce(unsigned char on, char id) {
 }
 int dhdGetStatus(int* status, char id) {
   (void)id;
+  ++status_calls;
   memset(status, 0, 17 * sizeof *status);
   status[0] = status[1] = 1;
   status[3] = reset;
   status[5] = force_on;
+  status[9] = broken;
   status[14] = cause;
   return 0;
 }
