@@ -22,7 +22,8 @@ static double position[3] = {10, 20, -30}, velocity[3], force[3], last_force[3];
 static double torque[3];
 static int torques;
 static _Atomic int enabled_force;
-static int clamping, buttons, in_frame, open_devices, calibration_checks, updates;
+static int clamping, ramping, rate_hz, buttons, in_frame, open_devices, calibration_checks;
+static int updates, openings, style_asked, calibration;
 static unsigned long frames, forces_outside_frame;
 static Callback callback;
 static void* callback_context;
@@ -63,6 +64,28 @@ void fake_hd_reset(void) {
   memset(torque, 0, sizeof torque);
   torques = error_count = buttons = clamping = calibration_checks = updates = 0;
   frames = forces_outside_frame = 0;
+  ramping = rate_hz = openings = calibration = 0;
+  style_asked = -1;
+  pthread_mutex_unlock(&guard);
+}
+/* Where the handle is, mm. */
+void fake_hd_place(double x, double y, double z) {
+  pthread_mutex_lock(&guard);
+  position[0] = x, position[1] = y, position[2] = z;
+  memset(velocity, 0, sizeof velocity);
+  pthread_mutex_unlock(&guard);
+}
+/* What hdCheckCalibration answers from now on; 0: its usual answers. */
+void fake_hd_calibration(int answer) {
+  pthread_mutex_lock(&guard);
+  calibration = answer;
+  pthread_mutex_unlock(&guard);
+}
+/* ramping, scheduler's rate, openings tried, calibrations looked at, style of the last update */
+void fake_hd_more_counts(int out[5]) {
+  pthread_mutex_lock(&guard);
+  out[0] = ramping, out[1] = rate_hz, out[2] = openings, out[3] = calibration_checks;
+  out[4] = style_asked;
   pthread_mutex_unlock(&guard);
 }
 void fake_hd_fail(unsigned code) {
@@ -100,6 +123,7 @@ void fake_hd_last_force(double out[3]) {
 
 /* The interface. */
 unsigned hdInitDevice(const char* name) {
+  ++openings;
   if (mode("licence"))
     return fail(0x0600), 0xFFFFFFFFu;
   if (mode("dead") || loads > 1)
@@ -123,6 +147,8 @@ void hdEnable(unsigned what) {
     enabled_force = 1;
   if (what == 0x4001)
     clamping = 1;
+  if (what == 0x4002)
+    ramping = 1;
 }
 void hdDisable(unsigned what) {
   if (what == 0x4000)
@@ -191,11 +217,13 @@ Error hdGetError(void) {
 unsigned hdCheckCalibration(void) {
   if (mode("inkwell"))
     return 0x5002;
+  if (calibration)
+    return ++calibration_checks, (unsigned)calibration;
   return calibration_checks++ == 0 ? 0x5001 : 0x5000;
 }
 void hdUpdateCalibration(unsigned style) {
-  (void)style;
   pthread_mutex_lock(&guard);
+  style_asked = (int)style;
   ++updates;
   pthread_mutex_unlock(&guard);
 }
@@ -217,6 +245,7 @@ static void* scheduler(void* unused) {
   }
   return NULL;
 }
+void hdSetSchedulerRate(unsigned long hz) { rate_hz = (int)hz; }
 unsigned long hdScheduleAsynchronous(Callback function, void* context, unsigned short priority) {
   (void)priority;
   callback = function, callback_context = context, callback_done = 0;

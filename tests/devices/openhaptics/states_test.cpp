@@ -1,0 +1,284 @@
+#include "devices/openhaptics/hd_library.hpp"
+#include "tests/devices/openhaptics/fake.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+// What the library reports, tick by tick, and what the driver does about it.
+
+using namespace tactus;
+using namespace tactus::devices::openhaptics;
+using haptic::State;
+using haptic::Vec3;
+
+namespace {
+
+/// Ticks in the device's own thread: what `each` says of a tick's number happens between read and
+/// write, and is the force.
+struct Rehearsal {
+  Rehearsal(const Fake& of, haptic::Backend& backend, int count, std::function<Vec3(int)> each)
+      : fake(of), device(backend), act(std::move(each)), left(count) {
+    REQUIRE(device.run([](void* self) { static_cast<Rehearsal*>(self)->tick(); }, this));
+    for (int i = 0; i < 60000 && left > 0; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    REQUIRE(left == 0);
+    device.halt();
+  }
+  void tick() {
+    if (left == 0)
+      return;
+    State state;
+    answered.push_back(device.read({}, state));
+    states.push_back(state);
+    sent.push_back(fake.force()); // of the tick before
+    const Vec3 force = act(static_cast<int>(states.size()) - 1);
+    taken.push_back(device.write(force));
+    --left;
+  }
+  /// Ticks whose state has this flag: first, last and how many.
+  struct Span {
+    int first, last, count;
+  };
+  [[nodiscard]] Span with(std::uint32_t flag) const {
+    Span span{-1, -1, 0};
+    for (int i = 0; i < static_cast<int>(states.size()); ++i)
+      if (states[static_cast<std::size_t>(i)].flags & flag) {
+        span.first = span.first < 0 ? i : span.first;
+        span.last = i;
+        ++span.count;
+      }
+    return span;
+  }
+  const Fake& fake;
+  haptic::Backend& device;
+  std::function<Vec3(int)> act;
+  std::atomic<int> left;
+  std::vector<State> states;
+  std::vector<bool> answered, taken;
+  std::vector<Vec3> sent;
+};
+
+} // namespace
+
+TEST_CASE("force ramps up, is clamped by the library too, and comes at 1 kHz") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(fake.counts()[3] == 1);
+  CHECK(fake.counts()[4] == 1);
+  CHECK(fake.more().ramping == 1);
+  CHECK(fake.more().rate_hz == 1000);
+  CHECK(device->identity().vendor == "SensAble");
+}
+
+TEST_CASE("positions are metres, velocities their change, and one out of reach is the last good") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const Rehearsal r(fake, *device, 300, [&](int tick) {
+    if (tick == 0)
+      fake.place(10, 20, -30);
+    if (tick == 250)
+      fake.place(0, 5000, 0);
+    return tick > 100 ? Vec3{0, 0, 0.3} : Vec3{};
+  });
+  CHECK(norm(r.states[50].position - Vec3{0.01, 0.02, -0.03}) < 1e-12);
+  CHECK(
+      r.states[200].velocity.z ==
+      doctest::Approx((r.states[201].position.z - r.states[200].position.z) / 1e-3).epsilon(0.05));
+  CHECK(r.states[200].velocity.z > 0.05);
+  CHECK(norm(r.states[299].position - r.states[250].position) < 1e-2);
+  const auto lost = r.with(State::kUnreachable);
+  CHECK(lost.first == 251);
+  CHECK(lost.last == 299);
+  CHECK(r.sent[110] == Vec3{0, 0, 0.3});
+}
+
+TEST_CASE("the calibration is looked at in the first tick and every 256, and asked for in its "
+          "style") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  int first = 0, before = 0, later = 0, after = 0;
+  const Rehearsal r(fake, *device, 1100, [&](int tick) {
+    if (tick == 0)
+      first = fake.more().calibration_checks;
+    if (tick == 255)
+      before = fake.more().calibration_checks;
+    if (tick == 256)
+      later = fake.more().calibration_checks;
+    if (tick == 1030)
+      after = fake.more().calibration_checks;
+    return Vec3{1, 0, 0};
+  });
+  CHECK(first == 2); // it needed an update and was looked at again
+  CHECK(fake.counts()[5] == 1);
+  CHECK(fake.more().calibration_style == 2);
+  CHECK(before == 2);
+  CHECK(later == 3);
+  CHECK(after == 2 + 4);
+  CHECK(r.with(State::kHomed).count == 1100);
+}
+
+TEST_CASE("no force while the calibration needs the library or the hand, each with its sentence") {
+  std::set<std::string> sentences;
+  for (const int answer : {0x5001, 0x5002}) {
+    const Fake fake;
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    fake.calibration(answer);
+    CHECK(device->trouble() == ""); // not yet looked at
+    std::string sentence;
+    const Rehearsal r(fake, *device, 20, [&](int tick) {
+      if (tick == 10)
+        sentence = device->trouble();
+      return Vec3{1, 0, 0};
+    });
+    CHECK(sentences.insert(sentence).second);
+    CHECK(sentence.find(answer == 0x5001 ? "calibrates itself" : "inkwell") != std::string::npos);
+    CHECK(r.with(State::kHomed).count == 0);
+    CHECK(fake.force() == Vec3{});
+    CHECK(device->trouble() == ""); // halted
+  }
+}
+
+TEST_CASE("too much force and warm motors are told for 500 ticks, and force goes on") {
+  for (const auto& [code, flag] : {std::pair{Code(kTooMuchForce), State::kForceLimited},
+                                   {Code(kWarmMotors), State::kMotorsHot}}) {
+    CAPTURE(code);
+    const Fake fake;
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    std::string during, after;
+    const Rehearsal r(fake, *device, 700, [&, code = code](int tick) {
+      if (tick == 50)
+        fake.fail(code);
+      if (tick == 500)
+        during = device->trouble();
+      if (tick == 600)
+        after = device->trouble();
+      return Vec3{0.1, 0, 0};
+    });
+    const auto told = r.with(flag);
+    CHECK(told.first == 51);
+    CHECK(told.count == 500);
+    CHECK(told.last == 550);
+    CHECK(during != "");
+    CHECK(after == "");
+    CHECK(r.with(State::kFault).count == 0);
+    CHECK(r.sent[300] == Vec3{0.1, 0, 0});
+  }
+}
+
+TEST_CASE("what switches force off keeps it off until none was asked for during 200 ticks") {
+  for (const Code code :
+       {kTooMuchImpulse, kTooMuchVelocity, kForceError, kDeviceFault, kNoAnswer}) {
+    CAPTURE(code);
+    const Fake fake;
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    const Rehearsal r(fake, *device, 500, [&](int tick) {
+      if (tick == 20)
+        fake.fail(code);
+      return tick < 100 || tick > 400 ? Vec3{0.1, 0, 0} : Vec3{};
+    });
+    const auto off = r.with(State::kFault);
+    CHECK(off.first == 21);
+    CHECK(off.last == 299); // zero in ticks 100 to 299
+    CHECK(off.count == 279);
+    CHECK(r.sent[20] == Vec3{0.1, 0, 0});
+    CHECK(r.sent[22] == Vec3{});
+    CHECK(r.taken[20]);
+    CHECK_FALSE(r.taken[50]);
+    CHECK(r.taken[150]); // none is always taken
+    CHECK(r.sent[450] == Vec3{0.1, 0, 0});
+    CHECK(r.answered[50] == (code != kNoAnswer));
+    CHECK(r.answered[350]);
+    CHECK(fake.counts()[3] == 1);
+  }
+}
+
+TEST_CASE("no more than the peak is sent, in the same direction, and no number is no force") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const double peak = device->caps().peak_force_n;
+  const Rehearsal r(fake, *device, 30, [](int tick) {
+    return tick < 10 ? Vec3{30, 0, 40} : tick < 20 ? Vec3{0, NAN, 0} : Vec3{0, 1, 0};
+  });
+  CHECK(norm(r.sent[5] - Vec3{0.6, 0, 0.8} * peak) < 1e-12);
+  CHECK(r.sent[15] == Vec3{});
+  CHECK(r.sent[25] == Vec3{0, 1, 0});
+}
+
+TEST_CASE("every error has its own sentence, and one that nobody knows has its number") {
+  std::set<std::string> sentences;
+  for (const Code code :
+       {Code(kWarmMotors), Code(kTooMuchForce), Code(kTooMuchImpulse), Code(kTooMuchVelocity),
+        Code(kForceError), Code(kDeviceFault), Code(kAlreadyOpen), Code(kNoAnswer),
+        Code(kWrongPort), Code(kTimerError), Code(kFrameError), Code(kNoLicence), Code(0x1A2B)}) {
+    const Fake fake;
+    const auto device = make();
+    REQUIRE(device->open() == "");
+    std::string sentence;
+    const Rehearsal r(fake, *device, 5, [&](int tick) {
+      if (tick == 1)
+        fake.fail(code);
+      if (tick == 3)
+        sentence = device->trouble();
+      return Vec3{};
+    });
+    CHECK(sentence.substr(0, 13) == "openhaptics: ");
+    CHECK((sentence.find("0x1A2B") != std::string::npos) == (code == 0x1A2B));
+    CHECK(sentences.insert(sentence).second);
+  }
+}
+
+TEST_CASE("an opening tries every name three times within half a second, without a licence once") {
+  const Fake dead("dead");
+  const auto device = make();
+  const auto begun = std::chrono::steady_clock::now();
+  CHECK(device->open().find("Default Device, Default PHANToM, no name") != std::string::npos);
+  CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(500));
+  CHECK(dead.more().openings == 9);
+  const Fake unlicensed("licence");
+  static_cast<void>(device->open());
+  CHECK(unlicensed.more().openings == 3);
+}
+
+TEST_CASE("settings: a name of several words, the default again, and sentences for the rest") {
+  const Fake fake("named");
+  const auto device = make();
+  const auto set = [&](const std::vector<std::string>& words) { return device->configure(words); };
+  REQUIRE(set({"device", "Left", "Device"}) == "");
+  REQUIRE(device->open() == "");
+  device->close();
+  REQUIRE(set({"device", "0"}) == "");
+  CHECK(device->open().find("names Default Device") != std::string::npos);
+  CHECK(set({"device"}).find("takes the name") != std::string::npos);
+  CHECK(set({}).find("openhaptics: nothing is not a setting") == 0);
+  CHECK(set({"home", "now"}).find("openhaptics: home is not a setting") == 0);
+  CHECK(set({"calibrate"}) == "");
+}
+
+TEST_CASE("a device runs once at a time, and only while it is open") {
+  const Fake fake;
+  const auto device = make();
+  CHECK_FALSE(device->run([](void*) {}, nullptr));
+  REQUIRE(device->open() == "");
+  REQUIRE(device->run([](void*) {}, nullptr));
+  CHECK_FALSE(device->run([](void*) {}, nullptr));
+  device->halt();
+  device->halt(); // is nothing new
+  REQUIRE(device->run([](void*) {}, nullptr));
+  device->close();
+  CHECK_FALSE(device->run([](void*) {}, nullptr));
+}
