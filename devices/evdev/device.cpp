@@ -89,6 +89,9 @@ std::string Device::open() {
 }
 
 std::string Device::open_node(const std::string& node) {
+  effect_ = {}; // first of all: close() takes away only what this opening has made
+  effect_.type = FF_CONSTANT;
+  effect_.id = -1;
   file_ = ::open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0)
     return "evdev: " + node + " does not open (" + std::strerror(errno) +
@@ -98,9 +101,6 @@ std::string Device::open_node(const std::string& node) {
   learn_buttons();
   state_ = {};
   ask_all();
-  effect_ = {};
-  effect_.type = FF_CONSTANT;
-  effect_.id = -1;
   read_error_ = force_error_ = 0;
   dropping_ = false;
   // Full gain, and no spring of the device's own; a device without either refuses, which is well.

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <linux/input.h>
 
@@ -41,10 +42,13 @@ std::string axis(int code, int value) {
 
 } // namespace
 
-TEST_CASE("the stick that can hold a force is listed, the keyboard is not") {
+TEST_CASE("what can hold a force is listed in the order of its nodes, the keyboard is not") {
   REQUIRE(stick.present());
   const auto found = devices::find_driver("evdev")->list();
-  REQUIRE(found.size() == 1);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].index == 0);
+  CHECK(found[1].index == 1);
+  CHECK(found[1].identity.model == "Silent Wheel"); // event12, after event3
   CHECK(found[0].identity.model == "Double Stick");
   CHECK(found[0].identity.serial == "STICK7");
   CHECK(found[0].state == "ready");
@@ -64,7 +68,7 @@ TEST_CASE("deflection is position: right, towards the user, and the third axis u
   stick.ask(axis(ABS_Z, 32767));
   stick.ask("key " + std::to_string(BTN_TRIGGER) + " 1");
   CHECK(drive_until(*device, {}, [](bool, const State& state) {
-    return state.position.y == 0.05 && state.buttons == 1;
+    return state.position.y == 0.05 && state.buttons == 2; // BTN_MISC comes before it
   }));
   stick.ask("key " + std::to_string(BTN_TRIGGER) + " 0");
   CHECK(drive_until(*device, {}, [](bool, const State& state) { return state.buttons == 0; }));
@@ -137,8 +141,149 @@ TEST_CASE("a device is chosen by index, node or serial number") {
     CHECK(device->configure(wish) == "");
     CHECK(device->open() == "");
   }
-  const std::array<std::string, 2> none{"device", "5"}, odd{"reach", "0"};
-  CHECK(device->configure(none) == "");
-  CHECK(device->open().find("Double Stick") != std::string::npos);
-  CHECK(device->configure(odd).find("reach MM") != std::string::npos);
+  for (const char* which : {"2", "1x", "-1", "/dev/input/event4", "stick7"}) {
+    const std::array<std::string, 2> none{"device", which};
+    CHECK(device->configure(none) == "");
+    CHECK(device->open().find("there are 2, the first is 0, /dev/input/event3, Double Stick") !=
+          std::string::npos);
+  }
+  for (const char* which : {"1", "/dev/input/event12"}) { // it answers nothing
+    const std::array<std::string, 2> wish{"device", which};
+    CHECK(device->configure(wish) == "");
+    CHECK(device->open().find("/dev/input/event12 has no axis X") != std::string::npos);
+  }
+}
+
+TEST_CASE("a setting is a name and one value within its range") {
+  const auto device = make();
+  const auto set = [&](const std::vector<std::string>& words) { return device->configure(words); };
+  for (const char* value : {"1", "1000", "50.5"})
+    CHECK(set({"reach", value}) == "");
+  for (const char* value : {"0.99", "1001", "-50", "nan", "50mm", ""})
+    CHECK(set({"reach", value}).find("reach MM (1..1000)") != std::string::npos);
+  for (const char* value : {"0.1", "40"})
+    CHECK(set({"peak", value}) == "");
+  for (const char* value : {"0.09", "40.1", "x"})
+    CHECK(set({"peak", value}).find("peak N (0.1..40)") != std::string::npos);
+  CHECK(set({}).find("evdev: nothing is not understood") == 0);
+  CHECK(set({"device"}) != "");
+  CHECK(set({"device", "0", "1"}) != "");
+  CHECK(set({"reach", "50", "60"}) != "");
+}
+
+TEST_CASE("what a device can do is asked of its axes, and full deflection is the reach") {
+  const auto device = make();
+  const std::array<std::string, 2> reach{"reach", "20"}, peak{"peak", "7"};
+  REQUIRE(device->configure(reach) == "");
+  REQUIRE(device->configure(peak) == "");
+  stick.ask("range 100 900");
+  for (const int axes : {3, 2, 1}) {
+    stick.ask("axes " + std::to_string(axes));
+    REQUIRE(device->open() == "");
+    const haptic::Caps caps = device->caps();
+    CHECK(caps.axes_in == axes);
+    CHECK(caps.axes_out == (axes > 1 ? 2 : 1));
+    CHECK(caps.peak_force_n == 7);
+    CHECK(caps.workspace_min == Vec3{-0.02, -0.02, -0.02});
+    CHECK(caps.workspace_max == Vec3{0.02, 0.02, 0.02});
+    CHECK(caps.position_noise_m == doctest::Approx(0.02 / 800)); // half of one of 800 steps
+    CHECK(caps.rate_hz == 250);
+    CHECK(caps.has_buttons);
+    stick.ask(axis(ABS_X, 700)); // half the way from the middle, 500
+    stick.ask(axis(ABS_Y, 5000));
+    stick.ask(axis(ABS_Z, 300));
+    // An axis that is not there stays in the middle, whatever is said of it.
+    const Vec3 expected{0.01, axes > 2 ? -0.01 : 0, axes > 1 ? 0.02 : 0};
+    CHECK(drive_until(*device, {}, [&](bool, const State& state) {
+      return norm(state.position - expected) < 1e-12;
+    }));
+    // Force to the side, and towards the user where there is an axis for it.
+    CHECK(drive_until(*device, {0, 0, 7}, [&](bool, const State&) {
+      return stick.value("level") == (axes > 1 ? 32767 : 0);
+    }));
+    CHECK(drive_until(*device, {-3.5, 5, 0}, [](bool, const State&) {
+      return stick.value("level") == 16384 && stick.value("direction") == 0x4000;
+    }));
+    device->close();
+  }
+  stick.ask("axes 0");
+  CHECK(device->open().find("no axis X") != std::string::npos);
+  CHECK(make()->open().find("no axis X") != std::string::npos);
+  CHECK(stick.value("effects") == 0); // a refused opening takes away no effect, having made none
+  stick.ask("axes 3");
+  stick.ask("range 900 900"); // no way to go
+  CHECK(device->open().find("no axis X") != std::string::npos);
+  stick.ask("range -32768 32767");
+  stick.ask(axis(ABS_X, 16384));
+  REQUIRE(device->open() == ""); // where it is at the opening is known without an event
+  State state;
+  CHECK(device->read({}, state));
+  CHECK(state.position.x == doctest::Approx(0.02 * 16384.5 / 32767.5));
+}
+
+TEST_CASE("each button has its bit, in the order of their codes, also after lost events") {
+  const auto device = make();
+  stick.ask("key " + std::to_string(BTN_THUMB) + " 1");
+  REQUIRE(device->open() == "");
+  State state;
+  CHECK(device->read({}, state));
+  CHECK(state.buttons == 4u); // down since before the opening
+  const auto press = [](int key, int down) {
+    stick.ask("key " + std::to_string(key) + " " + std::to_string(down));
+  };
+  press(BTN_MISC, 1);
+  press(BTN_GAMEPAD, 1);
+  press(BTN_THUMB, 0);
+  press(KEY_A, 1); // is none of them
+  CHECK(drive_until(*device, {}, [](bool, const State& s) { return s.buttons == 9u; }));
+  stick.ask("lift " + std::to_string(BTN_MISC)); // nobody hears of it
+  CHECK(drive_until(*device, {}, [](bool, const State& s) { return s.buttons == 9u; }));
+  stick.ask("drop 0");
+  CHECK(drive_until(*device, {}, [](bool, const State& s) { return s.buttons == 8u; }));
+  press(BTN_GAMEPAD, 0);
+  CHECK(drive_until(*device, {}, [](bool, const State& s) { return s.buttons == 0u; }));
+}
+
+TEST_CASE("many events are read within few ticks, and an axis moves with its event") {
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  for (int i = 0; i < 300; ++i)
+    stick.ask(axis(ABS_X, i));
+  stick.ask("half 0 32767");
+  int ticks = 0; // 601 events, 256 a tick and one more read's worth
+  CHECK(drive_until(*device, {}, [&](bool, const State& state) {
+    ++ticks;
+    return state.position.x == 0.05;
+  }));
+  CHECK(ticks <= 20); // the kernel hands them on in its own time
+}
+
+TEST_CASE("the device's own spring is off, and the one effect lasts until it is changed") {
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  CHECK(stick.value("centre") == 0);
+  CHECK(stick.value("length") == 0); // for ever
+  CHECK(stick.value("level") == 0);
+  CHECK(stick.value("effects") == 1);
+  REQUIRE(device->open() == ""); // again, without closing
+  CHECK(stick.value("effects") == 1);
+}
+
+TEST_CASE("a force that was refused is sent again until it is taken, 250 times a second at most") {
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  REQUIRE(drive_until(*device, {1, 0, 0},
+                      [](bool, const State&) { return stick.value("level") == 10922; }));
+  stick.ask("fail " + std::to_string(EBUSY));
+  const long before = stick.value("refusals");
+  const auto begun = std::chrono::steady_clock::now();
+  CHECK(drive_until(*device, {2, 0, 0},
+                    [&](bool, const State&) { return stick.value("refusals") >= before + 50; }));
+  CHECK(std::chrono::steady_clock::now() - begun >= std::chrono::milliseconds(190));
+  CHECK(device->trouble().find("the device takes no force") != std::string::npos);
+  CHECK_FALSE(device->write({2, 0, 0}));
+  stick.ask("fail 0");
+  CHECK(drive_until(*device, {2, 0, 0},
+                    [](bool, const State&) { return stick.value("level") == 21845; }));
+  CHECK(device->trouble() == "");
 }

@@ -2,8 +2,10 @@
 //
 //   umockdev-wrapper joystick_double PROGRAM ARGUMENTS...
 //
-// Commands: axis CODE VALUE, key CODE VALUE, drop (events were lost), fail ERRNO (of the next force
-// orders; 0 ends it), state.
+// Commands: axis CODE VALUE, key CODE VALUE, drop X (events were lost while it moved there), lift
+// CODE (a key goes up unheard, for the next drop), half CODE VALUE (an event without its report),
+// range MINIMUM MAXIMUM (of the axes), axes COUNT (of X, Y, Z; 3 at first), fail ERRNO (of the next
+// force orders; 0 ends it), state. A second device answers nothing: it is no joystick.
 #include "tests/devices/mock/child.hpp"
 
 #include <umockdev.h>
@@ -22,7 +24,7 @@ namespace {
 
 const char* const kNode = "/dev/input/event3";
 
-// Two forces it knows (constant, bit 0x52; gain, bit 0x60), three axes, one button.
+// Two forces it knows (constant, bit 0x52; gain, bit 0x60), three axes, four buttons.
 const char* const kRecord = "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input5\n"
                             "E: SUBSYSTEM=input\n"
                             "A: name=Double Stick\\n\n"
@@ -46,7 +48,21 @@ const char* const kRecord = "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input
                             "N: input/event4\n"
                             "E: DEVNAME=/dev/input/event4\n"
                             "E: SUBSYSTEM=input\n"
-                            "L: device=../../input6\n";
+                            "L: device=../../input6\n"
+                            "\n"
+                            "P: /devices/pci0000:00/usb1/1-4/1-4:1.0/input/input12\n"
+                            "E: SUBSYSTEM=input\n"
+                            "A: name=Silent Wheel\\n\n"
+                            "A: capabilities/ff=100040000 0\\n\n"
+                            "\n"
+                            "P: /devices/pci0000:00/usb1/1-4/1-4:1.0/input/input12/event12\n"
+                            "N: input/event12\n"
+                            "E: DEVNAME=/dev/input/event12\n"
+                            "E: SUBSYSTEM=input\n"
+                            "E: MAJOR=13\nE: MINOR=76\n"
+                            "L: device=../../input12\n";
+
+constexpr int kKeys[] = {BTN_MISC, BTN_TRIGGER, BTN_THUMB, BTN_GAMEPAD};
 
 class Stick {
 public:
@@ -60,8 +76,16 @@ public:
       axes_[code] = value;
       feed(master, EV_ABS, code, value);
       feed(master, EV_SYN, SYN_REPORT, 0);
+    } else if (name == "half") {
+      feed(master, EV_ABS, code, value);
+    } else if (name == "range") {
+      minimum_ = code, maximum_ = value;
+    } else if (name == "axes") {
+      axis_count_ = code;
+    } else if (name == "lift") {
+      keys_[code] = 0;
     } else if (name == "key") {
-      key_ = value;
+      keys_[code] = value;
       feed(master, EV_KEY, code, value);
       feed(master, EV_SYN, SYN_REPORT, 0);
     } else if (name == "drop") { // it moves, and nobody hears of it
@@ -72,10 +96,12 @@ public:
     } else if (name == "fail") {
       failure_ = code;
     } else if (name == "state") {
-      char text[160];
+      char text[200];
       std::snprintf(text, sizeof text,
-                    "level=%d direction=%d playing=%d effects=%d uploads=%d gain=%d", level_,
-                    direction_, playing_, effects_, uploads_, gain_);
+                    "level=%d direction=%d playing=%d effects=%d uploads=%d gain=%d centre=%d "
+                    "refusals=%d length=%d",
+                    level_, direction_, playing_, effects_, uploads_, gain_, centre_, refusals_,
+                    length_);
       return text;
     } else {
       return "?";
@@ -97,6 +123,7 @@ public:
     if (!data)
       return done(client, -1, EIO);
     if (request == EVIOCSFF) {
+      refusals_ += failure_ != 0;
       if (failure_ != 0)
         return done(client, -1, failure_);
       ff_effect effect;
@@ -109,24 +136,28 @@ public:
         std::memcpy(data->data, &effect, sizeof effect);
       }
       ++uploads_;
+      length_ = effect.replay.length;
       level_ = effect.u.constant.level;
       direction_ = effect.direction;
       return done(client, 0, 0);
     }
     for (const int code : {ABS_X, ABS_Y, ABS_Z})
       if (request == EVIOCGABS(static_cast<unsigned>(code))) {
+        if (code >= axis_count_) // X, Y, Z are 0, 1, 2
+          return done(client, -1, EINVAL);
         input_absinfo range{};
         range.value = axes_[code];
-        range.minimum = -32768;
-        range.maximum = 32767;
+        range.minimum = minimum_;
+        range.maximum = maximum_;
         std::memcpy(data->data, &range, sizeof range);
         return done(client, 0, 0);
       }
     const bool which = request == EVIOCGBIT(EV_KEY, size);
     if (which || request == EVIOCGKEY(size)) {
       std::memset(data->data, 0, size);
-      if (which || key_)
-        data->data[BTN_TRIGGER / 8] = static_cast<unsigned char>(1u << (BTN_TRIGGER % 8));
+      for (const int key : kKeys)
+        if ((which || keys_[key]) && key / 8 < static_cast<int>(size))
+          data->data[key / 8] = static_cast<unsigned char>(data->data[key / 8] | 1u << (key % 8));
       return done(client, static_cast<long>(size), 0);
     }
     return done(client, -1, ENOTTY);
@@ -140,6 +171,8 @@ public:
                 std::min(sizeof event, static_cast<std::size_t>(data->data_len)));
     if (event.type == EV_FF && event.code == FF_GAIN)
       gain_ = event.value;
+    else if (event.type == EV_FF && event.code == FF_AUTOCENTER)
+      centre_ = event.value;
     else if (event.type == EV_FF && event.code == 4)
       playing_ = event.value;
     return done(client, static_cast<long>(data->data_len), 0);
@@ -160,8 +193,10 @@ private:
   }
 
   std::mutex mutex_;
-  std::map<int, int> axes_;
-  int key_ = 0, level_ = 0, direction_ = 0, playing_ = 0, effects_ = 0, uploads_ = 0, gain_ = 0;
+  std::map<int, int> axes_, keys_;
+  int minimum_ = -32768, maximum_ = 32767, axis_count_ = 3, centre_ = -1, refusals_ = 0;
+  int length_ = -1;
+  int level_ = 0, direction_ = 0, playing_ = 0, effects_ = 0, uploads_ = 0, gain_ = 0;
   int failure_ = 0;
 };
 
