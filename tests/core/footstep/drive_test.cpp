@@ -10,6 +10,7 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 using namespace tactus::footstep;
@@ -18,9 +19,10 @@ namespace {
 
 /// Spectrum of the filter's impulse response at f.
 std::complex<double> response(const std::vector<double>& impulse, double f, double rate) {
+  const std::complex<double> turn = std::polar(1.0, -2 * std::numbers::pi * f / rate);
   std::complex<double> sum = 0;
-  for (std::size_t n = 0; n < impulse.size(); ++n)
-    sum += impulse[n] * std::polar(1.0, -2 * std::numbers::pi * f * static_cast<double>(n) / rate);
+  for (std::size_t n = impulse.size(); n-- > 0;) // Horner's rule
+    sum = sum * turn + impulse[n];
   return sum;
 }
 
@@ -140,6 +142,82 @@ TEST_CASE("the equaliser passes through its table and refuses one that is none")
   CHECK_FALSE(equaliser.set(std::array<double, 2>{100, 300}));
   CHECK_FALSE(equaliser.set(std::array<double, 2>{std::nan(""), 3}));
   CHECK(equaliser.set({}));
+  // 20 to 2000 Hz, 24 dB up and down, 16 pairs; what is refused changes nothing.
+  for (const auto& [f, g] : {std::pair{20., 24.}, {2000., -24.}, {20., 0.}})
+    CHECK(equaliser.set(std::array<double, 2>{f, g}));
+  REQUIRE(equaliser.set(std::array<double, 2>{100, 24}));
+  const auto response_to_one = [&] {
+    equaliser.reset();
+    std::array<double, 64> heard{};
+    for (std::size_t n = 0; n < heard.size(); ++n)
+      heard[n] = equaliser.next(n == 0);
+    return heard;
+  };
+  const auto before = response_to_one();
+  for (const auto& [f, g] : {std::pair{19.9, 3.}, {2001., 3.}, {100., 24.1}, {100., -24.1}})
+    CHECK_FALSE(equaliser.set(std::array<double, 2>{f, g}));
+  CHECK_FALSE(equaliser.set(std::array<double, 3>{100, 3, 200}));
+  CHECK_FALSE(equaliser.set(std::array<double, 4>{100, 3, 100, 3}));
+  std::vector<double> many;
+  for (int i = 0; i < 17; ++i)
+    many.insert(many.end(), {100. + 20 * i, 0.});
+  CHECK_FALSE(equaliser.set(many));
+  CHECK(response_to_one() == before);
+  many.resize(32);
+  CHECK(equaliser.set(many));
+  CHECK(response_to_one()[0] == doctest::Approx(1));
+}
+
+TEST_CASE("settings of a drive are held: delays of 0 to 0.2 s, a sensitivity above 0.001 g") {
+  const auto heard = [](const Drive::Settings& settings) {
+    Drive drive;
+    drive.prepare(8000);
+    drive.set(settings);
+    std::vector<double> out;
+    for (int n = 0; n < 4000; ++n)
+      out.push_back(drive.next(n == 0, 1, 0).heel);
+    return out;
+  };
+  CHECK(heard({1, 3, 3, -1}) == heard({1, 3, 3, 0}));
+  CHECK(heard({1, 3, 3, 9}) == heard({1, 3, 3, 0.2}));
+  CHECK(heard({1, 3, 3, 0.19}) != heard({1, 3, 3, 0.2}));
+  CHECK(heard({1, 0, 1e-6, 0}) == heard({1, 1e-3, 1e-6, 0}));
+  CHECK(heard({1, -4, 1e-6, 0}) == heard({1, 1e-3, 1e-6, 0}));
+  CHECK(heard({1, 2e-3, 1e-6, 0}) != heard({1, 1e-3, 1e-6, 0}));
+  const auto one = heard({1, 3, 3, 0}), two = heard({0.5, 3, 3, 0});
+  for (std::size_t n = 0; n < one.size(); n += 7)
+    CHECK(two[n] == doctest::Approx(0.5 * one[n]));
+}
+
+TEST_CASE("a drive falls silent once band and delay have rung out, and wakes as it was") {
+  Drive drive, fresh;
+  for (Drive* one : {&drive, &fresh}) {
+    one->prepare(8000);
+    one->set({1, 3, 3, 0.1});
+  }
+  double last = 1;
+  for (int n = 0; n < 8000 * 3; ++n)
+    last = drive.next(n == 0, 1, 3).ball;
+  CHECK(last == 0); // 2.2 s
+  const auto again = [](Drive& one) {
+    std::vector<double> out;
+    for (int n = 0; n < 4000; ++n) { // nobody presses: the last shares stay, 1 to 3
+      const Drive::Pair pair = one.next(n == 0, 0, 0);
+      out.insert(out.end(), {pair.heel, pair.ball});
+    }
+    return out;
+  };
+  fresh.next(0, 1, 3);
+  const auto a = again(drive), b = again(fresh);
+  double apart = 0, size = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    apart = std::max(apart, std::abs(a[n] - b[n]));
+    size = std::max(size, std::abs(a[n]));
+  }
+  CHECK(size > 0);
+  CHECK(apart < 1e-12 * size);
+  for (std::size_t n = 0; n < a.size(); n += 2)
+    CHECK(a[n + 1] == doctest::Approx(3 * a[n]));
 }
 
 TEST_CASE("the drive can wait for a slower path") {

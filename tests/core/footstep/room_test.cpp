@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -88,6 +89,60 @@ TEST_CASE("a room that hears nothing falls silent for good, and one without leve
   room.set({});
   CHECK(room.next(1) == 0);
   CHECK(room.silent());
+}
+
+TEST_CASE("settings of a room are held within their ranges") {
+  const auto answer_of = [](const Room::Settings& settings) {
+    Room room;
+    room.prepare(16000);
+    room.set(settings);
+    std::vector<double> out;
+    for (int n = 0; n < 3000; ++n)
+      out.push_back(room.next(n == 0));
+    return out;
+  };
+  struct Limit {
+    double Room::Settings::*setting;
+    double beyond, limit, within;
+  };
+  using S = Room::Settings;
+  for (const Limit& l : {Limit{&S::t60_s, 0.001, 0.02, 0.03}, Limit{&S::t60_s, 99, 10, 9.5},
+                         Limit{&S::bright_hz, 5, 100, 120}, Limit{&S::bright_hz, 15000, 7200, 7000},
+                         Limit{&S::level_db, 90, 40, 39}}) {
+    S beyond{0, 0.5, 3000}, limit = beyond, within = beyond;
+    beyond.*l.setting = l.beyond;
+    limit.*l.setting = l.limit;
+    within.*l.setting = l.within;
+    CHECK(answer_of(beyond) == answer_of(limit));
+    CHECK(answer_of(within) != answer_of(limit));
+  }
+  double loudest = 0;
+  for (const double x : answer_of({-60, 0.5, 3000})) // none from there down
+    loudest = std::max(loudest, std::abs(x));
+  CHECK(loudest == 0);
+  for (const double x : answer_of({-59.9, 0.5, 3000}))
+    loudest = std::max(loudest, std::abs(x));
+  CHECK(loudest > 0);
+}
+
+TEST_CASE("nothing comes back before the shortest path, 7 ms, and each line's echo in its time") {
+  Room room;
+  room.prepare(48000);
+  room.set({0, 1, 20000});
+  std::vector<double> heard;
+  for (int n = 0; n < 4800; ++n)
+    heard.push_back(room.next(n == 0));
+  std::size_t first = 0;
+  while (std::abs(heard[first]) < 1e-6)
+    ++first;
+  CHECK(static_cast<double>(first) / 48000 == doctest::Approx(0.00711).epsilon(0.005));
+  // The eight first echoes, each alone; two later lines have the same sign as what fed them.
+  for (const double delay : {0.00967, 0.01229, 0.01493, 0.01787, 0.02111, 0.02473, 0.02887}) {
+    double most = 0;
+    for (int n = -3; n <= 3; ++n)
+      most = std::max(most, std::abs(heard[static_cast<std::size_t>(delay * 48000 + n)]));
+    CHECK(most > 0.5 * std::abs(heard[first]) * std::pow(10, -3 * (delay - 0.00711)));
+  }
 }
 
 TEST_CASE("no settings and no input make a room grow or break") {

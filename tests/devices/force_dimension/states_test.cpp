@@ -5,6 +5,7 @@
 #include <chrono>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 // What the device says of itself, and what the driver does about it.
@@ -158,6 +159,26 @@ TEST_CASE("a position out of reach is the last good one") {
   const State state = drive(*device, {}, 1);
   CHECK(state.position == good);
   CHECK((state.flags & State::kUnreachable) != 0);
+}
+
+TEST_CASE("a device with a watchdog is left to it, and what is closed has no trouble") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  for (int i = 0; i < 150; ++i) {
+    static_cast<void>(device->write({1, 0, 0}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  const Vec3 before = fake.force();
+  CHECK(norm(before) > 0.5);
+  std::this_thread::sleep_for(std::chrono::milliseconds(150)); // thrice what a guard would wait
+  CHECK(fake.force() == before);
+  fake.set(1, 0, 0, 0);
+  State state;
+  CHECK_FALSE(device->read({}, state));
+  CHECK(device->trouble() != "");
+  device->close();
+  CHECK(device->trouble() == "");
 }
 
 TEST_CASE("an uncalibrated device refuses a force and takes none for one") {
