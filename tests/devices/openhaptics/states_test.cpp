@@ -269,6 +269,15 @@ TEST_CASE("settings: a name of several words, the default again, and sentences f
   CHECK(set({"calibrate"}) == "");
 }
 
+TEST_CASE("a halt waits for the last call, which takes the force away, up to a tenth of a second") {
+  const Fake fake("slow");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const Rehearsal r(fake, *device, 5, [](int) { return Vec3{1, 0, 0}; });
+  CHECK(r.sent[4] == Vec3{1, 0, 0});
+  CHECK(fake.force() == Vec3{});
+}
+
 TEST_CASE("a device runs once at a time, and only while it is open") {
   const Fake fake;
   const auto device = make();
