@@ -4,7 +4,8 @@ Keeps the service's rules: an inventory first, then one state for each message, 
 one message. Says "port N", then obeys lines on its standard input: `place X Y Z` (m, service's axes),
 `workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`, `garbage N`
 (answers that are no JSON), `unplug`, `plug`, `quiet` (no answers),
-`drop`, `report`. A service of kind `old` knows no presets and no axes.
+`drop`, `report`. A service of kind `old` knows no presets and no axes; `two` has a Minverse, 04BA,
+too, and no grip; `late` shows its configuration one message late; `wired` has a grip with a cable.
 """
 import asyncio
 import json
@@ -30,6 +31,7 @@ class Service:
         self.full = False
         self.workspace = {}
         self.clients = set()
+        self.config = {"type": "inverse3"}
 
     def vector(self, v):
         return dict(zip("xyz", v))
@@ -70,6 +72,8 @@ class Service:
                                 "mount": {"position": self.vector([0.0] * 3)}}
             if self.kind == "old":
                 answer["config"] = {"type": "inverse3"}
+            if self.kind == "late":
+                answer["config"], self.config = self.config, answer["config"]
         elif self.messages % 2:
             del answer["status"]  # nothing new in it
         return answer
@@ -79,6 +83,15 @@ class Service:
             return json.dumps({"inverse3": []})
         grip = {"device_id": "61D6", "state": {"orientation": {"w": 0.7071067811865476, "x": 0.0,
                 "y": 0.0, "z": 0.7071067811865475}, "buttons": {"a": False, "b": True, "c": False}}}
+        if self.kind == "two":
+            other = self.device(full)
+            other["device_id"], other["state"]["cursor_position"] = "04BA", self.vector([0.02, 0.0, 0.0])
+            if full:
+                other["config"]["type"] = "minverse"
+            return json.dumps({"inverse3": [self.device(full), other]})
+        if self.kind == "wired":
+            grip["state"]["buttons"] = {"a": True, "b": False, "c": True}
+            return json.dumps({"inverse3": [self.device(full)], "verse_grip": [grip]})
         return json.dumps({"session_id": self.sessions, "inverse3": [self.device(full)],
                            "wireless_verse_grip": [grip]})
 
@@ -100,7 +113,7 @@ class Service:
         if (preset or self.full) and any(device["commands"]["set_cursor_force"]["vector"].values()):
             self.wrong += 1  # a force before the frame is known
         wanted = device["commands"]["set_cursor_force"]["vector"]
-        if device["device_id"] != "049D" or set(wanted) != set("xyz"):
+        if device["device_id"] not in ("049D", "04BA"[:4 * (self.kind == "two")]) or set(wanted) != set("xyz"):
             self.wrong += 1
         self.force = [float(wanted[axis]) for axis in "xyz"]
         if "quarter" in self.workspace:  # said in the application's space

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <random>
+#include <string>
+#include <utility>
 
 using namespace tactus;
 using haptic::Vec3;
@@ -55,6 +57,90 @@ TEST_CASE("a quarter turn of the grip about the service's up is one about ours")
   CHECK(*message->buttons == 1u);
   CHECK(message->rotation->y == doctest::Approx(std::acos(0.0)));
   CHECK(message->rotation->x == 0);
+}
+
+TEST_CASE(
+    "a grip's turn is whole or none, the shorter way round, and its buttons have a bit each") {
+  using devices::haply::parse;
+  const auto grip = [](const std::string& state) {
+    return parse(R"({"wireless_verse_grip":[{"state":{)" + state + "}}]}").value();
+  };
+  CHECK_FALSE(grip(R"("orientation":{"x":0,"y":0,"z":1})").rotation);
+  CHECK_FALSE(grip(R"("orientation":{"w":1})").rotation);
+  CHECK_FALSE(grip(R"("orientation":{"w":1,"x":0,"y":"0","z":0})").rotation);
+  CHECK(*grip(R"("orientation":{"w":1,"x":0,"y":0,"z":0})").rotation == Vec3{});
+  // -q is q: a turn of 0.2 rad about the service's y, forward, our -z; never more than half a turn.
+  const double s = std::sin(0.1), c = std::cos(0.1);
+  for (const double sign : {1.0, -1.0}) {
+    const auto turned = grip(R"("orientation":{"w":)" + std::to_string(sign * c) +
+                             R"(,"x":0,"y":)" + std::to_string(sign * s) + R"(,"z":0})");
+    CHECK(norm(*turned.rotation - Vec3{0, 0, -0.2}) < 1e-5);
+  }
+  CHECK(*grip(R"("buttons":{"a":true})").buttons == 1u);
+  CHECK(*grip(R"("buttons":{"b":true,"c":false})").buttons == 2u);
+  CHECK(*grip(R"("buttons":{"a":true,"b":1,"c":true})").buttons == 5u);
+  CHECK(*grip(R"("buttons":{})").buttons == 0u);
+  CHECK(*grip(R"("button":false)").buttons == 0u);
+  CHECK_FALSE(grip(R"("buttons":[true])").buttons);
+  CHECK_FALSE(grip(R"("button":"pressed")").buttons);
+  CHECK_FALSE(parse(R"({"verse_grip":[{"id":1}]})")->buttons);
+  CHECK_FALSE(parse(R"({"verse_grip":[]})")->rotation);
+  // Of two kinds the wireless one is taken, of two of a kind the first.
+  const std::string one = R"({"state":{"button":true,"orientation":{"w":0,"x":1,"y":0,"z":0}}})",
+                    two = R"({"state":{"button":false,"orientation":{"w":0,"x":0,"y":1,"z":0}}})";
+  const auto both =
+      parse(R"({"verse_grip":[)" + two + R"(],"wireless_verse_grip":[)" + one + "," + two + "]}");
+  CHECK(*both->buttons == 1u);
+  CHECK(norm(*both->rotation - Vec3{std::acos(-1.0), 0, 0}) < 1e-12);
+  CHECK(*parse(R"({"wireless_verse_grip":[],"verse_grip":[)" + two + "]}")->buttons == 0u);
+}
+
+TEST_CASE("a device's message tells who it is") {
+  const auto message = devices::haply::parse(
+      R"({"inverse3":[{"device_id":"04BA","config":{"type":"minverse",
+          "extended_firmware_version":"7.4.1"},"state":{"cursor_velocity":{"x":1,"y":2,"z":3}}}]})");
+  REQUIRE(message);
+  const devices::haply::Sight& sight = message->devices.at(0);
+  CHECK(sight.id == "04BA");
+  CHECK(sight.type == "minverse");
+  CHECK(sight.firmware == "7.4.1");
+  CHECK(*sight.velocity == Vec3{1, 3, -2});
+  CHECK_FALSE(sight.position);
+  CHECK_FALSE(sight.workspace);
+  CHECK_FALSE(sight.mount);
+}
+
+TEST_CASE("a placement can be undone from scale 1/1000 to 1000 and with a turn of unit length") {
+  using devices::haply::Placement;
+  for (const double scale : {1.01e-3, 990.0, -1.0})
+    for (int axis = 0; axis < 3; ++axis) {
+      Placement placed;
+      placed.pose.position = {1, 2, 3};
+      placed.scale[axis] = scale;
+      CHECK(placed.valid());
+      CHECK(norm(placed.point(Vec3{1, 2, 3}) - Vec3{}) < 1e-12);
+      Vec3 far{1, 2, 3}, own{};
+      far[axis] += scale;
+      own[axis] = 1;
+      CHECK(norm(placed.point(far) - own) < 1e-9);
+      CHECK(norm(placed.motion(far - Vec3{1, 2, 3}) - own) < 1e-9);
+    }
+  for (const double scale : {0.0, 0.99e-3, 1010.0, -1010.0, double(NAN)}) {
+    Placement placed;
+    placed.scale.z = scale;
+    CHECK_FALSE(placed.valid());
+  }
+  for (const auto& [w, valid] :
+       {std::pair{1.0049, true}, {1.0051, false}, {0.9951, true}, {0.9949, false}}) {
+    Placement placed;
+    placed.pose.rotation.w = w; // the square within a hundredth of 1
+    CHECK(placed.valid() == valid);
+    placed.pose.rotation = {0, 0.6 * w, 0, 0.8 * w};
+    CHECK(placed.valid() == valid);
+  }
+  Placement nowhere;
+  nowhere.pose.position.y = NAN;
+  CHECK_FALSE(nowhere.valid());
 }
 
 TEST_CASE(
