@@ -210,6 +210,31 @@ TEST_CASE("walking begins at once, ends after the step, goes on with the other f
   CHECK(feet[1].heel_landing == 0);
 }
 
+TEST_CASE("however unsteady a gait, the next contact waits a fifth of half a stride at least") {
+  Gait gait;
+  gait.prepare(8000);
+  gait.set({1.4, 700, 0, false}, .5);
+  gait.walk(true);
+  GroundReaction reaction;
+  reaction.set({1.4, 700, 0, false});
+  std::array<SoleState, Gait::kFeet> feet{};
+  // A contact is seen as a landing, also of a foot that is on the ground still and begins anew.
+  double last = -1, shortest = 1e9, longest = 0;
+  for (int n = 0; n < 8000 * 600; ++n) {
+    gait.next(feet);
+    if (feet[0].heel_landing == 0 && feet[1].heel_landing == 0)
+      continue;
+    if (last >= 0) {
+      shortest = std::min(shortest, n / 8000. - last);
+      longest = std::max(longest, n / 8000. - last);
+    }
+    last = n / 8000.;
+  }
+  const double half = reaction.stride_s() / 2;
+  CHECK(shortest == doctest::Approx(.2 * half).epsilon(.01)); // of a thousand some 5 % are
+  CHECK(longest > 1.8 * half);
+}
+
 TEST_CASE("forces of walking between the published speeds, and of running, follow their rules") {
   GroundReaction reaction;
   const auto highest = [&](double from, double to) {

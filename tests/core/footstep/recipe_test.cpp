@@ -1,0 +1,153 @@
+#include "core/footstep/recipe.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+#include <string>
+#include <vector>
+
+// The text of a recipe, from every key to the number that it sets.
+
+using namespace tactus::footstep;
+
+namespace {
+
+std::string read(const std::string& text) {
+  Recipe recipe;
+  return read_recipe(text, recipe);
+}
+
+std::string number(double value) {
+  std::string text = std::to_string(value);
+  if (std::abs(value) < 1e-3 && value != 0) {
+    char small[32];
+    std::snprintf(small, sizeof small, "%.9g", value);
+    text = small;
+  }
+  return text;
+}
+
+/// A recipe of that key alone, in its section and with something that sounds.
+std::string with(const RecipeKey& key, const std::string& value) {
+  const std::string section = key.section.empty() ? "" : "[" + std::string(key.section) + "]\n";
+  return section + std::string(key.name) + " " + value + "\n[solid]\n";
+}
+
+} // namespace
+
+TEST_CASE("every key sets a number of its own within its range, and refuses what lies beyond") {
+  std::set<std::string> names;
+  for (const RecipeKey& key : recipe_keys()) {
+    CAPTURE(key.section);
+    CAPTURE(key.name);
+    CHECK(names.insert(std::string(key.section) + " " + std::string(key.name)).second);
+    CHECK(key.lowest < key.highest);
+    CHECK_FALSE(key.text.empty());
+    for (const double value :
+         {key.lowest, key.highest, key.lowest + 0.37 * (key.highest - key.lowest)}) {
+      Recipe recipe;
+      REQUIRE(read_recipe(with(key, number(value)), recipe) == "");
+      CHECK(key.place(recipe) == doctest::Approx(value));
+      // No other key of the section has moved.
+      Recipe plain;
+      REQUIRE(read_recipe(key.section.empty() ? "[solid]\n"
+                                              : "[" + std::string(key.section) + "]\n[solid]\n",
+                          plain) == "");
+      for (const RecipeKey& other : recipe_keys())
+        if (other.section == key.section && &other != &key)
+          CHECK(other.place(recipe) == other.place(plain));
+    }
+    const double step = 0.01 * (key.highest - key.lowest);
+    for (const double beyond : {key.lowest - step, key.highest + step}) {
+      const std::string complaint = read(with(key, number(beyond)));
+      CHECK(complaint.find(std::string(key.name) + " ") != std::string::npos);
+      CHECK(complaint.find(": expected ") != std::string::npos);
+      CHECK((key.unit.empty() ||
+             complaint.find(" " + std::string(key.unit) + ": ") != std::string::npos));
+    }
+  }
+  for (const char* section : {"solid", "friction", "grains", "bubbles", "rustle", "room", ""})
+    CHECK(std::any_of(recipe_keys().begin(), recipe_keys().end(),
+                      [&](const RecipeKey& key) { return key.section == section; }));
+}
+
+TEST_CASE("ranges that physics or the ear sets: shares of one, static friction, audible pitches") {
+  struct Range {
+    std::string section, name;
+    double lowest, highest;
+  };
+  for (const Range& r :
+       {Range{"friction", "breakaway", 0.01, 0.99}, Range{"bubbles", "rise", 0, 1},
+        Range{"solid", "detune", 0, 1}, Range{"solid", "modes", 1, 32},
+        Range{"solid", "frequency", 20, 12000}, Range{"grains", "frequency", 20, 20000},
+        Range{"room", "level", -60, 40}, Range{"room", "t60", 0.02, 10},
+        Range{"room", "bright", 100, 20000}, Range{"solid", "exponent", 1, 6},
+        Range{"grains", "largest", 1.001, 1e6}, Range{"grains", "exponent", 0.05, 20},
+        Range{"grains", "quality", 0.1, 200}, Range{"rustle", "quality", 0.1, 200}}) {
+    CAPTURE(r.name);
+    const auto keys = recipe_keys();
+    const auto key = std::find_if(keys.begin(), keys.end(), [&](const RecipeKey& k) {
+      return k.section == r.section && k.name == r.name;
+    });
+    REQUIRE(key != keys.end());
+    CHECK(key->lowest == r.lowest);
+    CHECK(key->highest == r.highest);
+  }
+}
+
+TEST_CASE("sections, clouds and gains stand where they were written") {
+  Recipe recipe;
+  REQUIRE(
+      read_recipe("[bubbles]\nlevel 2\n[grains]\nlevel 3\n[rustle]\nlevel 4\n[grains]\nlevel 5\n"
+                  "[friction]\ngains -3 6\n[solid]\ngains 1 2 3\n[room]\n",
+                  recipe) == "");
+  using Kind = tactus::particle::CloudSettings::Kind;
+  REQUIRE(recipe.clouds == 4);
+  const Kind kinds[] = {Kind::kBubbles, Kind::kGrains, Kind::kRustle, Kind::kGrains};
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(recipe.cloud[i].settings.kind == kinds[i]);
+    CHECK(recipe.cloud[i].settings.level == 2. + static_cast<double>(i));
+  }
+  CHECK(recipe.friction.present);
+  CHECK(recipe.solid.present);
+  CHECK(recipe.friction.modes.gains_db[0] == -3);
+  CHECK(recipe.friction.modes.gains_db[1] == 6);
+  CHECK(recipe.friction.modes.gains_db[2] == 0);
+  CHECK(recipe.solid.modes.gains_db[2] == 3);
+  CHECK(recipe.room.level_db == -10); // that of a room of which no more is said
+  REQUIRE(read_recipe("[rustle]\n", recipe) == "");
+  CHECK_FALSE(recipe.solid.present);
+  CHECK_FALSE(recipe.friction.present);
+  CHECK(recipe.clouds == 1);
+  CHECK(recipe.room.level_db == -60); // none
+}
+
+TEST_CASE("mistakes are found in their line, and what was read before stays") {
+  Recipe recipe;
+  REQUIRE(read_recipe("[solid]\nfrequency 333\n", recipe) == "");
+  CHECK(read_recipe("[solid]\nfrequency 444\nt60 0\n", recipe).find("line 3: t60 0 s: ") == 0);
+  CHECK(recipe.solid.modes.frequency_hz == 333);
+  for (const char* wrong :
+       {"[]\n", "[\n", "[solid\n", "[solid]x\n", "[solid ]\n", "solid]\n", "[Solid]\n"})
+    CHECK(read(std::string("\n") + wrong).find("line 2: ") == 0);
+  CHECK(read("level 1 2\n[solid]\n") == "line 1: level: expected one number");
+  CHECK(read("level 1x\n[solid]\n") == "line 1: level: expected one number");
+  CHECK(read("level inf\n[solid]\n") == "line 1: level: expected one number");
+  CHECK(read("colour 3\n[solid]\n") == "line 1: there is no 'colour' before the first section");
+  CHECK(read("[room]\ngains 3\n[solid]\n") == "line 2: there is no 'gains' in [room]");
+  CHECK(read("[room]\n") == "it has no section that sounds");
+  std::string gains = "[solid]\ngains";
+  CHECK(read(gains) == "line 2: gains: expected 1..32 numbers");
+  for (int i = 0; i < 32; ++i)
+    gains += i % 2 ? " 120" : " -120";
+  CHECK(read(gains) == "");
+  CHECK(read(gains + " 0") == "line 2: gains: expected 1..32 numbers");
+  CHECK(read("[solid]\ngains 121\n") == "line 2: gains 121 dB: expected -120..120");
+  CHECK(read("[solid]\ngains -120.5\n") == "line 2: gains -120.5 dB: expected -120..120");
+  // Blanks, comments and line ends of any system.
+  CHECK(read("  # nothing\n\n\t[solid]  # a floor\r\n frequency\t300\r\n#") == "");
+  CHECK(read("[solid]") == "");
+}
