@@ -98,6 +98,87 @@ TEST_CASE("ranges that physics or the ear sets: shares of one, static friction, 
   }
 }
 
+TEST_CASE("what a recipe leaves out is what it was when it was written") {
+  // Users' files rely on these: they are changed with a line in the change log, not in passing.
+  const auto value = [](Recipe& recipe, std::string_view section, std::string_view name) {
+    for (const RecipeKey& key : recipe_keys())
+      if (key.section == section && key.name == name)
+        return key.place(recipe);
+    FAIL("no such key");
+    return 0.0;
+  };
+  struct Default {
+    std::string_view name;
+    double value;
+  };
+  const auto check = [&](const std::string& text, std::string_view section,
+                         std::initializer_list<Default> defaults) {
+    Recipe recipe;
+    REQUIRE(read_recipe(text, recipe) == "");
+    for (const Default& d : defaults) {
+      CAPTURE(section);
+      CAPTURE(d.name);
+      CHECK(value(recipe, section, d.name) == d.value);
+    }
+  };
+  check("[solid]", "", {{"level", 1}, {"radiation", 40}, {"vary_frequency", 0}, {"vary_decay", 0}});
+  for (const char* section : {"solid", "friction"})
+    check("[solid]\n[friction]", section,
+          {{"modes", 6},
+           {"frequency", 150},
+           {"ratio", 1.4},
+           {"detune", 0.05},
+           {"t60", 0.1},
+           {"t60_tilt", 0.5},
+           {"tilt", 0.5},
+           {"mass", 0.25},
+           {"place", 0.3},
+           {"level", 1},
+           {"vary_frequency", 0.05},
+           {"vary_decay", 0.1},
+           {"vary_level", 0.15}});
+  check("[solid]", "solid",
+        {{"stiffness", 1e7},
+         {"exponent", 1.5},
+         {"dissipation", 0.3},
+         {"heel", 0.08},
+         {"ball_mass", 0.05},
+         {"ball", 0.6}});
+  check("[friction]", "friction",
+        {{"mu_s", 0.8},
+         {"mu_d", 0.3},
+         {"stribeck", 0.06},
+         {"breakaway", 0.4},
+         {"stiffness", 8e4},
+         {"damping", 20},
+         {"viscosity", 0.4},
+         {"roughness", 0},
+         {"pressed", 6},
+         {"load", 20},
+         {"slip", 0.1},
+         {"wobble", 0.2}});
+  for (const std::string section : {"grains", "bubbles", "rustle"})
+    check("[" + section + "]", section,
+          {{"attack", 0.01},
+           {"decay", 0.05},
+           {"frequency", 1500},
+           {"spread", 0.8},
+           {"level", 1},
+           {"heel", 1},
+           {"ball", 0.5},
+           {"load", 0},
+           {"release", 0},
+           {"vary_frequency", 0.05},
+           {"vary_decay", 0.1},
+           {"vary_level", 0.15}});
+  for (const std::string section : {"grains", "bubbles"})
+    check("[" + section + "]", section,
+          {{"count", 200}, {"exponent", 1.5}, {"largest", 100}, {"lower_by_size", 0}});
+  check("[grains]", "grains", {{"quality", 1}, {"length", 0.004}});
+  check("[bubbles]", "bubbles", {{"rise", 0.1}});
+  check("[solid]\n[room]", "room", {{"level", -10}, {"t60", 0.3}, {"bright", 4000}});
+}
+
 TEST_CASE("sections, clouds and gains stand where they were written") {
   Recipe recipe;
   REQUIRE(
