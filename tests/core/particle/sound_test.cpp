@@ -358,6 +358,13 @@ TEST_CASE("variation scales frequency, decay and level, each within its range") 
   const auto longer = sound_of(settings, 12000);
   settings.decay_s = .05;
   CHECK(varied(1, 2, 1) == longer);
+  settings.kind = CloudSettings::Kind::kRustle;
+  const auto rustled = sound_of(settings, 12000), lower = varied(.5, 1, 1);
+  settings.frequency_hz = 750;
+  CHECK(lower == sound_of(settings, 12000));
+  CHECK(lower != rustled);
+  settings.kind = CloudSettings::Kind::kGrains;
+  settings.frequency_hz = 1500;
   CHECK(varied(99, 1, 1) == varied(10, 1, 1));
   CHECK(varied(0, 1, 1) == varied(.1, 1, 1));
   CHECK(varied(1, 99, 1) == varied(1, 10, 1));
