@@ -45,10 +45,11 @@ std::string axis(int code, int value) {
 TEST_CASE("what can hold a force is listed in the order of its nodes, the keyboard is not") {
   REQUIRE(stick.present());
   const auto found = devices::find_driver("evdev")->list();
-  REQUIRE(found.size() == 2);
+  REQUIRE(found.size() == 3);
   CHECK(found[0].index == 0);
   CHECK(found[1].index == 1);
   CHECK(found[1].identity.model == "Silent Wheel"); // event12, after event3
+  CHECK(found[2].identity.model == "Silent Stick"); // event21
   CHECK(found[0].identity.model == "Double Stick");
   CHECK(found[0].identity.serial == "STICK7");
   CHECK(found[0].state == "ready");
@@ -141,10 +142,10 @@ TEST_CASE("a device is chosen by index, node or serial number") {
     CHECK(device->configure(wish) == "");
     CHECK(device->open() == "");
   }
-  for (const char* which : {"2", "1x", "-1", "/dev/input/event4", "stick7"}) {
+  for (const char* which : {"3", "1x", "-1", "/dev/input/event4", "stick7"}) {
     const std::array<std::string, 2> none{"device", which};
     CHECK(device->configure(none) == "");
-    CHECK(device->open().find("there are 2, the first is 0, /dev/input/event3, Double Stick") !=
+    CHECK(device->open().find("there are 3, the first is 0, /dev/input/event3, Double Stick") !=
           std::string::npos);
   }
   for (const char* which : {"1", "/dev/input/event12"}) { // it answers nothing

@@ -5,7 +5,7 @@
 // Commands: axis CODE VALUE, key CODE VALUE, drop X (events were lost while it moved there), lift
 // CODE (a key goes up unheard, for the next drop), half CODE VALUE (an event without its report),
 // range MINIMUM MAXIMUM (of the axes), axes COUNT (of X, Y, Z; 3 at first), fail ERRNO (of the next
-// force orders; 0 ends it), state. A second device answers nothing: it is no joystick.
+// force orders; 0 ends it), state. Two more devices answer nothing: they are no joysticks.
 #include "tests/devices/mock/child.hpp"
 
 #include <umockdev.h>
@@ -60,7 +60,19 @@ const char* const kRecord = "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input
                             "E: DEVNAME=/dev/input/event12\n"
                             "E: SUBSYSTEM=input\n"
                             "E: MAJOR=13\nE: MINOR=76\n"
-                            "L: device=../../input12\n";
+                            "L: device=../../input12\n"
+                            "\n"
+                            "P: /devices/pci0000:00/usb1/1-5/1-5:1.0/input/input21\n"
+                            "E: SUBSYSTEM=input\n"
+                            "A: name=Silent Stick\\n\n"
+                            "A: capabilities/ff=100040000 0\\n\n"
+                            "\n"
+                            "P: /devices/pci0000:00/usb1/1-5/1-5:1.0/input/input21/event21\n"
+                            "N: input/event21\n"
+                            "E: DEVNAME=/dev/input/event21\n"
+                            "E: SUBSYSTEM=input\n"
+                            "E: MAJOR=13\nE: MINOR=85\n"
+                            "L: device=../../input21\n";
 
 constexpr int kKeys[] = {BTN_MISC, BTN_TRIGGER, BTN_THUMB, BTN_GAMEPAD};
 
