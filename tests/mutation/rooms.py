@@ -22,7 +22,7 @@ ROOMS = {
     "footstep": core("footstep", "^patches_footstep"),
     "reed": core("reed", "^patches_(greed|playability|reed)"),
     "haptic": core("haptic", "^(patches_(phantom|mass_spring)|devices_haptic_check)"),
-    "dsp": core("dsp", "^core_"),
+    "dsp": core("dsp", "^core_", unit=["core_dsp_test", "core_dsp_avx2_test"]),
     "falcon": device("falcon", "devices_falcon_stream_test", ("devices_falcon_live_test", "falcon_double"),
                      everything="|devices_haptic_check|devices_live$"),
     "force_dimension": device("force_dimension"),
