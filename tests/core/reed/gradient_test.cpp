@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -110,6 +111,62 @@ TEST_CASE("a growth map does not depend on the portions in which it was made") {
   for (std::size_t k = 0; k < 41; ++k)
     for (std::size_t i = 0; i < 41; ++i)
       REQUIRE(whole.height().node(i, k) == pieces.height().node(i, k));
+}
+
+TEST_CASE("a field's values and slopes are exact for a bilinear quantity, clamped to the plane") {
+  const auto f = [](double y, double z) { return 2 + 3 * y - 5 * z + 4 * y * z; };
+  GradientField field;
+  CHECK(field.empty());
+  CHECK(field.value(.5, .5) == 0);
+  CHECK(field.gradient(.5, .5).y == 0);
+  field.resize(1, 0);
+  CHECK(field.columns() == 2); // at least two of each
+  CHECK(field.rows() == 2);
+  field.resize(6, 9);
+  for (std::size_t k = 0; k < 9; ++k)
+    for (std::size_t i = 0; i < 6; ++i)
+      field.node(i, k) = f(field.y_of(i), field.z_of(k));
+  field.differentiate();
+  for (int i = -2; i <= 22; ++i)
+    for (int k = -2; k <= 22; ++k) {
+      const double y = i / 20., z = k / 20.;
+      const double held_y = std::clamp(y, 0., 1.), held_z = std::clamp(z, 0., 1.);
+      CHECK(field.value(y, z) == doctest::Approx(f(held_y, held_z)));
+      CHECK(field.gradient(y, z).y == doctest::Approx(3 + 4 * held_z));
+      CHECK(field.gradient(y, z).z == doctest::Approx(-5 + 4 * held_y));
+    }
+  CHECK(field.value(NAN, 1) == doctest::Approx(f(0, 1)));
+  // Inside, a node's slope is that between its neighbours; at the edge, to its only one.
+  const auto square = [](double y) { return y * y; };
+  for (std::size_t k = 0; k < 9; ++k)
+    for (std::size_t i = 0; i < 6; ++i)
+      field.node(i, k) = square(field.y_of(i));
+  field.differentiate();
+  CHECK(field.gradient(.4, .3).y == doctest::Approx(.8));
+  CHECK(field.gradient(0, .3).y == doctest::Approx(.2));
+  CHECK(field.gradient(1, .3).y == doctest::Approx(1.8));
+  CHECK(field.gradient(.5, .3).y == doctest::Approx(1)); // between .8 and 1.2
+  CHECK(std::abs(field.gradient(.5, .3).z) < 1e-12);
+}
+
+TEST_CASE("a growth map's slopes are those of its own values, for the growth and for the height") {
+  const GrowthMap map = map_of(reference::trumpet(), kTrumpetRange, 10000);
+  for (const GradientField* field : {&map.growth(), &map.height()}) {
+    GradientField again;
+    again.resize(41, 41);
+    for (std::size_t k = 0; k < 41; ++k)
+      for (std::size_t i = 0; i < 41; ++i)
+        again.node(i, k) = field->node(i, k);
+    again.differentiate();
+    double steepest = 0;
+    for (int n = 0; n < 300; ++n) {
+      const double y = std::fmod(.37 * n, 1.), z = std::fmod(.61 * n, 1.);
+      CHECK(field->gradient(y, z).y == again.gradient(y, z).y);
+      CHECK(field->gradient(y, z).z == again.gradient(y, z).z);
+      steepest = std::max(steepest, std::abs(field->gradient(y, z).y));
+    }
+    CHECK(steepest > 0);
+  }
 }
 
 TEST_CASE("between its nodes a growth map agrees with the theory it samples") {
