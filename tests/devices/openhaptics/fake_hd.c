@@ -236,6 +236,8 @@ static void* scheduler(void* unused) {
     const struct timespec pause = {0, mode("slow") ? 40000000 : 1000000};
     int axis;
     nanosleep(&pause, NULL);
+    if (!running)
+      break;
     if (callback && !callback_done)
       callback_done = callback(callback_context) == 0;
     for (axis = 0; axis < 3; ++axis) {
