@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -276,6 +277,21 @@ TEST_CASE("a halt waits for the last call, which takes the force away, up to a t
   const Rehearsal r(fake, *device, 5, [](int) { return Vec3{1, 0, 0}; });
   CHECK(r.sent[4] == Vec3{1, 0, 0});
   CHECK(fake.force() == Vec3{});
+}
+
+TEST_CASE("a halt waits no longer than for that call") {
+  const Fake fake;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  auto quickest = std::chrono::steady_clock::duration::max(); // of ten, on a busy machine
+  for (int i = 0; i < 10; ++i) {
+    REQUIRE(device->run([](void*) {}, nullptr));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const auto asked = std::chrono::steady_clock::now();
+    device->halt();
+    quickest = std::min(quickest, std::chrono::steady_clock::now() - asked);
+  }
+  CHECK(quickest < std::chrono::milliseconds(60)); // some 2 ms; without the call it is 100 ms
 }
 
 TEST_CASE("a device runs once at a time, and only while it is open") {
