@@ -44,6 +44,23 @@ TEST_CASE("the stream is that of an independent implementation, seeded with 1234
   CHECK(random.normal() == other.normal());
 }
 
+TEST_CASE(
+    "normal values come in pairs from points of the unit disk, by Marsaglia and Bray's method") {
+  Random random(5), points(5);
+  for (int pair = 0; pair < 1000; ++pair) {
+    double a = 0, b = 0, square = 0;
+    do {
+      a = 2 * points.uniform() - 1;
+      b = 2 * points.uniform() - 1;
+      square = a * a + b * b;
+    } while (square >= 1 || square == 0);
+    const double radius = std::sqrt(-2 * std::log(square) / square);
+    CHECK(random.normal() == doctest::Approx(a * radius).epsilon(1e-12));
+    CHECK(random.normal() == doctest::Approx(b * radius).epsilon(1e-12));
+  }
+  CHECK(random.next() == points.next()); // no more numbers were used
+}
+
 TEST_CASE("a million normal values have the moments of the normal distribution") {
   Random random(3);
   const int count = 1000000;
