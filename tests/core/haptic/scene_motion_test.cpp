@@ -52,6 +52,28 @@ TEST_CASE("a gliding body pushes the hand in its way, and its damper feels its s
   CHECK(rig.count(Kind::kRelease) == 1);
 }
 
+TEST_CASE("of any number of bodies that move at once each pushes the hand in its way") {
+  for (int count = 2; count <= 7; ++count)
+    for (int hand = 0; hand < count; ++hand) {
+      CAPTURE(count);
+      CAPTURE(hand);
+      SceneRig rig;
+      for (int i = 0; i < count; ++i)
+        rig.add(Sphere{0.01}, {{-0.05, 0.04 * i, 0}, {}}, {500, 2, 0});
+      for (int n = 0; n < 10; ++n)
+        CHECK(rig.touch({0, 40. * hand, 0}) == Vec3{});
+      for (Body& body : rig.scene.bodies) {
+        body.pose.position.x = -0.005;
+        body.glide_s = 0.09;
+      }
+      rig.publish();
+      Vec3 force;
+      for (int n = 0; n < 90; ++n)
+        force = rig.touch({0, 40. * hand, 0});
+      CHECK(error(force, {500 * 5e-3 + 2 * 0.5, 0, 0}) < 1e-6); // 5 mm deep at 0.5 m/s
+    }
+}
+
 TEST_CASE("a rough floor that moves carries the hand's proxy until it slips") {
   SceneRig rig;
   rig.add(Plane{}, {}, {500, 0, 0.5});

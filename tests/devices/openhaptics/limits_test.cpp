@@ -137,7 +137,7 @@ TEST_CASE("the workspace is the box of dependable force, else the whole one, els
   caps = device_caps(asked, "omni");
   CHECK(norm(caps.workspace_max - Vec3{0.08, 0.06, 0.035}) < 1e-12);
   // What is no box: flat, turned round, larger than any device, not a number.
-  for (const std::vector<double>& wrong : {std::vector<double>{-80, -60, -35, 80, 60, -34.5},
+  for (const std::vector<double>& wrong : {std::vector<double>{-80, -60, -35, 80, 60, -34},
                                            {80, -60, -35, -80, 60, 35},
                                            {-80, -60, -35, 80, 2001, 35},
                                            {-2001, -60, -35, 80, 60, 35},
