@@ -232,19 +232,32 @@ TEST_CASE("a body whose motion never fits the work does not keep the others wait
     corners.push_back({0.03 * std::cos(angle), 0.03 * std::sin(angle), 0});
     triangles.push_back({0, 1 + i, 1 + (i + 1) % 4000});
   }
-  SceneRig rig(1000);
-  rig.add(MeshSurface{std::make_shared<const TriangleMesh>(corners, triangles)},
-          {{0, 0, -0.01}, {}});
-  rig.add(Sphere{0.01}, {{-0.03, 0, 0}, {}});
-  rig.touch({0.01, 0.01, 0});
-  for (Body& body : rig.scene.bodies)
-    body.glide_s = 0.05;
-  rig.scene.bodies[0].pose.position = {0.009, 0.009, 0.01};
-  rig.scene.bodies[1].pose.position = {0.005, 0.01, 0};
-  rig.publish();
-  for (int n = 0; n < 400; ++n)
-    rig.touch({10, 10, 0});
-  CHECK(rig.model.proxy().x > 0.0149); // carried by the sphere
+  // Of four bodies one is the plate, one pushes, and the others move far away.
+  const auto mesh = std::make_shared<const TriangleMesh>(corners, triangles);
+  for (std::size_t plate = 0; plate < 4; ++plate)
+    for (std::size_t pusher = 0; pusher < 4; ++pusher) {
+      if (plate == pusher)
+        continue;
+      CAPTURE(plate);
+      CAPTURE(pusher);
+      SceneRig rig(1000);
+      for (std::size_t i = 0; i < 4; ++i)
+        if (i == plate)
+          rig.add(MeshSurface{mesh}, {{0, 0, -0.01}, {}});
+        else
+          rig.add(Sphere{0.01}, {{-0.03, i == pusher ? 0 : 0.3, 0}, {}});
+      rig.touch({0.01, 0.01, 0});
+      for (Body& body : rig.scene.bodies) {
+        body.glide_s = 0.05;
+        body.pose.position.x += 0.035;
+      }
+      rig.scene.bodies[plate].pose.position = {0.009, 0.009, 0.01};
+      rig.scene.bodies[pusher].pose.position = {0.005, 0.01, 0};
+      rig.publish();
+      for (int n = 0; n < 400; ++n)
+        rig.touch({10, 10, 0});
+      CHECK(rig.model.proxy().x > 0.0149); // carried by the sphere
+    }
 }
 
 TEST_CASE("without work for a single motion the known faces hold, pressed as deep as the hand is") {
