@@ -131,25 +131,34 @@ TEST_CASE("a Falcon is chosen by its number, serial number or port") {
 }
 
 TEST_CASE("a velocity adds up to the way that the grip goes under a force") {
-  Rig rig;
-  rig.control.ask("still");
-  REQUIRE(rig.open() == "");
-  REQUIRE(rig.home());
-  REQUIRE(rig.settle());
-  const Vec3 begin = rig.state.position;
-  Vec3 last = rig.state.velocity, sum{};
-  int held = 0;
-  CHECK(rig.until(
-      [&, before_s = rig.tick.time_s, at = begin]() mutable {
-        sum += (rig.state.velocity + last) * (0.5 * (rig.tick.time_s - before_s));
-        before_s = rig.tick.time_s;
-        last = rig.state.velocity;
-        held = norm(rig.state.position - at) < 1e-4 ? held + 1 : 0;
-        at = held ? at : rig.state.position;
-        return held > 200 && norm(rig.state.position - begin) > 2e-3;
-      },
-      30000, {0, 0, 2}));
-  const Vec3 way = rig.state.position - begin;
-  CHECK(way.z > 2e-3);
-  CHECK(norm(sum - way) < 0.2 * norm(way));
+  bool agrees = false; // a stall of the machine asks for another attempt
+  for (int attempt = 0; attempt < 20 && !agrees; ++attempt) {
+    Rig rig;
+    rig.control.ask("still");
+    REQUIRE(rig.open() == "");
+    REQUIRE(rig.home());
+    REQUIRE(rig.settle());
+    const Vec3 begin = rig.state.position;
+    Vec3 last = rig.state.velocity, sum{}, at = begin;
+    double longest_s = 0, before_s = rig.tick.time_s;
+    int held = 0;
+    REQUIRE(rig.until(
+        [&] {
+          const double passed_s = rig.tick.time_s - before_s;
+          longest_s = std::max(longest_s, passed_s);
+          before_s = rig.tick.time_s;
+          sum += (rig.state.velocity + last) * (0.5 * passed_s);
+          last = rig.state.velocity;
+          held = norm(rig.state.position - at) < 1e-4 ? held + 1 : 0;
+          at = held ? at : rig.state.position;
+          return held > 200 && norm(rig.state.position - begin) > 2e-3;
+        },
+        30000, {0, 0, 2}));
+    const Vec3 way = rig.state.position - begin;
+    CHECK(way.z > 2e-3);
+    agrees = norm(sum - way) < 0.2 * norm(way);
+    if (longest_s < 0.005)
+      CHECK(agrees);
+  }
+  CHECK(agrees);
 }
