@@ -189,6 +189,26 @@ TEST_CASE("settings of a drive are held: delays of 0 to 0.2 s, a sensitivity abo
     CHECK(two[n] == doctest::Approx(0.5 * one[n]));
 }
 
+TEST_CASE("under the ball alone the drive is what it is under the heel alone, at any rate") {
+  for (const double rate : {22050.0, 48000.0, 192000.0}) {
+    Drive heel, ball;
+    double apart = 0, loudest = 0;
+    for (Drive* drive : {&heel, &ball}) {
+      drive->prepare(rate);
+      drive->set({1, 3, 0.3, 0.002}); // a limit of 0.1
+    }
+    for (int n = 0; n < 0.3 * rate; ++n) { // too loud, then recovering
+      const double t = n / rate,
+                   x = (t < 0.1 ? 5 : 0.05) * std::sin(2 * std::numbers::pi * 200 * t);
+      const Drive::Pair a = heel.next(x, 700, 0), b = ball.next(x, 0, 700);
+      apart = std::max({apart, std::abs(a.heel - b.ball), std::abs(a.ball), std::abs(b.heel)});
+      loudest = std::max(loudest, std::abs(a.heel));
+    }
+    CHECK(apart == 0);
+    CHECK(loudest == doctest::Approx(0.1));
+  }
+}
+
 TEST_CASE("a drive falls silent once band and delay have rung out, and wakes as it was") {
   Drive drive, fresh;
   for (Drive* one : {&drive, &fresh}) {

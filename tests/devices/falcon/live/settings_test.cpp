@@ -131,8 +131,8 @@ TEST_CASE("a Falcon is chosen by its number, serial number or port") {
 }
 
 TEST_CASE("a velocity adds up to the way that the grip goes under a force") {
-  bool agrees = false; // a stall of the machine asks for another attempt
-  for (int attempt = 0; attempt < 20 && !agrees; ++attempt) {
+  bool agrees = false; // stalls of the machine ask for another attempt
+  for (int attempt = 0; attempt < 8 && !agrees; ++attempt) {
     Rig rig;
     rig.control.ask("still");
     REQUIRE(rig.open() == "");
@@ -140,12 +140,11 @@ TEST_CASE("a velocity adds up to the way that the grip goes under a force") {
     REQUIRE(rig.settle());
     const Vec3 begin = rig.state.position;
     Vec3 last = rig.state.velocity, sum{}, at = begin;
-    double longest_s = 0, before_s = rig.tick.time_s;
+    double before_s = rig.tick.time_s;
     int held = 0;
     REQUIRE(rig.until(
         [&] {
           const double passed_s = rig.tick.time_s - before_s;
-          longest_s = std::max(longest_s, passed_s);
           before_s = rig.tick.time_s;
           sum += (rig.state.velocity + last) * (0.5 * passed_s);
           last = rig.state.velocity;
@@ -157,8 +156,6 @@ TEST_CASE("a velocity adds up to the way that the grip goes under a force") {
     const Vec3 way = rig.state.position - begin;
     CHECK(way.z > 2e-3);
     agrees = norm(sum - way) < 0.2 * norm(way);
-    if (longest_s < 0.005)
-      CHECK(agrees);
   }
   CHECK(agrees);
 }
