@@ -293,7 +293,7 @@ TEST_CASE("each landing of the heel is another step on the same modes, the ball'
 }
 
 TEST_CASE("boards rub by the weight on them, and as fast as it comes") {
-  const auto power = [](const std::string& more, double weights, double slope) {
+  const auto power = [](const std::string& more, double weights, double slope, double heel = 1) {
     const auto ground =
         ground_of("radiation 1\n[friction]\nmodes 1\nfrequency 300\ndetune 0\n"
                   "t60 0.05\nwobble 0\nplace 0\nvary_frequency 0\nvary_decay 0\nvary_level 0\n" +
@@ -301,8 +301,10 @@ TEST_CASE("boards rub by the weight on them, and as fast as it comes") {
     double sum = 0;
     for (int n = 0; n < 9600; ++n) {
       SoleState sole = heel_at(n == 0 ? 1e-12 : 0);
-      sole.heel_n = 700 * weights;
-      sole.heel_slope = 700 * slope;
+      sole.heel_n = 700 * weights * heel; // the rest under the ball
+      sole.ball_n = 700 * weights * (1 - heel);
+      sole.heel_slope = 700 * slope * heel;
+      sole.ball_slope = 700 * slope * (1 - heel);
       const double x = ground->next(sole, 700).felt;
       sum += x * x;
     }
@@ -311,6 +313,8 @@ TEST_CASE("boards rub by the weight on them, and as fast as it comes") {
   const double usual = power("", 1, 10);
   CHECK(usual > 0);
   CHECK(power("level 4\n", 1, 10) == doctest::Approx(4 * usual));
+  for (const double heel : {0.0, 0.3, 0.5})
+    CHECK(power("", 1, 10, heel) == doctest::Approx(usual));
   CHECK(power("", 1, 0) == 0);      // nothing slips
   CHECK(power("", 0.009, 10) == 0); // nobody stands there
   // What slips 0.1 m/s at 10 weights a second slips 0.05 m/s at 5, and as said by `slip`.

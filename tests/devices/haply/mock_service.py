@@ -4,7 +4,7 @@ Keeps the service's rules: an inventory first, then one state for each message, 
 one message. Says "port N", then obeys lines on its standard input: `place X Y Z` (m, service's axes),
 `workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`, `garbage N`
 (answers that are no JSON), `unplug`, `plug`, `quiet` (no answers),
-`drop`, `report`. A service of kind `old` knows no presets and no axes; `two` has a Minverse, 04BA,
+`drop`, `pad N` (so many letters more in each answer), `report`. A service of kind `old` knows no presets and no axes; `two` has a Minverse, 04BA,
 too, and no grip; `late` shows its configuration one message late; `wired` has a grip with a cable.
 """
 import asyncio
@@ -23,7 +23,7 @@ class Service:
         self.velocity = [0.0, 0.0, 0.0]
         self.force = [0.0, 0.0, 0.0]
         self.calibrated, self.plugged, self.quiet = True, True, False
-        self.garbage = 0
+        self.garbage = self.pad = 0
         self.sessions = self.messages = self.wrong = 0
         self.profile = ""
         self.basis = "-ZXY"  # another program's
@@ -144,7 +144,8 @@ class Service:
                     self.garbage -= 1
                     await socket.send('{"inverse3": [{"device_id": "049D", "state": {"cursor_pos')
                 else:
-                    await socket.send(self.all(self.full))
+                    text = self.all(self.full)
+                    await socket.send(text[:-1] + f', "pad": "{"x" * self.pad}"}}' if self.pad else text)
         except websockets.ConnectionClosed:
             pass
         finally:
@@ -166,6 +167,8 @@ class Service:
             self.calibrated = words[1] == "1"
         elif words[0] == "garbage":
             self.garbage = int(words[1])
+        elif words[0] == "pad":
+            self.pad = int(words[1])
         elif words[0] in ("unplug", "plug"):
             self.plugged = words[0] == "plug"
         elif words[0] == "quiet":

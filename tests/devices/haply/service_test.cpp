@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <string>
 #include <thread>
 #include <vector>
@@ -223,4 +224,37 @@ TEST_CASE("messages that are no JSON are borne up to fifty in a row") {
   CHECK(device->trouble() == "");
   mock.tell("garbage 55");
   CHECK(drive_until(*device, {}, [&](bool, const State&) { return mock.report().sessions > 1; }));
+}
+
+TEST_CASE("an answer of up to 64 kB is read, a longer one ends the session") {
+  Mock mock;
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  const long before = mock.tell("pad 60000").messages;
+  CHECK(drive_until(*device, {}, [&](bool answered, const State&) {
+    return answered && mock.report().messages > before + 20;
+  }));
+  CHECK(mock.report().sessions == 1);
+  mock.tell("pad 66000");
+  CHECK(drive_until(*device, {}, [&](bool, const State&) { return mock.report().sessions > 1; }));
+  mock.tell("pad 0");
+  CHECK(drive_until(*device, {}, [](bool answered, const State&) { return answered; }));
+}
+
+TEST_CASE("a service that is looked for takes no processor meanwhile") {
+  const auto device = make();
+  {
+    Mock mock;
+    REQUIRE(set(*device, {"service", "127.0.0.1", std::to_string(mock.port())}) == "");
+    REQUIRE(device->open() == "");
+    CHECK(drive_until(*device, {}, [](bool answered, const State&) { return answered; }));
+  }
+  State state;
+  CHECK(drive_until(*device, {}, [&](bool answered, const State&) {
+    return !answered && device->trouble().find("does not answer") != std::string::npos;
+  }));
+  // From there on it waits for ever longer, up to 2 s.
+  const std::clock_t before = std::clock();
+  std::this_thread::sleep_for(std::chrono::milliseconds(800));
+  CHECK(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC < 0.08);
 }

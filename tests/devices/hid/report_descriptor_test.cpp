@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <vector>
 
 using namespace tactus::devices::hid;
 
@@ -80,6 +81,42 @@ TEST_CASE("an unsigned maximum that was written as a negative number is understo
   CHECK_FALSE(d.numbered);
   CHECK(d.fields[0].high == 255);
   CHECK(value({200}, d.fields.data()) == 200);
+}
+
+TEST_CASE("a field is relative when its description says so, and constant ones are filling") {
+  // HID 1.11, section 6.2.2.5: bit 0 constant, bit 1 variable, bit 2 relative.
+  for (const int flags : {0x02, 0x06}) {
+    const Bytes one{
+        0x05, 0x01, 0x09, 0x08, 0xa1, 0x01, 0x15, 0x81, 0x25, 0x7f,
+        0x75, 0x08, 0x95, 0x01, 0x81, 0x03, 0x09, 0x30, 0x81, static_cast<std::uint8_t>(flags),
+        0xc0};
+    const ReportDescriptor d = parse_report_descriptor(one);
+    REQUIRE(d.fields.size() == 1);
+    CHECK(d.fields[0].relative == (flags == 0x06));
+    CHECK(d.fields[0].bit == 8); // after the filling
+    CHECK(d.fields[0].low == -127);
+    CHECK(d.fields[0].high == 127);
+    CHECK_FALSE(d.fields[0].choice);
+  }
+}
+
+TEST_CASE("designators and strings of a field are no usages, and a range ends where it says") {
+  // Local items 3 to 9 (section 6.2.2.8) between and before the usages.
+  const Bytes stick{0x05, 0x01, 0x09, 0x04, 0xa1, 0x01, 0x15, 0x00, 0x25, 0x7f, 0x75,
+                    0x08, 0x95, 0x02, 0x39, 0x32, 0x49, 0x01, 0x59, 0x31, 0x09, 0x30,
+                    0x79, 0x33, 0x89, 0x01, 0x99, 0x35, 0x09, 0x31, 0x81, 0x02, 0x95,
+                    0x04, 0x19, 0x33, 0x29, 0x35, 0x81, 0x02,       // three usages for four fields
+                    0x95, 0x01, 0x19, 0x35, 0x29, 0x34, 0x81, 0x02, // a range that goes backwards
+                    0xc0};
+  const ReportDescriptor d = parse_report_descriptor(stick);
+  CHECK(d.whole);
+  std::vector<int> usages;
+  for (const Field& field : d.fields)
+    usages.push_back(field.usage);
+  // Where usages run out the last one is every further field's (section 6.2.2.8).
+  CHECK(usages == std::vector<int>{0x30, 0x31, 0x33, 0x34, 0x35, 0x35});
+  for (std::size_t i = 0; i < d.fields.size(); ++i)
+    CHECK(d.fields[i].bit == 8 * i);
 }
 
 TEST_CASE("descriptions that are cut short or absurd end the reading and keep what came before") {

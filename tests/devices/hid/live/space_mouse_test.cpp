@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <utility>
 
 using tactus::haptic::Vec3;
 
@@ -124,6 +125,33 @@ TEST_CASE("as a rate, deflection moves and the workspace ends it" * doctest::ski
   for (int i = 0; i < 50; ++i)
     rig.step();
   CHECK(rig.reaches({-50, 0, 0})); // it stays where it was led
+}
+
+TEST_CASE("as a rate, a stall moves by a tenth of a second at most" * doctest::skip(skipped())) {
+  Rig rig;
+  REQUIRE(rig.set({"mapping", "rate"}) == "");
+  REQUIRE(rig.set({"speed", "100"}) == "");
+  REQUIRE(rig.device.open() == "");
+  rig.control.ask(report(-350, 0, 0));
+  REQUIRE(rig.until([&] { return rig.state.position.x < 0; }));
+  for (const auto& [passed_s, moved_s] :
+       {std::pair{0.07, 0.07}, {0.1, 0.1}, {3.0, 0.1}, {-1.0, 0.0}}) {
+    const double before = rig.state.position.x;
+    rig.tick.time_s += passed_s;
+    CHECK(rig.device.read(rig.tick, rig.state));
+    CHECK(rig.state.position.x - before == doctest::Approx(-0.1 * moved_s).epsilon(1e-9));
+  }
+  rig.control.ask(report(0, 0, 0));
+}
+
+TEST_CASE("a device that is open is opened again" * doctest::skip(skipped())) {
+  Rig rig;
+  REQUIRE(rig.device.open() == "");
+  REQUIRE(rig.device.open() == "");
+  rig.control.ask(report(350, 0, 0));
+  CHECK(rig.reaches({50, 0, 0}));
+  rig.control.ask(report(0, 0, 0));
+  CHECK(rig.reaches({0, 0, 0}));
 }
 
 TEST_CASE("pulled out it fails, plugged in it opens again" * doctest::skip(skipped())) {
