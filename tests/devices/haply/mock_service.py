@@ -5,7 +5,8 @@ one message. Says "port N", then obeys lines on its standard input: `place X Y Z
 `workspace [scale S] [quarter] [offset X Y Z]` (as navigation sets it), `calibrated 0|1`, `garbage N`
 (answers that are no JSON), `unplug`, `plug`, `quiet` (no answers),
 `drop`, `pad N` (so many letters more in each answer), `report`. A service of kind `old` knows no presets and no axes; `two` has a Minverse, 04BA,
-too, and no grip; `late` shows its configuration one message late; `wired` has a grip with a cable.
+too, and no grip; `late` shows its configuration one message late; `wired` has a grip with a cable;
+`scaled` has a mount that shows everything twice as large.
 """
 import asyncio
 import json
@@ -40,6 +41,8 @@ class Service:
         """Device's base to application: preset's mount, then the workspace transform."""
         if point and self.preset == "arm_front_centered":
             v = [v[0], v[1] + 0.12, v[2] - 0.15]
+        if self.kind == "scaled":
+            v = [2 * c for c in v]
         scale = self.workspace.get("scale", 1.0)
         v = [scale * c for c in v]
         if "quarter" in self.workspace:  # about z
@@ -70,6 +73,8 @@ class Service:
                                 "extended_firmware_version": "7.4", "preset": self.preset,
                                 "basis": {"permutation": self.basis},
                                 "mount": {"position": self.vector([0.0] * 3)}}
+            if self.kind == "scaled":
+                answer["config"]["mount"]["scale"] = self.vector([2.0] * 3)
             if self.kind == "old":
                 answer["config"] = {"type": "inverse3"}
             if self.kind == "late":

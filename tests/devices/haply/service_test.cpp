@@ -167,6 +167,17 @@ TEST_CASE("a position that the service cannot place is the middle until there wa
   }));
 }
 
+TEST_CASE("a mount that shows the device larger changes neither metres nor metres a second") {
+  Mock mock("scaled");
+  const auto device = make();
+  REQUIRE(device->open() == "");
+  mock.tell("place 0.01 -0.14 0.18");
+  CHECK(drive_until(*device, {}, [](bool answered, const State& state) {
+    return answered && norm(state.position - Vec3{0.01, 0.03, 0.02}) < 1e-12;
+  }));
+  CHECK(drive_until(*device, {0, 1, 0}, [&](bool, const State&) { return mock.report().z == 1; }));
+}
+
 TEST_CASE("the service is asked as often as the rate says, not more") {
   Mock mock;
   const auto device = make();
