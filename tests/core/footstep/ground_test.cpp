@@ -15,8 +15,6 @@ using namespace tactus::footstep;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Recipe recipe_of(const std::string& text) {
   Recipe recipe;
   INFO(text);

@@ -123,7 +123,6 @@ TEST_CASE("an opening after the service has ended is refused, whatever was befor
     REQUIRE(device->open() == "");
     CHECK(drive_until(*device, {}, [](bool answered, const State&) { return answered; }));
     device->close();
-    State state;
     CHECK(drive_until(*device, {}, [](bool answered, const State&) { return !answered; }));
   }
   CHECK(device->open().find("start Haply Hub") != std::string::npos);
@@ -260,7 +259,6 @@ TEST_CASE("a service that is looked for takes no processor meanwhile") {
     REQUIRE(device->open() == "");
     CHECK(drive_until(*device, {}, [](bool answered, const State&) { return answered; }));
   }
-  State state;
   CHECK(drive_until(*device, {}, [&](bool answered, const State&) {
     return !answered && device->trouble().find("does not answer") != std::string::npos;
   }));

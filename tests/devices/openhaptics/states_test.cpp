@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 // What the library reports, tick by tick, and what the driver does about it.
@@ -152,14 +153,16 @@ TEST_CASE("no force while the calibration needs the library or the hand, each wi
 }
 
 TEST_CASE("too much force and warm motors are told for 500 ticks, and force goes on") {
-  for (const auto& [code, flag] : {std::pair{Code(kTooMuchForce), State::kForceLimited},
-                                   {Code(kWarmMotors), State::kMotorsHot}}) {
+  const std::pair<Code, State::Flags> told_of[] = {{kTooMuchForce, State::kForceLimited},
+                                                   {kWarmMotors, State::kMotorsHot}};
+  for (const auto& one : told_of) {
+    const Code code = one.first;
     CAPTURE(code);
     const Fake fake;
     const auto device = make();
     REQUIRE(device->open() == "");
     std::string during, after;
-    const Rehearsal r(fake, *device, 700, [&, code = code](int tick) {
+    const Rehearsal r(fake, *device, 700, [&](int tick) {
       if (tick == 50)
         fake.fail(code);
       if (tick == 500)
@@ -168,7 +171,7 @@ TEST_CASE("too much force and warm motors are told for 500 ticks, and force goes
         after = device->trouble();
       return Vec3{0.1, 0, 0};
     });
-    const auto told = r.with(flag);
+    const auto told = r.with(one.second);
     CHECK(told.first == 51);
     CHECK(told.count == 500);
     CHECK(told.last == 550);
