@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <linux/input.h>
+#include <unistd.h>
 
 using namespace tactus;
 using haptic::State;
@@ -241,8 +242,26 @@ TEST_CASE("each button has its bit, in the order of their codes, also after lost
   CHECK(drive_until(*device, {}, [](bool, const State& s) { return s.buttons == 9u; }));
   stick.ask("drop 0");
   CHECK(drive_until(*device, {}, [](bool, const State& s) { return s.buttons == 8u; }));
+  press(KEY_MAX - 7, 1); // the last of them
+  CHECK(drive_until(*device, {}, [](bool, const State& s) { return s.buttons == 24u; }));
+  press(KEY_MAX - 7, 0);
   press(BTN_GAMEPAD, 0);
   CHECK(drive_until(*device, {}, [](bool, const State& s) { return s.buttons == 0u; }));
+}
+
+TEST_CASE("a program without standard input may have the device as its file 0") {
+  const int kept = dup(0);
+  close(0);
+  const auto device = make();
+  const std::string sentence = device->open();
+  State state;
+  const bool read = device->read({}, state), written = device->write({});
+  device->close();
+  dup2(kept, 0);
+  close(kept);
+  CHECK(sentence == "");
+  CHECK(read);
+  CHECK(written);
 }
 
 TEST_CASE("many events are read within few ticks, and an axis moves with its event") {

@@ -24,7 +24,7 @@ namespace {
 
 const char* const kNode = "/dev/input/event3";
 
-// Two forces it knows (constant, bit 0x52; gain, bit 0x60), three axes, four buttons.
+// Two forces it knows (constant, bit 0x52; gain, bit 0x60), three axes, five buttons.
 const char* const kRecord = "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input5\n"
                             "E: SUBSYSTEM=input\n"
                             "A: name=Double Stick\\n\n"
@@ -74,7 +74,7 @@ const char* const kRecord = "P: /devices/pci0000:00/usb1/1-2/1-2:1.0/input/input
                             "E: MAJOR=13\nE: MINOR=85\n"
                             "L: device=../../input21\n";
 
-constexpr int kKeys[] = {BTN_MISC, BTN_TRIGGER, BTN_THUMB, BTN_GAMEPAD};
+constexpr int kKeys[] = {BTN_MISC, BTN_TRIGGER, BTN_THUMB, BTN_GAMEPAD, KEY_MAX - 7};
 
 class Stick {
 public:
