@@ -61,6 +61,7 @@ SoleState landing() {
 
 std::vector<Foot::Out> tread(Foot& foot, int samples, const SoleState& sole = loaded()) {
   std::vector<Foot::Out> out;
+  out.reserve(static_cast<std::size_t>(samples));
   for (int n = 0; n < samples; ++n)
     out.push_back(foot.next(sole));
   return out;

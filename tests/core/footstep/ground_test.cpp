@@ -54,6 +54,7 @@ SoleState heel_at(double speed) {
 /// The ground's motion from one state of the sole in the first sample and none after.
 std::vector<double> felt(Ground& ground, const SoleState& first, int samples = 4800) {
   std::vector<double> motion;
+  motion.reserve(static_cast<std::size_t>(samples));
   for (int n = 0; n < samples; ++n)
     motion.push_back(ground.next(n == 0 ? first : SoleState{}, 700).felt);
   return motion;
