@@ -236,6 +236,18 @@ TEST_CASE("two materials share the loss by their strain energy") {
     CHECK(alone[k] == doctest::Approx(same[0].loss_factor).epsilon(1e-6));
     CHECK(both[k] == doctest::Approx(.5 * (same[0].loss_factor + 1e-2)).epsilon(1e-3));
   }
+  // A body of one material has all of its loss; without a loss factor, Rayleigh's a/w + b w.
+  std::vector<Material> one{find_material("steel")};
+  for (const double loss : loss_factors(mesh, one, m, modes))
+    CHECK(loss == one[0].loss_factor);
+  one[0].loss_factor = 0;
+  one[0].rayleigh_a = 20;
+  one[0].rayleigh_b = 3e-7;
+  const auto rayleigh = loss_factors(mesh, one, m, modes);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double w = 2 * std::numbers::pi * modes.frequency_hz[k];
+    CHECK(rayleigh[k] == doctest::Approx(20 / w + 3e-7 * w));
+  }
 }
 
 TEST_CASE("the error of tet10 shrinks faster than the third power of the size") {
