@@ -40,6 +40,7 @@ template <class V> void check_against_scalars() {
       CHECK(lane((a < b) | (a > V(5.0)), i) == (x < y || x > T(5)));
       CHECK(lane((!(a <= b)) & (b >= V(0.0)), i) == (!(x <= y) && y >= T(0)));
       CHECK_FALSE(lane(a < a, i));
+      CHECK_FALSE(lane(a > a, i));
       CHECK(lane((a <= a) & (a >= a), i));
       V sum = a, difference = a, product = a;
       sum += b, difference -= b, product *= b;
