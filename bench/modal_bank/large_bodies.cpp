@@ -68,15 +68,20 @@ std::shared_ptr<const LoadedTable> sheet(std::size_t modes) {
 }
 
 struct Plate {
-  Plate(const std::shared_ptr<const LoadedTable>& table, std::size_t listeners) {
-    BodySettings settings;
-    settings.listeners = listeners;
-    settings.voices = 16;
+  Plate(const std::shared_ptr<const LoadedTable>& table, std::size_t listeners)
+      : Plate(table, with(listeners)) {}
+  Plate(const std::shared_ptr<const LoadedTable>& table, const BodySettings& settings) {
     body.prepare(48000);
     const double begin = own_seconds();
     body.publish(std::make_unique<BodyModel>(table, settings), false);
     model_s = own_seconds() - begin;
     body.adopt();
+  }
+  static BodySettings with(std::size_t listeners) {
+    BodySettings settings;
+    settings.listeners = listeners;
+    settings.voices = 16;
+    return settings;
   }
   void block() {
     const std::array<std::span<float>, 4> out{heard[0], heard[1], heard[2], heard[3]};
@@ -157,6 +162,41 @@ void large_bodies(std::size_t only) {
               }
               plate.block();
             }));
+      std::fflush(stdout);
+    }
+  }
+}
+
+void resting_bodies() {
+  for (const std::size_t modes : {16UL, 64UL, 256UL}) {
+    const auto table = sheet(modes);
+    const auto both = std::make_shared<const LoadedTable>(table, table, Vec3{0.01, 0.02, -0.03});
+    double apart = 0;
+    for (const std::size_t points : {0UL, 1UL, 2UL, 4UL, 8UL}) {
+      BodySettings settings;
+      settings.rest.pressing_n = 20;
+      for (std::size_t i = 0; i < points; ++i) {
+        const auto along = static_cast<double>(i);
+        settings.rest.point_m.push_back({-0.5 + 0.13 * along, 0.05 + 0.03 * along, 0});
+      }
+      Plate plate(both, settings);
+      const SurfacePoint place = plate.at(0.13, 0.11);
+      plate.body.schedule_hit({place, place.normal, 1}, plate.body.clock());
+      for (int n = 0; n < 75; ++n) // until the striker has gone
+        plate.block();
+      double least = 1e30;
+      for (int round = 0; round < 12; ++round) {
+        const double begin = own_seconds();
+        for (int n = 0; n < 20; ++n)
+          plate.block();
+        least = std::min(least, (own_seconds() - begin) / (20 * 64));
+      }
+      if (points == 0)
+        apart = least;
+      std::printf(
+          "two bodies of %3zu modes, %zu points of rest: %6.0f ns a sample, %5.1f times apart, "
+          "%u steps\n",
+          modes, points, least * 1e9, least / apart, plate.body.model()->solver.steps());
       std::fflush(stdout);
     }
   }

@@ -10,3 +10,7 @@ double own_seconds();
 /// that moves at 1 kHz, and touched by a dragged hand; against the 1.33 ms that a block lasts.
 /// `only` for plates of so many modes; 0: 1024, 4096 and 20000.
 void large_bodies(std::size_t only);
+
+/// Two bodies that rest on each other at several points and ring: cost of a sample beside the same
+/// two apart.
+void resting_bodies();

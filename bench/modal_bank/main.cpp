@@ -3,7 +3,7 @@
 // loop and the recursion with nothing around it, all driven every sample at 48 kHz in blocks of 64;
 // then bodies that are struck, a hand that stays, and strikes on plates of thousands of modes.
 //
-//   bench_modal_bank [banks|bodies|hand|large [modes]]
+//   bench_modal_bank [banks|bodies|hand|resting|large [modes]]
 //
 // Everything is run in turn, round by round, and the least of all rounds is printed: on a shared
 // machine trust the ratios. Bodies and blows are timed by the processor time of their thread.
@@ -235,6 +235,8 @@ int main(int count, char** words) {
     hand_that_stays("spring", spring, 1e-3, 1e-5);
     hand_that_stays("ball", ball, 1e-4, 1e-6);
   }
+  if (part.empty() || part == "resting")
+    resting_bodies();
   if (part.empty() || part == "large")
     large_bodies(count > 2 ? std::stoul(words[2]) : 0);
 }
