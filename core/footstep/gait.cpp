@@ -18,14 +18,16 @@ void Gait::prepare(double sample_rate) noexcept { step_s_ = 1 / sample_rate; }
 
 void Gait::set(const Walker& walker, double variation) noexcept {
   walker_ = walker;
+  reaction_.set(walker);
   variation_ = std::clamp(variation, 0.0, 0.5);
 }
 
 void Gait::reset() noexcept {
   until_contact_s_ = 0;
   next_foot_ = 0;
-  for (Step& step : steps_)
-    step.under_way = false;
+  for (auto& foot : steps_)
+    for (Step& step : foot)
+      step.under_way = false;
 }
 
 void Gait::walk(bool on) noexcept {
@@ -35,15 +37,20 @@ void Gait::walk(bool on) noexcept {
 }
 
 void Gait::step(std::size_t foot) noexcept {
-  if (foot < kFeet && !steps_[foot].under_way)
-    begin(steps_[foot]);
+  if (foot < kFeet)
+    begin(foot);
 }
 
-void Gait::begin(Step& step) noexcept {
+void Gait::begin(std::size_t foot) noexcept {
+  // A free one, else the oldest.
+  Step& step =
+      *std::max_element(steps_[foot].begin(), steps_[foot].end(), [](const Step& a, const Step& b) {
+        return a.under_way != b.under_way ? a.under_way : a.under_way && a.time_s < b.time_s;
+      });
   const auto vary = [this](double times) {
     return std::exp(times * variation_ * random_.normal());
   };
-  step.reaction.set(walker_);
+  step.reaction = reaction_;
   step.under_way = true;
   step.time_s = 0;
   step.stance_s = step.reaction.stance_s() * vary(1);
@@ -62,22 +69,23 @@ void Gait::advance(Step& step, SoleState& sole) noexcept {
     return;
   if (!step.landed) {
     step.landed = true;
-    sole.heel_landing = step.heel_speed;
+    sole.heel_landing = std::max(sole.heel_landing, step.heel_speed);
   }
   if (!step.flat && step.time_s >= step.flat_s) {
     step.flat = true;
-    sole.ball_landing = step.ball_speed;
+    sole.ball_landing = std::max(sole.ball_landing, step.ball_speed);
   }
   step.time_s += step_s_;
   const double x = step.time_s / step.stance_s;
   const double force = step.scale * step.reaction.force(x);
   const double heel = force * GroundReaction::heel_share(x);
-  sole.heel_n = heel;
-  sole.ball_n = force - heel;
-  sole.heel_slope = (heel - step.heel_n) / step_s_;
-  sole.ball_slope = (sole.ball_n - step.ball_n) / step_s_;
+  const double ball = force - heel;
+  sole.heel_n += heel;
+  sole.ball_n += ball;
+  sole.heel_slope += (heel - step.heel_n) / step_s_;
+  sole.ball_slope += (ball - step.ball_n) / step_s_;
   step.heel_n = heel;
-  step.ball_n = sole.ball_n;
+  step.ball_n = ball;
   if (!step.heel_up && x >= kHeelUpAt) {
     step.heel_up = true;
     sole.heel_up = true;
@@ -92,16 +100,16 @@ void Gait::next(std::array<SoleState, kFeet>& feet) noexcept {
   feet = {};
   if (walking_) {
     if (until_contact_s_ <= 0) {
-      Step& step = steps_[next_foot_];
-      begin(step);
-      const double half_stride = 0.5 * step.reaction.stride_s();
+      begin(next_foot_);
+      const double half_stride = 0.5 * reaction_.stride_s();
       until_contact_s_ += half_stride * std::max(0.2, 1 + variation_ * random_.normal());
       next_foot_ = 1 - next_foot_;
     }
     until_contact_s_ -= step_s_;
   }
   for (std::size_t i = 0; i < kFeet; ++i)
-    advance(steps_[i], feet[i]);
+    for (Step& step : steps_[i])
+      advance(step, feet[i]);
 }
 
 } // namespace tactus::footstep

@@ -15,7 +15,7 @@ namespace tactus::footstep {
 /// of variation, 3 to 5 % in people), landing speeds by four times that.
 class Gait {
 public:
-  static constexpr std::size_t kFeet = 2;
+  static constexpr std::size_t kFeet = 2, kOverlap = 4;
 
   void prepare(double sample_rate) noexcept;
   /// Holds from the next step on.
@@ -25,7 +25,8 @@ public:
   void reset() noexcept;
   /// Begins or ends walking; a step that is under way is completed.
   void walk(bool on) noexcept;
-  /// One step of that foot now, unless it is on the ground.
+  /// One step of that foot now. A foot that is on the ground lands once more beside it: up to
+  /// kOverlap landings of one foot are under way at once, and one more ends the oldest.
   void step(std::size_t foot) noexcept;
   [[nodiscard]] bool walking() const noexcept { return walking_; }
 
@@ -41,15 +42,16 @@ private:
     bool landed = false, flat = false, heel_up = false;
     double heel_n = 0, ball_n = 0;
   };
-  void begin(Step& step) noexcept;
+  void begin(std::size_t foot) noexcept;
   void advance(Step& step, SoleState& sole) noexcept;
 
   Walker walker_;
+  GroundReaction reaction_; ///< of that walker
   double variation_ = 0.04, step_s_ = 1.0 / 48000, until_contact_s_ = 0;
   std::size_t next_foot_ = 0;
   bool walking_ = false;
   Random random_;
-  std::array<Step, kFeet> steps_{};
+  std::array<std::array<Step, kOverlap>, kFeet> steps_{};
 };
 
 } // namespace tactus::footstep

@@ -54,19 +54,30 @@ inline constexpr std::array kParameters{
               "times the room's answer that a surface comes with; 0: in the open"},
 };
 
-enum MessageIndex : std::size_t { kSurface, kStep, kCalibrate, kEqualise, kSurfaces, kReset };
+enum MessageIndex : std::size_t {
+  kSurface,
+  kStep,
+  kBang,
+  kCalibrate,
+  kEqualise,
+  kSurfaces,
+  kReset
+};
 inline constexpr std::array kMessages{
     Message{"surface",
+            "[left|right] "
             "wood|creak|underbrush|snow|frozensnow|sand|gravel|metal|highgrass|dryleaves|concrete|"
             "dirt|puddle|water|carpet|file.txt [another [mix]]",
-            1, 3, "the ground, or two and how much of the second"},
-    Message{"step", "[left|right]", 0, 1, "one step"},
+            1, 4, "the ground, or two and how much of the second; of both feet, or of one"},
+    Message{"step", "[left|right]", 0, 1,
+            "one step; a foot that is down lands once more beside it"},
+    Message{"bang", "", 0, 0, "one step; with feet 2 the feet in turn"},
     Message{"calibrate", "heel|ball [reading N reading N ...]", 1, 65,
             "at least five rising points from what the sensor reads to newtons; none: as it is"},
     Message{"equalise", "[f1 dB1 f2 dB2 ...]", 0, 32,
             "undoes the actuator's response at these Hz; none: flat"},
     Message{"surfaces", "", 0, 0, "names of the fifteen, out of the info outlet"},
-    Message{"reset", "", 0, 0, "silence, both feet in the air"},
+    Message{"reset", "", 0, 0, "silence within 5 ms, both feet in the air"},
 };
 
 inline constexpr std::array kArguments{CreationArgument{"surface"}};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ double rounded(double x) noexcept {
   return std::copysign(kKnee + (1 - kKnee) * over / (1 + over), x);
 }
 
+constexpr double kGainTime = 0.01, kFadeTime = 0.005; // s
+
 /// False unless all words are finite numbers.
 bool numbers_of(std::span<const Atom> words, std::vector<double>& numbers) {
   for (const Atom& word : words) {
@@ -37,7 +40,8 @@ bool numbers_of(std::span<const Atom> words, std::vector<double>& numbers) {
 Footstep::Footstep() : sides_(std::make_unique<std::array<Side, Gait::kFeet>>()) {
   for (std::size_t i = 0; i < value_.size(); ++i)
     value_[i] = kParameters[i].initial;
-  first_ = second_ = store_.built_in("wood");
+  for (Side& side : *sides_)
+    side.first = side.second = store_.built_in("wood");
   prepare(48000, 64);
   set(kSeed, value_[kSeed]);
   stand();
@@ -49,6 +53,8 @@ void Footstep::prepare(double sample_rate, std::size_t) {
     side.foot.prepare(sample_rate);
     side.sensor.prepare(sample_rate);
   }
+  gain_glide_ = 1 - std::exp(-1 / (kGainTime * sample_rate));
+  fade_.whole = kFadeTime * sample_rate;
   apply();
 }
 
@@ -83,7 +89,8 @@ void Footstep::set(std::size_t parameter, double value) noexcept {
 
 void Footstep::stand() noexcept {
   for (Side& side : *sides_)
-    side.foot.stand_on(first_->id, first_->recipe, second_->id, second_->recipe, value_[kMix]);
+    side.foot.stand_on(side.first->id, side.first->recipe, side.second->id, side.second->recipe,
+                       value_[kMix]);
 }
 
 void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
@@ -95,6 +102,11 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
                                 (arguments[0].word == kSides[0] || arguments[0].word == kSides[1])))
       return host.error("step: expected left or right");
     return gait_.step(!arguments.empty() && arguments[0].word == kSides[1] ? 1 : 0);
+  case kBang:
+    next_foot_ = value_[kFeet] >= 1.5 ? next_foot_ : 0;
+    gait_.step(next_foot_);
+    next_foot_ = 1 - next_foot_;
+    return;
   case kCalibrate:
     return calibrate(arguments, host);
   case kEqualise:
@@ -106,6 +118,9 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
     return host.info(std::span<const Atom>(names));
   }
   case kReset:
+    fade_.from = fade_.last;
+    fade_.left = fade_.whole;
+    next_foot_ = 0;
     gait_.reset();
     for (Side& side : *sides_) {
       side.foot.reset();
@@ -118,6 +133,14 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
 }
 
 void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {
+  std::size_t from = 0, to = Gait::kFeet;
+  if (arguments[0].is_word && (arguments[0].word == kSides[0] || arguments[0].word == kSides[1])) {
+    from = arguments[0].word == kSides[0] ? 0 : 1;
+    to = from + 1;
+    arguments = arguments.subspan(1);
+  }
+  if (arguments.empty() || arguments.size() > 3)
+    return host.error("surface: expected one name or two, and how much of the second");
   std::array<std::shared_ptr<const Surface>, 2> found{};
   const std::size_t names = std::min<std::size_t>(arguments.size(), 2);
   for (std::size_t i = 0; i < names; ++i) {
@@ -133,9 +156,12 @@ void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {
     if (arguments[2].is_word || !(mix >= 0 && mix <= 1))
       return host.error("surface: expected a mix in 0..1");
   }
-  value_[kMix] = mix;
-  first_ = found[0];
-  second_ = names == 2 ? found[1] : found[0];
+  if (names == 2 || to - from == Gait::kFeet) // one foot on one ground needs no mix
+    value_[kMix] = mix;
+  for (std::size_t i = from; i < to; ++i) {
+    (*sides_)[i].first = found[0];
+    (*sides_)[i].second = names == 2 ? found[1] : found[0];
+  }
   stand();
 }
 
@@ -188,18 +214,39 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
   }
   std::array<double, 8> out{};
   measured_ += 1;
+  gain_ += gain_glide_ * (value_[kGain] - gain_);
+  bool sounds = false;
   for (std::size_t i = 0; i < feet; ++i) {
     const SoleState& sole = soles[i];
     note(i, sole);
     const Foot::Out made = (*sides_)[i].foot.next(sole);
-    out[4 * i] = rounded(value_[kGain] * made.heard);
+    out[4 * i] = rounded(gain_ * made.heard);
+    sounds = sounds || made.heard != 0;
     out[4 * i + 1] = made.heel_drive;
     out[4 * i + 2] = made.ball_drive;
     (*sides_)[i].heel_squares += made.heel_drive * made.heel_drive;
     (*sides_)[i].ball_squares += made.ball_drive * made.ball_drive;
     out[4 * i + 3] = sole.heel_n + sole.ball_n;
   }
+  if (!sounds) // in silence a new gain holds at once
+    gain_ = value_[kGain];
+  if (fade_.left > 0)
+    fade(out);
+  fade_.last = out;
   return out;
+}
+
+/// What sounded at a reset goes to zero in half a cosine; forces do not sound.
+void Footstep::fade(std::array<double, 8>& out) noexcept {
+  const double part =
+      0.5 - 0.5 * std::cos(std::numbers::pi * std::max(fade_.left, 0.0) / fade_.whole);
+  const double most_drive = std::min(value_[kLimit] / value_[kSensitivity], 1.0);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double most = i % 4 == 0 ? 1 : most_drive;
+    if (i % 4 != 3)
+      out[i] = std::clamp(out[i] + part * fade_.from[i], -most, most);
+  }
+  fade_.left -= 1;
 }
 
 void Footstep::report(Host& host) {
@@ -215,8 +262,15 @@ void Footstep::report(Host& host) {
 }
 
 void Footstep::dump(Host& host) {
-  host.info(
-      {"surface", std::string_view(first_->name), std::string_view(second_->name), value_[kMix]});
+  const auto& [left, right] = *sides_;
+  const auto tell = [&](const Side& side, auto... foot) {
+    host.info({"surface", foot..., std::string_view(side.first->name),
+               std::string_view(side.second->name), value_[kMix]});
+  };
+  if (left.first == right.first && left.second == right.second)
+    return tell(left);
+  tell(left, kSides[0]);
+  tell(right, kSides[1]);
 }
 
 } // namespace tactus::footstep

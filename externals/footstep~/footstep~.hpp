@@ -62,12 +62,19 @@ private:
     Foot foot;
     SoleSensor sensor;
     double heel_squares = 0, ball_squares = 0; ///< of the drives since the last dump
+    std::shared_ptr<const Surface> first, second;
+  };
+  /// The last sample before a reset, which fades instead of breaking off.
+  struct Fade {
+    std::array<double, 8> last{}, from{};
+    double left = 0, whole = 1; ///< samples
   };
 
   std::array<double, 8> next(const std::array<double, 4>& in) noexcept;
   void note(std::size_t foot, const SoleState& sole) noexcept;
   void apply() noexcept;
   void stand() noexcept;
+  void fade(std::array<double, 8>& out) noexcept;
   void set_surface(std::span<const Atom> arguments, Host& host);
   void calibrate(std::span<const Atom> arguments, Host& host);
   void equalise(std::span<const Atom> arguments, Host& host);
@@ -76,7 +83,9 @@ private:
   Gait gait_;
   std::unique_ptr<std::array<Side, Gait::kFeet>> sides_;
   SurfaceStore store_;
-  std::shared_ptr<const Surface> first_, second_;
+  Fade fade_;
+  double gain_ = 1, gain_glide_ = 1; ///< smoothed while something sounds
+  std::size_t next_foot_ = 0;        ///< of a bang
   std::array<Event, kMostEvents> events_{};
   std::size_t event_count_ = 0;
   double measured_ = 0; ///< samples since the last dump

@@ -185,6 +185,8 @@ def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_p
     ("equalise 100", "equalise: expected up to 16 pairs"),
     ("surface wood sand 2", "surface: expected a mix in 0..1"),
     ("surface 3", "surface: expected one name or two"),
+    ("surface left", "surface: expected one name or two"),
+    ("surface wood sand 0 1", "surface: expected one name or two"),
     ("speed 100", "speed 100 m/s: expected 0.3..8"),
 ])
 def test_a_mistake_is_answered_with_one_sentence(message, sentence):
@@ -204,6 +206,73 @@ def test_nonsense_at_the_inlets_stays_finite_and_it_walks_again_afterwards():
     for name in OUTLETS:
         assert abs(result[name]).max() < 1e6, name
     assert any(t > 1.6 for t in events(result, "heel"))
+
+
+def test_a_bang_is_a_step_of_the_feet_in_turn():
+    patch, box = foot("wood", "-feet", 2)
+    for ms in (100, 1100, 2100):
+        patch.at(ms, box, "bang")
+    result = patch.render(3)
+    assert len(events(result, "heel")) == 2 and len(events(result, "heel", "right")) == 1
+    patch, box = foot("wood")
+    for ms in (100, 1100):
+        patch.at(ms, box, "bang")
+    assert len(events(patch.render(2), "heel")) == 2
+
+
+def test_a_foot_that_is_down_lands_once_more_and_all_its_forces_add_up():
+    def force(times):
+        patch, box = foot("wood", "-variation", 0)
+        for ms in times:
+            patch.at(ms, box, "step")
+        result = patch.render(1.5)
+        return numpy.asarray(result["force"], float), len(events(result, "heel"))
+    one, landings = force([100])
+    assert landings == 1
+    both, landings = force([100, 252])
+    assert landings == 2
+    later = numpy.concatenate([numpy.zeros(int(.152 * RATE)), one])[:len(one)]
+    assert abs(both - (one + later)).max() < 1e-3 * one.max()
+    many, landings = force(range(100, 200, 5))
+    assert landings == 20 and many.max() < 4.2 * one.max()  # at most four at once
+
+
+def test_a_gain_glides_while_it_sounds_and_a_reset_does_not_click():
+    def high(x):  # what a break adds: what is left of fourth differences
+        return abs(numpy.diff(numpy.asarray(x, float), 4)).max()
+
+    def metal(*moves):
+        patch, box = foot("metal", "-room", 0, "-variation", 0, "-drive_gain", 30)
+        patch.at(10, box, "step")
+        for ms, message in moves:
+            patch.at(ms, box, message)
+        return patch.render(.8)
+    plain = metal()
+    part = slice(int(.06 * RATE), int(.07 * RATE))
+    sound = abs(numpy.asarray(plain["sound"], float))
+    loud = 1000 * (part.start + sound[part].argmax()) / RATE  # where a break would be plain
+    glided, faded = metal((loud, "gain 3")), metal((loud, "reset"))
+    around = slice(int((loud - 2) / 1000 * RATE), int((loud + 8) / 1000 * RATE))
+    assert high(glided["sound"][around]) < 6 * high(plain["sound"][around])
+    assert high(faded["sound"][around]) < 1.5 * high(plain["sound"][around])
+    after = int((loud + 8) / 1000 * RATE)
+    assert not numpy.any(faded["sound"][after:]) and not numpy.any(faded["heel"][after:])
+    ratio = abs(glided["sound"][after + 4000:]).max() / abs(plain["sound"][after + 4000:]).max()
+    assert abs(ratio / 3 - 1) < .01
+
+
+def test_each_foot_has_its_own_ground():
+    def centroid(x):
+        power = abs(numpy.fft.rfft(x)) ** 2
+        return (power * numpy.fft.rfftfreq(len(x), 1 / RATE)).sum() / power.sum()
+    patch, box = foot("wood", "-feet", 2)
+    patch.at(0, box, "surface right dryleaves")
+    patch.at(10, box, "walk 1")
+    patch.at(2900, box, "dump")
+    result = patch.render(3)
+    assert centroid(result["sound_2"]) > 3 * centroid(result["sound"])
+    told = [atoms for _, atoms in result.logs["info"] if atoms[0] == "surface"]
+    assert told == [["surface", "left", "wood", "wood", 0], ["surface", "right", "dryleaves", "dryleaves", 0]]
 
 
 def test_on_the_map_one_walks_to_another_ground_by_a_click():

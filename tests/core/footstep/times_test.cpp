@@ -205,9 +205,45 @@ TEST_CASE("walking begins at once, ends after the step, goes on with the other f
   CHECK(feet[0].heel_landing == 0);
   for (int n = 0; n < 2000; ++n)
     gait.next(feet);
-  gait.step(1); // on the ground
+  gait.step(1); // on the ground: it lands once more
   gait.next(feet);
-  CHECK(feet[1].heel_landing == 0);
+  CHECK(feet[1].heel_landing > 0);
+}
+
+TEST_CASE("landings of one foot that overlap add up, four at most, and all end") {
+  Gait one, many;
+  for (Gait* gait : {&one, &many}) {
+    gait->prepare(8000);
+    gait->set({1.4, 700, 0, false}, 0);
+    gait->step(0);
+  }
+  std::array<SoleState, Gait::kFeet> alone{}, feet{};
+  std::vector<std::array<double, 4>> single;
+  for (int n = 0; n < 8000; ++n) {
+    one.next(alone);
+    single.push_back({alone[0].heel_n, alone[0].ball_n, alone[0].heel_slope, alone[0].ball_slope});
+  }
+  const auto at = [&](int n, std::size_t what) {
+    return n < 0 ? 0 : single[static_cast<std::size_t>(n)][what];
+  };
+  int ended = 0;
+  for (int n = 0; n < 8000; ++n) {
+    for (const int again : {400, 1000, 1700, 2400}) // the last ends the first
+      if (n == again)
+        many.step(0);
+    many.next(feet);
+    ended += feet[0].toe_off;
+    std::array<double, 4> sum{};
+    for (std::size_t i = 0; i < 4; ++i)
+      sum[i] = (n < 2400 ? at(n, i) : 0) + at(n - 400, i) + at(n - 1000, i) + at(n - 1700, i) +
+               at(n - 2400, i);
+    CHECK(feet[0].heel_n == doctest::Approx(sum[0]));
+    CHECK(feet[0].ball_n == doctest::Approx(sum[1]));
+    CHECK(feet[0].heel_slope == doctest::Approx(sum[2]).epsilon(1e-6));
+    CHECK(feet[0].ball_slope == doctest::Approx(sum[3]).epsilon(1e-6));
+    CHECK(feet[1].heel_n == 0);
+  }
+  CHECK(ended == 4);
 }
 
 TEST_CASE("however unsteady a gait, the next contact waits a fifth of half a stride at least") {
