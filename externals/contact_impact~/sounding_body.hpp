@@ -22,9 +22,9 @@ inline constexpr double kLowestHz = 1, kHighestHz = 20000, kShortest = 1e-3, kLo
 
 /// The messages, in the order in which both objects declare them first.
 inline constexpr Message kModesMessage{
-    "modes", "f1 t1 g1 f2 t2 g2 ...", 3, 3 * kMostModes,
+    "modes", "f1 t1 g1 f2 t2 g2 ... or none", 1, 3 * kMostModes,
     "the body: of each mode frequency in Hz, time in s in which it falls by 60 dB, and gain, the "
-    "mode's displacement at the place touched"};
+    "mode's displacement at the place touched; none: a rigid wall, silent itself"};
 inline constexpr Message kPickupMessage{
     "pickup", "[g1 g2 ...]", 0, kMostModes,
     "gains of the modes where the body is heard; none: where it is touched"};
@@ -48,6 +48,8 @@ public:
 
   void take_modes(std::span<const Atom> words, Host& host) {
     std::vector<Listed> modes;
+    if (words.size() == 1 && words[0].is_word && words[0].word == "none")
+      words = {};
     for (std::size_t i = 0; i + 2 < words.size(); i += 3)
       if (is_number(words[i], kLowestHz, kHighestHz) &&
           is_number(words[i + 1], kShortest, kLongest) &&
@@ -55,7 +57,7 @@ public:
         modes.push_back({words[i].number, words[i + 1].number, words[i + 2].number});
     if (3 * modes.size() != words.size())
       return host.error("modes: expected for each mode a frequency in 1..20000 Hz, a time in "
-                        "0.001..1000 s and a gain in -100..100");
+                        "0.001..1000 s and a gain in -100..100, or none");
     modes_ = std::move(modes);
     pickup_.clear();
     renew();

@@ -41,6 +41,32 @@ def test_a_blow_on_a_heavy_body_has_the_impulse_of_theory_at_any_rate(rate):
     assert numpy.sum(result["contact"]) / rate == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.parametrize("exponent", [1, 1.5, 2.3])
+def test_on_a_rigid_wall_a_mass_rebounds_as_theory_says_and_nothing_sounds(exponent):
+    speed, mass, loss, stiffness = 1.5, 0.02, 0.3, 1e7
+    result = strike(48000, [(0, "modes none"), (10, ["strike", speed])], 0.3,
+                    ("-mass", mass, "-dissipation", loss, "-stiffness", stiffness, "-exponent", exponent))
+    assert len(blows(result)) == 1
+    duration, impulse = blows(result)[0]
+    assert impulse == pytest.approx(mass * speed * (1 + restitution(loss * speed)), rel=1e-3)
+    # Without loss: the integral of the motion, sqrt(pi) Gamma(1 + b)/Gamma(1/2 + b) 2 x/v, b = 1/(a + 1).
+    b = 1 / (exponent + 1)
+    deepest = (mass * speed ** 2 * (exponent + 1) / (2 * stiffness)) ** b
+    elastic = math.sqrt(math.pi) * math.gamma(1 + b) / math.gamma(.5 + b) * 2 * deepest / speed
+    assert elastic < duration / 1000 < 1.25 * elastic  # loss makes it longer
+    assert not numpy.any(result["sound"])
+    again = strike(48000, [(0, "modes none"), (0, "dissipation 0"), (10, ["strike", speed])], 0.3,
+                   ("-mass", mass, "-stiffness", stiffness, "-exponent", exponent))
+    assert blows(again)[0][0] / 1000 == pytest.approx(elastic, rel=5e-3)
+    assert blows(again)[0][1] == pytest.approx(2 * mass * speed, rel=1e-3)
+
+
+def test_a_body_after_a_wall_sounds_again():
+    result = strike(48000, [(0, "modes none"), (10, "strike 1"), (200, "modes 440 .5 1"), (210, "strike 1")], .5)
+    sound = abs(numpy.asarray(result["sound"], float))
+    assert not sound[:9600].any() and sound[10100:].max() > .01
+
+
 def test_a_struck_bar_rings_at_its_frequency_and_decays_in_its_time():
     rate = 48000
     result = strike(rate, [(0, "modes 440 0.5 1"), (10, "strike 0.2")])
