@@ -2,7 +2,7 @@
 
 #include "core/contact/body_kernel.hpp"
 #include "core/contact/pressed_lanes.hpp"
-#include "core/dsp/simd.hpp"
+#include "core/dsp/vector.hpp"
 
 #include <cmath>
 
@@ -11,40 +11,8 @@
 /// over eight lanes and then over these in one order: every set gives the same bits.
 namespace tactus::contact {
 
-template <class Set> struct BodyVector;
-template <> struct BodyVector<simd::Baseline> {
-  using Type [[gnu::vector_size(16), gnu::may_alias]] = double;
-};
-template <> struct BodyVector<simd::Avx2> {
-  using Type [[gnu::vector_size(32), gnu::may_alias]] = double;
-};
-
 /// Vectors of a set, and a group of kModeLanes numbers in them.
-template <class Set> struct Lanes {
-  using V = typename BodyVector<Set>::Type;
-  static constexpr std::size_t kWidth = sizeof(V) / sizeof(double);
-  static constexpr std::size_t kRegisters = kModeLanes / kWidth;
-
-  [[gnu::always_inline]] static V load(const double* from) noexcept {
-    return *reinterpret_cast<const V*>(from);
-  }
-  [[gnu::always_inline]] static void store(double* to, V value) noexcept {
-    *reinterpret_cast<V*>(to) = value;
-  }
-  [[gnu::always_inline]] static V all(double value) noexcept { return value - V{}; }
-  /// ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))
-  [[gnu::always_inline]] static double across(const V* sums) noexcept {
-    if constexpr (kRegisters == 4) {
-      const V two = (sums[0] + sums[2]) + (sums[1] + sums[3]);
-      return two[0] + two[1];
-    } else {
-      const V four = sums[0] + sums[1];
-      const auto two =
-          __builtin_shufflevector(four, four, 0, 1) + __builtin_shufflevector(four, four, 2, 3);
-      return two[0] + two[1];
-    }
-  }
-};
+template <class Set> using Lanes = simd::Vectors<Set, double, kModeLanes>;
 
 template <class Set> class BodyLanes final : public BodyKernel, Lanes<Set> {
   using L = Lanes<Set>;

@@ -1,63 +1,28 @@
 #pragma once
 
+#include "core/dsp/vector.hpp"
 #include "core/modal/contact_kernel.hpp"
-
-#include <type_traits>
 
 /// A contact's loops over modes, written once for any instruction set and precision; a template on
 /// the set, so that the linker never takes a newer processor's code for an older one's.
 namespace tactus::modal {
 
-template <class Set> struct ContactVector;
-
-template <> struct ContactVector<simd::Baseline> {
-  static constexpr std::size_t bytes = 16;
-  template <class V> static V multiply_add(V a, V b, V c) noexcept { return a * b + c; }
-};
-#if defined(__AVX2__) && defined(__FMA__)
-template <> struct ContactVector<simd::Avx2> {
-  static constexpr std::size_t bytes = 32;
-  template <class V> [[gnu::always_inline]] static V multiply_add(V a, V b, V c) noexcept {
-    if constexpr (std::is_same_v<std::remove_reference_t<decltype(a[0])>, double>)
-      return _mm256_fmadd_pd(a, b, c);
-    else
-      return _mm256_fmadd_ps(a, b, c);
-  }
-};
-#endif
-#if defined(__AVX512F__)
-template <> struct ContactVector<simd::Avx512> {
-  static constexpr std::size_t bytes = 64;
-  template <class V> [[gnu::always_inline]] static V multiply_add(V a, V b, V c) noexcept {
-    if constexpr (std::is_same_v<std::remove_reference_t<decltype(a[0])>, double>)
-      return _mm512_fmadd_pd(a, b, c);
-    else
-      return _mm512_fmadd_ps(a, b, c);
-  }
-};
-#endif
-
 template <class Set, class T> class ContactLanes final : public ContactKernel<T> {
-  using V [[gnu::vector_size(ContactVector<Set>::bytes), gnu::may_alias]] = T;
-  static constexpr std::size_t kWidth = sizeof(V) / sizeof(T);
-  static constexpr std::size_t kRegisters = kContactLanes / kWidth; // of a turn of the loop
+  using L = simd::Vectors<Set, T, kContactLanes>;
+  using V = typename L::V;
+  static constexpr std::size_t kWidth = L::kWidth;
+  static constexpr std::size_t kRegisters = L::kRegisters; // of a turn of the loop
 
   struct Pair {
     V real, imaginary;
   };
-  [[gnu::always_inline]] static V fma(V a, V b, V c) noexcept {
-    return ContactVector<Set>::template multiply_add<V>(a, b, c);
-  }
-  [[gnu::always_inline]] static V load(const T* from) noexcept {
-    return *reinterpret_cast<const V*>(from);
-  }
+  [[gnu::always_inline]] static V fma(V a, V b, V c) noexcept { return L::multiply_add(a, b, c); }
+  [[gnu::always_inline]] static V load(const T* from) noexcept { return L::load(from); }
   [[gnu::always_inline]] static Pair load(ConstSplitView<T> from, std::size_t i) noexcept {
     return {load(from.real + i), load(from.imaginary + i)};
   }
-  [[gnu::always_inline]] static void store(T* to, V value) noexcept {
-    *reinterpret_cast<V*>(to) = value;
-  }
-  [[gnu::always_inline]] static V all(double x) noexcept { return static_cast<T>(x) - V{}; }
+  [[gnu::always_inline]] static void store(T* to, V value) noexcept { L::store(to, value); }
+  [[gnu::always_inline]] static V all(double x) noexcept { return L::all(x); }
   /// z + force b
   [[gnu::always_inline]] static Pair pushed(const Pair& z, const Pair& b, V force) noexcept {
     return {fma(b.real, force, z.real), fma(b.imaginary, force, z.imaginary)};
@@ -66,21 +31,6 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
   [[gnu::always_inline]] static Pair turned(const Pair& z, const Pair& t) noexcept {
     return {fma(t.real, z.real, fma(-t.imaginary, z.imaginary, z.real)),
             fma(t.real, z.imaginary, fma(t.imaginary, z.real, z.imaginary))};
-  }
-  /// Sum of all lanes, halving in registers.
-  template <class W> [[gnu::always_inline]] static double halves(W sum) noexcept {
-    constexpr std::size_t kCount = sizeof(W) / sizeof(T);
-    if constexpr (kCount == 16)
-      return halves(__builtin_shufflevector(sum, sum, 0, 1, 2, 3, 4, 5, 6, 7) +
-                    __builtin_shufflevector(sum, sum, 8, 9, 10, 11, 12, 13, 14, 15));
-    else if constexpr (kCount == 8)
-      return halves(__builtin_shufflevector(sum, sum, 0, 1, 2, 3) +
-                    __builtin_shufflevector(sum, sum, 4, 5, 6, 7));
-    else if constexpr (kCount == 4)
-      return halves(__builtin_shufflevector(sum, sum, 0, 1) +
-                    __builtin_shufflevector(sum, sum, 2, 3));
-    else
-      return static_cast<double>(sum[0] + sum[1]);
   }
   /// One sum in several registers, which do not wait for each other.
   struct Sum {
@@ -91,11 +41,7 @@ template <class Set, class T> class ContactLanes final : public ContactKernel<T>
         part[r] = V{};
     }
     [[gnu::always_inline]] double total() const noexcept {
-      V all = part[0];
-#pragma GCC unroll 8
-      for (std::size_t r = 1; r < kRegisters; ++r)
-        all += part[r];
-      return halves(all);
+      return static_cast<double>(L::across(part));
     }
   };
 

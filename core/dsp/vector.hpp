@@ -1,0 +1,80 @@
+#pragma once
+
+#include "core/dsp/simd.hpp"
+
+#include <cstddef>
+
+namespace tactus::simd {
+
+/// Bytes of the widest vectors of a set.
+template <class Set> inline constexpr std::size_t kVectorBytes = Set::register_bytes;
+template <> inline constexpr std::size_t kVectorBytes<Avx512> = 64;
+
+/// Loops over aligned arrays in vectors of a set, in groups of `group` numbers: what the kernels of
+/// contacts are written with. Members are templates of the set by the class, so that the linker
+/// never takes a newer processor's code for an older one's.
+template <class Set, class T, std::size_t group> struct Vectors {
+  using V [[gnu::vector_size(kVectorBytes<Set>), gnu::may_alias]] = T;
+  static constexpr std::size_t kWidth = sizeof(V) / sizeof(T);
+  static constexpr std::size_t kRegisters = group / kWidth; ///< of a group
+
+  [[gnu::always_inline]] static V load(const T* from) noexcept {
+    return *reinterpret_cast<const V*>(from);
+  }
+  [[gnu::always_inline]] static void store(T* to, V value) noexcept {
+    *reinterpret_cast<V*>(to) = value;
+  }
+  [[gnu::always_inline]] static V all(double value) noexcept { return static_cast<T>(value) - V{}; }
+  /// a b + c, in one rounding where the file is compiled for it.
+  [[gnu::always_inline]] static V multiply_add(V a, V b, V c) noexcept {
+#if defined(__AVX512F__)
+    if constexpr (sizeof(V) == 64) {
+      if constexpr (sizeof(T) == 8)
+        return _mm512_fmadd_pd(a, b, c);
+      else
+        return _mm512_fmadd_ps(a, b, c);
+    }
+#endif
+#if defined(__AVX2__) && defined(__FMA__)
+    if constexpr (sizeof(V) == 32) {
+      if constexpr (sizeof(T) == 8)
+        return _mm256_fmadd_pd(a, b, c);
+      else
+        return _mm256_fmadd_ps(a, b, c);
+    }
+#endif
+    return a * b + c;
+  }
+  /// Sum of a group's registers and of their lanes, the upper half onto the lower until one is
+  /// left: the same order for every width.
+  [[gnu::always_inline]] static T across(const V* sums) noexcept {
+    V left[kRegisters];
+#pragma GCC unroll 8
+    for (std::size_t r = 0; r < kRegisters; ++r)
+      left[r] = sums[r];
+#pragma GCC unroll 4
+    for (std::size_t count = kRegisters / 2; count > 0; count /= 2)
+#pragma GCC unroll 8
+      for (std::size_t r = 0; r < count; ++r)
+        left[r] += left[r + count];
+    return halves(left[0]);
+  }
+
+private:
+  template <class W> [[gnu::always_inline]] static T halves(W sum) noexcept {
+    constexpr std::size_t kCount = sizeof(W) / sizeof(T);
+    if constexpr (kCount == 16)
+      return halves(__builtin_shufflevector(sum, sum, 0, 1, 2, 3, 4, 5, 6, 7) +
+                    __builtin_shufflevector(sum, sum, 8, 9, 10, 11, 12, 13, 14, 15));
+    else if constexpr (kCount == 8)
+      return halves(__builtin_shufflevector(sum, sum, 0, 1, 2, 3) +
+                    __builtin_shufflevector(sum, sum, 4, 5, 6, 7));
+    else if constexpr (kCount == 4)
+      return halves(__builtin_shufflevector(sum, sum, 0, 1) +
+                    __builtin_shufflevector(sum, sum, 2, 3));
+    else
+      return sum[0] + sum[1];
+  }
+};
+
+} // namespace tactus::simd
