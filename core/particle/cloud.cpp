@@ -58,13 +58,16 @@ void Cloud::reset() noexcept {
   grains_.reset();
   bubbles_.reset();
   rustle_.reset();
+  impulse_ = impulse_squared_ = 0;
 }
 
 void Cloud::event() noexcept {
   ++events_;
   const double energy = energies_.draw(random_);
-  const double strength = settings_.level * level_factor_ * normal_ *
-                          std::sqrt(energy * std::min(store_.energy(), 1e6));
+  const double size = std::sqrt(energy * std::min(store_.energy(), 1e6));
+  const double strength = settings_.level * level_factor_ * normal_ * size;
+  impulse_ += normal_ * size;
+  impulse_squared_ += normal_ * normal_ * size * size;
   const double frequency = settings_.frequency_hz * frequency_factor_ *
                            std::exp(settings_.spread * random_.normal()) *
                            std::pow(energy, -settings_.lower_by_size);
@@ -82,15 +85,17 @@ void Cloud::event() noexcept {
 
 double Cloud::next(double power) noexcept {
   const double energy = store_.advance(power);
-  if (settings_.kind == CloudSettings::Kind::kRustle) {
-    if (store_.empty())
-      return 0;
-    return settings_.level * level_factor_ * std::min(energy, 1e6) / std::sqrt(store_.decay_s()) *
-           rustle_.next(random_);
+  impulse_ = impulse_squared_ = 0;
+  double rustle = 0;
+  if (settings_.kind != CloudSettings::Kind::kRustle) {
+    const double expected = settings_.count * energy / (store_.decay_s() * sample_rate_);
+    clock_.advance(expected, random_, [this](double) { event(); });
+  } else if (!store_.empty()) {
+    rustle = settings_.level * level_factor_ * std::min(energy, 1e6) / std::sqrt(store_.decay_s()) *
+             rustle_.next(random_);
   }
-  const double expected = settings_.count * energy / (store_.decay_s() * sample_rate_);
-  clock_.advance(expected, random_, [this](double) { event(); });
-  return settings_.kind == CloudSettings::Kind::kBubbles ? bubbles_.next() : grains_.next();
+  // What another kind has left rings out.
+  return rustle + bubbles_.next() + grains_.next();
 }
 
 bool Cloud::silent() const noexcept {

@@ -48,6 +48,11 @@ public:
   void blow(double energy) noexcept { store_.blow(energy); }
   /// One sample: energy at that power (1/s) goes in, the sound comes out.
   double next(double power) noexcept;
+  /// Sum over the last sample's events of sqrt(event energy * E), scaled so that `level` times it
+  /// is the sum of their strengths. A rustle has no single events: 0.
+  [[nodiscard]] double impulse() const noexcept { return impulse_; }
+  /// The sum of their squares: the strength, squared, of many that come from all sides.
+  [[nodiscard]] double impulse_squared() const noexcept { return impulse_squared_; }
   /// Nothing sounds and nothing will before more energy comes.
   [[nodiscard]] bool silent() const noexcept;
   [[nodiscard]] double energy() const noexcept { return store_.energy(); }
@@ -60,7 +65,8 @@ private:
   CloudSettings settings_;
   double sample_rate_ = 48000;
   double frequency_factor_ = 1, decay_factor_ = 1, level_factor_ = 1;
-  double normal_ = 1; ///< sets events of mean energy to strength 1
+  double normal_ = 1;                        ///< sets events of mean energy to strength 1
+  double impulse_ = 0, impulse_squared_ = 0; ///< of the last sample
   std::uint64_t events_ = 0;
   Random random_;
   EnergyStore store_;
