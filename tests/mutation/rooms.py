@@ -18,7 +18,7 @@ def device(name, *more, everything=""):
 ROOMS = {
     "modal": core("modal", "^(patches_(modal|true_sound|struck_disk)|core_haptic|guard)"),
     "contact": core("contact", "^(core_footstep|patches_(contact|footstep)|guard)"),
-    "particle": core("particle", "^(core_footstep|patches_footstep)"),
+    "particle": core("particle", "^(core_footstep|patches_(footstep|particle))"),
     "footstep": core("footstep", "^patches_footstep"),
     "reed": core("reed", "^patches_(greed|playability|reed)"),
     "haptic": core("haptic", "^(patches_(phantom|mass_spring)|devices_haptic_check)"),
