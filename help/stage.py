@@ -178,7 +178,8 @@ def markdown(declaration):
         out.append(f"| `{p['name']}` | {shown} | {initial_text(p)} | {p['text']} |")
     out += ["", "| message | arguments | meaning |", "|---|---|---|"]
     for m in d["messages"]:
-        out.append(f"| `{m['name']}` | {m['arguments'].replace('|', 'or')} | {m['text']} |")
+        arguments = m["arguments"].replace("|", "\\|")  # a bare one ends the table's cell
+        out.append(f"| `{m['name']}` | {arguments} | {m['text']} |")
     out += ["| `get` | names | the value of the named or of all parameters |",
             "| `dump` | | all parameters and what follows from them |", ""]
     return "\n".join(out)
