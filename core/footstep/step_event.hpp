@@ -13,6 +13,7 @@ struct SoleState {
   double heel_slope = 0, ball_slope = 0; ///< their derivatives, N/s
   double heel_landing = 0,
          ball_landing = 0;               ///< speed (m/s) in the sample in which it lands, else 0
+  double heel_slip = 0, ball_slip = 0;   ///< speed of the sole along the ground, m/s
   bool heel_up = false, toe_off = false; ///< in the sample in which it happens
 };
 
