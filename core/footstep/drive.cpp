@@ -140,42 +140,61 @@ double PeakLimit::next(double x, double limit) noexcept {
   return std::clamp(x * gain_, -limit, limit);
 }
 
+void Drive::Channel::reset() noexcept {
+  band.reset();
+  equaliser.reset();
+  limit.reset();
+  std::fill(line.begin(), line.end(), 0.0);
+}
+
+double Drive::Channel::next(double x, std::size_t at, std::size_t delay) noexcept {
+  x = equaliser.next(band.next(x));
+  if (line.empty())
+    return x;
+  line[at] = x;
+  return line[at >= delay ? at - delay : at + line.size() - delay];
+}
+
 void Drive::prepare(double sample_rate) {
-  const bool changed = sample_rate != sample_rate_ || line_.empty();
+  const bool changed = sample_rate != sample_rate_ || channel_[0].line.empty();
   sample_rate_ = sample_rate;
   rest_ = static_cast<std::size_t>((kRingsOut + kLongestDelay) * sample_rate);
-  band_.prepare(sample_rate);
-  equaliser_.prepare(sample_rate);
-  heel_limit_.prepare(sample_rate);
-  ball_limit_.prepare(sample_rate);
-  if (changed) {
-    line_.assign(static_cast<std::size_t>(kLongestDelay * sample_rate) + 2, 0.0);
-    at_ = 0;
+  for (Channel& channel : channel_) {
+    channel.band.prepare(sample_rate);
+    channel.equaliser.prepare(sample_rate);
+    channel.limit.prepare(sample_rate);
+    if (changed)
+      channel.line.assign(static_cast<std::size_t>(kLongestDelay * sample_rate) + 2, 0.0);
   }
+  if (changed)
+    at_ = 0;
   set(settings_);
 }
 
 void Drive::set(const Settings& settings) noexcept {
   settings_ = settings;
   settings_.sensitivity_g = std::max(settings.sensitivity_g, 1e-3);
+  settings_.common = std::clamp(settings.common, 0.0, 1.0);
   delay_ = static_cast<std::size_t>(
       std::lround(std::clamp(settings.delay_s, 0.0, kLongestDelay) * sample_rate_));
 }
 
+bool Drive::equalise(std::span<const double> table) noexcept {
+  return channel_[0].equaliser.set(table) && channel_[1].equaliser.set(table);
+}
+
 void Drive::reset() noexcept {
-  band_.reset();
-  equaliser_.reset();
-  heel_limit_.reset();
-  ball_limit_.reset();
-  std::fill(line_.begin(), line_.end(), 0.0);
+  for (Channel& channel : channel_)
+    channel.reset();
   share_ = 1;
 }
 
-Drive::Pair Drive::next(double felt, double heel_n, double ball_n) noexcept {
+Drive::Pair Drive::next(double heel_felt, double ball_felt, double heel_n,
+                        double ball_n) noexcept {
   const double total = heel_n + ball_n;
   if (total > 0)
     share_ = std::clamp(heel_n / total, 0.0, 1.0);
-  if (felt != 0) {
+  if (heel_felt != 0 || ball_felt != 0) {
     still_ = 0;
   } else if (++still_ > rest_) {
     still_ = rest_;
@@ -188,15 +207,14 @@ Drive::Pair Drive::next(double felt, double heel_n, double ball_n) noexcept {
     return {};
   }
   resting_ = false;
-  double x = equaliser_.next(band_.next(settings_.gain * felt));
-  if (!line_.empty()) {
-    line_[at_] = x;
-    x = line_[at_ >= delay_ ? at_ - delay_ : at_ + line_.size() - delay_];
-    if (++at_ == line_.size())
-      at_ = 0;
-  }
+  const double own = settings_.gain * (1 - settings_.common);
+  const double common = settings_.gain * settings_.common * (heel_felt + ball_felt);
+  const double heel = channel_[0].next(own * heel_felt + common * share_, at_, delay_);
+  const double ball = channel_[1].next(own * ball_felt + common * (1 - share_), at_, delay_);
+  if (!channel_[0].line.empty() && ++at_ == channel_[0].line.size())
+    at_ = 0;
   const double limit = settings_.limit_g / settings_.sensitivity_g;
-  return {heel_limit_.next(x * share_, limit), ball_limit_.next(x * (1 - share_), limit)};
+  return {channel_[0].limit.next(heel, limit), channel_[1].limit.next(ball, limit)};
 }
 
 } // namespace tactus::footstep

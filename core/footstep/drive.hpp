@@ -70,8 +70,10 @@ private:
   double gain_ = 1, recover_ = 0.001;
 };
 
-/// The motion of the ground to the two actuators of one sandal: band, equaliser, delay, then by
-/// each part's share of the force, each within the limit.
+/// The motion of the ground under heel and ball to the two actuators of one sandal: band, equaliser
+/// and delay, each within the limit. Each actuator plays what is under it; of a `common` share both
+/// play the whole foot's motion, by their parts of the force (Nordahl et al. 2010 drive both with
+/// one signal).
 class Drive {
 public:
   static constexpr double kLongestDelay = 0.2; ///< s
@@ -80,25 +82,33 @@ public:
     double sensitivity_g = 3; ///< acceleration (in g) at a drive of 1
     double limit_g = 3;       ///< largest acceleration
     double delay_s = 0;
+    double common = 0; ///< 0..1
   };
   void prepare(double sample_rate); ///< may allocate
   void set(const Settings& settings) noexcept;
-  bool equalise(std::span<const double> table) noexcept { return equaliser_.set(table); }
+  bool equalise(std::span<const double> table) noexcept;
   void reset() noexcept;
 
   struct Pair {
     double heel = 0, ball = 0;
   };
-  /// Forces decide the shares; without any the last shares stay.
-  Pair next(double felt, double heel_n, double ball_n) noexcept;
+  /// Motions under heel and ball. Forces decide the shares of what is common; without any the last
+  /// shares stay.
+  Pair next(double heel_felt, double ball_felt, double heel_n, double ball_n) noexcept;
 
 private:
+  /// To one actuator.
+  struct Channel {
+    HapticBand band;
+    DriveEqualiser equaliser;
+    PeakLimit limit;
+    std::vector<double> line;
+    void reset() noexcept;
+    double next(double x, std::size_t at, std::size_t delay) noexcept;
+  };
   Settings settings_;
   double sample_rate_ = 48000, share_ = 1;
-  HapticBand band_;
-  DriveEqualiser equaliser_;
-  PeakLimit heel_limit_, ball_limit_;
-  std::vector<double> line_;
+  std::array<Channel, 2> channel_; ///< heel, ball
   std::size_t at_ = 0, delay_ = 0;
   std::size_t still_ = 0, rest_ = 48000; ///< samples without motion; after so many nothing is left
   bool resting_ = false;

@@ -39,6 +39,14 @@ void Foot::set_shoe(double shoe) noexcept {
       stand.ground.set(stand.recipe, shoe);
 }
 
+void Foot::set_weight(double weight_n) noexcept {
+  if (weight_n == weight_n_)
+    return;
+  weight_n_ = weight_n;
+  for (Stand& stand : stands_)
+    stand.ground.set_weight(weight_n);
+}
+
 void Foot::reset() noexcept {
   for (Stand& stand : stands_) {
     stand.ground.reset();
@@ -124,7 +132,7 @@ void Foot::furnish() noexcept {
 }
 
 Foot::Out Foot::next(const SoleState& sole) noexcept {
-  double felt = 0, heard = 0, to_room = 0;
+  double heel_felt = 0, ball_felt = 0, heard = 0, to_room = 0;
   for (Stand& stand : stands_) {
     if (stand.id == 0)
       continue;
@@ -140,12 +148,13 @@ Foot::Out Foot::next(const SoleState& sole) noexcept {
       continue;
     }
     // Nothing steps on a ground that is left: it only rings out.
-    const Ground::Sound sound = stand.ground.next(current ? sole : SoleState{}, weight_n_);
-    felt += stand.part * sound.felt;
+    const Ground::Sound sound = stand.ground.next(current ? sole : SoleState{});
+    heel_felt += stand.part * sound.heel_felt;
+    ball_felt += stand.part * sound.ball_felt;
     heard += stand.part * sound.heard;
     to_room += stand.to_room * stand.part * sound.heard;
   }
-  const Drive::Pair pair = drive_.next(felt, sole.heel_n, sole.ball_n);
+  const Drive::Pair pair = drive_.next(heel_felt, ball_felt, sole.heel_n, sole.ball_n);
   return {heard + room_.next(room_factor_ * to_room), pair.heel, pair.ball};
 }
 

@@ -25,7 +25,8 @@ public:
   void set_shoe(double shoe) noexcept;
   /// Times the amplitude of the room that the recipes ask for; 0: none.
   void set_room(double factor) noexcept { room_factor_ = factor > 0 ? factor : 0; }
-  void set_weight(double weight_n) noexcept { weight_n_ = weight_n > 1e-6 ? weight_n : 1e-6; }
+  /// Of the body, N.
+  void set_weight(double weight_n) noexcept;
   /// Grounds by identity: the same number again keeps what sounds. mix 0: all a, 1: all b.
   void stand_on(std::uint64_t a_id, const Recipe& a, std::uint64_t b_id, const Recipe& b,
                 double mix) noexcept;

@@ -1,5 +1,7 @@
 #include "core/footstep/ground.hpp"
 
+#include "core/footstep/floor_modes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,26 +11,31 @@ namespace {
 
 constexpr std::size_t kHeel = 0, kBall = 1;
 constexpr double kUsualLanding = 0.5; // m/s
-constexpr double kUsualSlope = 10;    // weights a second
 // What no walker does is no step: landings and slopes beyond these count as these.
-constexpr double kHardestLanding = 4, kSteepest = 200;
-constexpr double kWobbleTime = 0.02; // s
-constexpr double kMiddleShoe = 0.4, kShoeDecades = 1.6;
+constexpr double kHardestLanding = 4, kSteepest = 200; // m/s, reference weights a second
+constexpr double kSpringBack = 0.15;
+constexpr double kHeaviest = 20;                       // reference weights
+
+/// Of a landing at usual speed.
+double landing_energy(double speed) noexcept {
+  const double relative = std::min(speed, kHardestLanding) / kUsualLanding;
+  return relative * relative;
+}
 
 } // namespace
 
-Ground::Ground() : solid_(kMostModes, 2, 1), boards_(kFrictionModes, 1, 1) {
+Ground::Ground() {
   seed(1);
   prepare(sample_rate_);
 }
 
 void Ground::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
-  solid_.prepare(sample_rate);
+  for (StruckFloor& floor : floor_)
+    floor.prepare(sample_rate);
   boards_.prepare(sample_rate);
-  for (particle::Cloud& cloud : clouds_)
-    cloud.prepare(sample_rate);
-  wobble_kept_ = std::exp(-1 / (kWobbleTime * sample_rate));
+  for (Particles& p : particles_)
+    p.cloud.prepare(sample_rate);
   set(recipe_, shoe_);
 }
 
@@ -36,46 +43,24 @@ void Ground::seed(std::uint64_t value) noexcept {
   random_.seed(value);
   for (double& d : detune_)
     d = random_.normal();
-  for (particle::Cloud& cloud : clouds_)
-    cloud.seed(random_.next());
-  boards_.seed(0, random_.next());
+  for (Particles& p : particles_)
+    p.cloud.seed(random_.next());
+  boards_.seed(random_.next());
+  for (StruckFloor& floor : floor_)
+    floor.seed(random_.next());
 }
 
 void Ground::reset() noexcept {
-  solid_.reset();
+  for (StruckFloor& floor : floor_)
+    floor.reset();
   boards_.reset();
-  for (particle::Cloud& cloud : clouds_)
-    cloud.reset();
-  wobble_ = radiation_ = 0;
-  silent_ = true;
-}
-
-double Ground::drawn(double deviation) noexcept {
-  return std::exp(deviation * std::clamp(random_.normal(), -2.5, 2.5));
-}
-
-void Ground::tune(contact::TouchedBody& body, const ModesRecipe& modes,
-                  std::span<const double> detune, double frequency, double decay) noexcept {
-  std::array<contact::Mode, kMostModes> tuned{};
-  Shape ear{};
-  const auto count = std::min(static_cast<std::size_t>(modes.count), detune.size());
-  double place = 1;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double relative = place * std::exp(modes.detune * detune[i]);
-    tuned[i] = {modes.frequency_hz * frequency * relative,
-                modes.t60_s * decay * std::pow(relative, -modes.t60_tilt), modes.mass_kg};
-    ear[i] = std::pow(relative, -modes.tilt) * std::pow(10.0, modes.gains_db[i] / 20);
-    place *= modes.ratio;
+  for (Particles& p : particles_) {
+    p.cloud.reset();
+    p.heel.reset();
   }
-  body.set_modes(std::span(tuned.data(), count));
-  body.set_ear(0, std::span(ear.data(), count));
-}
-
-Ground::Shape Ground::shape(const ModesRecipe& modes) noexcept {
-  Shape made{};
-  for (double& s : made)
-    s = drawn(modes.place);
-  return made;
+  radiation_ = load_ = 0;
+  heel_down_ = false;
+  silent_ = true;
 }
 
 void Ground::set(const Recipe& recipe, double shoe) noexcept {
@@ -83,112 +68,134 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
   shoe_ = std::clamp(shoe, 0.0, 1.0);
   const double angle = 2 * std::numbers::pi * std::min(recipe.radiation_hz / sample_rate_, 0.45);
   radiation_kept_ = std::exp(-angle);
-  if (recipe.solid.present) {
-    contact::ImpactLaw law = recipe.solid.law;
-    law.stiffness *= std::pow(10.0, kShoeDecades * (shoe_ - kMiddleShoe));
-    solid_.set_impact(kHeel, law, recipe.solid.heel_kg);
-    solid_.set_impact(kBall, law, recipe.solid.ball_kg);
-    tune(solid_, recipe.solid.modes, detune_, 1, 1);
-  }
+  if (recipe.solid.present)
+    for (StruckFloor& floor : floor_) {
+      floor.set(recipe.solid, shoe_);
+      floor.move_to(recipe.solid, detune_, 1, 1);
+    }
   if (recipe.friction.present) {
-    boards_.set_friction(0, recipe.friction.law);
-    tune(boards_, recipe.friction.modes, std::span(detune_).first(kFrictionModes), 1, 1);
+    boards_.set(recipe.friction);
+    boards_.move_to(recipe.friction, detune_, 1, 1);
   }
-  for (std::size_t i = 0; i < recipe.clouds; ++i)
-    clouds_[i].set(recipe.cloud[i].settings);
+  for (std::size_t i = 0; i < recipe.clouds; ++i) {
+    const particle::CloudSettings& settings = recipe.cloud[i].settings;
+    particles_[i].cloud.set(settings);
+    particles_[i].heel.set(sample_rate_, settings.attack_s, settings.decay_s);
+  }
+}
+
+void Ground::set_weight(double weight_n) noexcept {
+  weight_ = weight_n > 0 ? std::min(weight_n / kReferenceWeight, kHeaviest) : 0;
 }
 
 void Ground::new_place() noexcept {
-  const double all_frequency = drawn(recipe_.vary_frequency);
-  const double all_decay = drawn(recipe_.vary_decay);
+  const double all_frequency = drawn(recipe_.vary_frequency, random_);
+  const double all_decay = drawn(recipe_.vary_decay, random_);
   if (const SolidRecipe& solid = recipe_.solid; solid.present) {
-    const double frequency = all_frequency * drawn(solid.scatter.frequency);
-    const double decay = all_decay * drawn(solid.scatter.decay);
-    tune(solid_, solid.modes, detune_, frequency, decay);
-    solid_.set_place(kHeel, shape(solid.modes));
-    solid_.set_place(kBall, shape(solid.modes));
-    speed_factor_ = drawn(solid.scatter.level);
+    const double frequency = all_frequency * drawn(solid.scatter.frequency, random_);
+    const double decay = all_decay * drawn(solid.scatter.decay, random_);
+    for (StruckFloor& floor : floor_)
+      floor.move_to(solid, detune_, frequency, decay);
+    speed_factor_ = drawn(solid.scatter.level, random_);
   }
   if (const FrictionRecipe& friction = recipe_.friction; friction.present) {
-    const double frequency = all_frequency * drawn(friction.scatter.frequency);
-    tune(boards_, friction.modes, std::span(detune_).first(kFrictionModes), frequency,
-         all_decay * drawn(friction.scatter.decay));
-    boards_.set_place(0, shape(friction.modes));
-    friction_factor_ = drawn(friction.scatter.level);
+    const double frequency = all_frequency * drawn(friction.scatter.frequency, random_);
+    boards_.move_to(friction, detune_, frequency,
+                    all_decay * drawn(friction.scatter.decay, random_));
   }
+  // A heavier body sinks in deeper, for longer.
+  const double deeper = std::sqrt(std::max(weight_, 1e-3));
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
     const Scatter& scatter = recipe_.cloud[i].scatter;
-    const double frequency = all_frequency * drawn(scatter.frequency);
-    const double decay = all_decay * drawn(scatter.decay);
-    clouds_[i].vary(frequency, decay, drawn(scatter.level));
+    const particle::CloudSettings& settings = recipe_.cloud[i].settings;
+    const double frequency = all_frequency * drawn(scatter.frequency, random_);
+    const double decay = deeper * all_decay * drawn(scatter.decay, random_);
+    particles_[i].cloud.vary(frequency, decay, drawn(scatter.level, random_));
+    particles_[i].heel.set(sample_rate_, settings.attack_s, settings.decay_s * decay);
   }
 }
 
-double Ground::rub(double weights, double slope) noexcept {
-  const FrictionRecipe& friction = recipe_.friction;
-  if (weights > 0.01) {
-    wobble_ =
-        wobble_kept_ * wobble_ + std::sqrt(1 - wobble_kept_ * wobble_kept_) * random_.normal();
-    const double uneven = std::max(0.0, 1 + friction.wobble * wobble_);
-    boards_.rub(0, (friction.pressed_n + friction.load_n * weights) * uneven,
-                friction.slip_m_per_s * friction_factor_ * slope / kUsualSlope * uneven);
-    rubbing_ = true;
-  } else if (rubbing_) {
-    boards_.rub(0, 0, 0);
-    rubbing_ = false;
-  }
-  if (!rubbing_ && !boards_.active())
-    return 0;
-  boards_.step();
-  return friction.level * boards_.hear(0);
-}
-
-Ground::Sound Ground::next(const SoleState& sole, double weight_n) noexcept {
-  const double weights = (sole.heel_n + sole.ball_n) / weight_n;
+Ground::Sound Ground::next(const SoleState& sole) noexcept {
   const bool heel_lands = sole.heel_landing > 0, ball_lands = sole.ball_landing > 0;
-  if (silent_ && !heel_lands && !ball_lands && weights <= 0)
+  const double heel_load = sole.heel_n / kReferenceWeight;
+  const double ball_load = sole.ball_n / kReferenceWeight;
+  const double load = heel_load + ball_load;
+  if (silent_ && !heel_lands && !ball_lands && load <= 0) {
+    load_ = 0;
+    heel_down_ = false;
     return {};
-  if (heel_lands)
+  }
+  // The first landing of a step; a heel that lands twice without leaving begins another.
+  if (((heel_lands || ball_lands) && load_ <= 0) || (heel_lands && heel_down_))
     new_place();
-  const double slope =
-      std::clamp((sole.heel_slope + sole.ball_slope) / weight_n, -kSteepest, kSteepest);
-  double felt = 0;
-  bool silent = weights <= 0;
-  if (recipe_.solid.present) {
-    if (heel_lands)
-      solid_.throw_mass(kHeel, 0, sole.heel_landing * speed_factor_);
-    if (ball_lands && recipe_.solid.ball > 0)
-      solid_.throw_mass(kBall, 0, sole.ball_landing * speed_factor_ * recipe_.solid.ball);
-    // What was thrown just now is near only once a step has looked.
-    if (heel_lands || ball_lands || solid_.active()) {
-      solid_.step();
-      felt += recipe_.solid.level * solid_.hear(0);
-      silent = false;
-    }
+  heel_down_ = heel_lands || (heel_down_ && load > 0);
+  load_ = load;
+  const auto slope = [](double newton_per_s) {
+    return std::clamp(newton_per_s / kReferenceWeight, -kSteepest, kSteepest);
+  };
+  const double heel_slope = slope(sole.heel_slope), ball_slope = slope(sole.ball_slope);
+  std::array<double, kRegions> felt{};
+  bool silent = load <= 0;
+  if (const SolidRecipe& solid = recipe_.solid; solid.present) {
+    if (heel_lands && weight_ > 0)
+      floor_[kHeel].land(solid, solid.heel_kg * weight_, sole.heel_landing * speed_factor_);
+    if (ball_lands && weight_ > 0 && solid.ball > 0)
+      floor_[kBall].land(solid, solid.ball_kg * weight_,
+                         sole.ball_landing * speed_factor_ * solid.ball);
+    floor_[kHeel].slide(sole.heel_n, sole.heel_slip);
+    floor_[kBall].slide(sole.ball_n, sole.ball_slip);
+    for (std::size_t r = 0; r < kRegions; ++r)
+      if (floor_[r].active()) {
+        felt[r] += solid.level * floor_[r].next();
+        silent = false;
+      }
   }
   if (recipe_.friction.present) {
-    felt += rub(weights, slope);
+    const double share = load > 0 ? std::clamp(heel_load / load, 0.0, 1.0) : 0;
+    // Load times the rate of the ball's share of it: the floor bends as the load moves over it.
+    // Under a load that leaves it springs back, most of the way only after the joint is free.
+    const double leaving = std::min(heel_slope + ball_slope, 0.0);
+    const double shift =
+        share * ball_slope - (1 - share) * heel_slope + kSpringBack * (1 - share) * leaving;
+    const double creak = recipe_.friction.level * boards_.next(recipe_.friction, load, shift);
+    felt[kHeel] += share * creak;
+    felt[kBall] += (1 - share) * creak;
     silent = silent && !boards_.active();
   }
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
     const CloudRecipe& from = recipe_.cloud[i];
-    const auto energy = [](double speed) {
-      const double relative = std::min(speed, kHardestLanding) / kUsualLanding;
-      return relative * relative;
+    Particles& p = particles_[i];
+    const auto power = [&from](double slope_now, double slid) {
+      return (slope_now > 0 ? from.load * slope_now : -from.release * slope_now) +
+             from.slide * slid;
     };
-    if (heel_lands)
-      clouds_[i].blow(from.heel * energy(sole.heel_landing));
+    const double heel_power = power(heel_slope, heel_load * std::abs(sole.heel_slip));
+    const double ball_power = power(ball_slope, ball_load * std::abs(sole.ball_slip));
+    if (heel_lands) {
+      const double energy = from.heel * weight_ * landing_energy(sole.heel_landing);
+      p.cloud.blow(energy);
+      p.heel.blow(energy);
+    }
     if (ball_lands)
-      clouds_[i].blow(from.ball * energy(sole.ball_landing));
-    felt += clouds_[i].next(slope > 0 ? from.load * slope : -from.release * slope);
-    silent = silent && clouds_[i].silent();
+      p.cloud.blow(from.ball * weight_ * landing_energy(sole.ball_landing));
+    if (p.cloud.silent() && heel_power + ball_power <= 0)
+      continue;
+    const double of_heel = p.heel.advance(heel_power);
+    const double sound = p.cloud.next(heel_power + ball_power);
+    const double energy = p.cloud.energy();
+    const double share = energy > 0 ? std::min(of_heel / energy, 1.0) : 0;
+    felt[kHeel] += share * sound;
+    felt[kBall] += (1 - share) * sound;
+    silent = silent && p.cloud.silent();
   }
-  felt *= recipe_.level;
-  radiation_ += (1 - radiation_kept_) * (felt - radiation_);
+  for (double& f : felt)
+    f *= recipe_.level;
+  const double sum = felt[kHeel] + felt[kBall];
+  radiation_ += (1 - radiation_kept_) * (sum - radiation_);
   silent_ = silent;
   if (silent_)
     radiation_ = 0;
-  return {felt, felt - radiation_};
+  return {felt[kHeel], felt[kBall], sum - radiation_};
 }
 
 } // namespace tactus::footstep

@@ -1,10 +1,12 @@
 #pragma once
 
-#include "core/contact/touched_body.hpp"
 #include "core/dsp/random.hpp"
+#include "core/footstep/creaking_boards.hpp"
 #include "core/footstep/recipe.hpp"
 #include "core/footstep/step_event.hpp"
+#include "core/footstep/struck_floor.hpp"
 #include "core/particle/cloud.hpp"
+#include "core/particle/energy_store.hpp"
 
 #include <array>
 #include <cstddef>
@@ -12,48 +14,54 @@
 
 namespace tactus::footstep {
 
-/// One foot's ground, made of a recipe: masses of heel and ball strike a body with modes, boards
-/// rub, grains and bubbles are set free by landings and by load that comes and goes. Each landing
-/// of the heel draws a new place: frequencies, decay times, strengths differ a little from step to
-/// step.
+/// One foot's ground, made of a recipe: the sole's parts strike a floor with modes, boards creak,
+/// grains and bubbles are set free by landings, by load that comes and goes, and by a sole that
+/// slides. Each step draws a new place as it first lands: frequencies, decay times, strengths differ a
+/// little from step to step.
+///
+/// Masses, energies and loads are proportional to the body's weight; deeper into soft ground takes
+/// longer: the times of grains and bubbles grow with the root of the weight (a mass that lands on a
+/// linear spring).
 class Ground {
 public:
   Ground();
   void prepare(double sample_rate) noexcept;
-  /// What sounds goes on sounding under the new recipe. Shoe 0 soft to 1 hard: it changes the
-  /// stiffness of the contact tenfold up and down from its middle 0.4.
+  /// What sounds goes on sounding under the new recipe. Shoe: hardness 0..1 (shoe.hpp).
   void set(const Recipe& recipe, double shoe) noexcept;
+  /// Of the body, N; from the next landing on.
+  void set_weight(double weight_n) noexcept;
   void seed(std::uint64_t value) noexcept;
   void reset() noexcept;
 
   struct Sound {
-    double felt = 0;  ///< the ground's motion
-    double heard = 0; ///< what of it the air takes
+    double heel_felt = 0, ball_felt = 0; ///< the ground's motion under each
+    double heard = 0;                    ///< what of their sum the air takes
   };
-  /// One sample; weight_n > 0 turns forces into body weights.
-  Sound next(const SoleState& sole, double weight_n) noexcept;
+  /// One sample.
+  Sound next(const SoleState& sole) noexcept;
   [[nodiscard]] bool silent() const noexcept { return silent_; }
 
 private:
-  static constexpr std::size_t kFrictionModes = 8;
-  using Shape = std::array<double, kMostModes>;
+  /// Grains, bubbles or a rustle under the whole sole; how much of their energy is the heel's.
+  struct Particles {
+    particle::Cloud cloud;
+    particle::EnergyStore heel; ///< as the cloud's own store, fed by the heel alone
+  };
+  static constexpr std::size_t kRegions = 2; ///< heel and ball
   void new_place() noexcept;
-  void tune(contact::TouchedBody& body, const ModesRecipe& modes, std::span<const double> detune,
-            double frequency, double decay) noexcept;
-  [[nodiscard]] Shape shape(const ModesRecipe& modes) noexcept;
-  [[nodiscard]] double drawn(double deviation) noexcept;
-  double rub(double weights, double slope) noexcept;
 
   Recipe recipe_;
-  double sample_rate_ = 48000, shoe_ = 0.4;
+  double sample_rate_ = 48000, shoe_ = 0.4, weight_ = 1; ///< in reference weights
   Random random_;
-  Shape detune_{};
-  contact::TouchedBody solid_, boards_;
-  std::array<particle::Cloud, kMostClouds> clouds_;
-  double wobble_ = 0, wobble_kept_ = 0.999;
-  double speed_factor_ = 1, friction_factor_ = 1;
+  std::array<double, kMaxModes> detune_{};
+  std::array<StruckFloor, kRegions> floor_;
+  CreakingBoards boards_;
+  std::array<Particles, kMaxClouds> particles_;
+  double speed_factor_ = 1;
   double radiation_ = 0, radiation_kept_ = 0;
-  bool silent_ = true, rubbing_ = false;
+  double load_ = 0; ///< of the last sample, in reference weights
+  bool heel_down_ = false; ///< the heel has landed since the foot was last in the air
+  bool silent_ = true;
 };
 
 } // namespace tactus::footstep

@@ -59,7 +59,7 @@ public:
       return label + " " + number_text(value) + (key->unit.empty() ? "" : " ") +
              std::string(key->unit) + ": expected " + number_text(key->lowest) + ".." +
              number_text(key->highest);
-    key->place(recipe) = value;
+    key->member(recipe) = value;
     return {};
   }
 
@@ -80,8 +80,8 @@ private:
     } else if (section_ == "room") {
       recipe.room.level_db = kUsualRoom;
     } else {
-      if (recipe.clouds == kMostClouds)
-        return "more than " + number_text(kMostClouds) + " sections of grains, bubbles and rustle";
+      if (recipe.clouds == kMaxClouds)
+        return "more than " + number_text(kMaxClouds) + " sections of grains, bubbles and rustle";
       CloudRecipe& cloud = recipe.cloud[recipe.clouds++];
       if (section_ == "bubbles")
         cloud.settings.kind = particle::CloudSettings::Kind::kBubbles;
@@ -93,8 +93,8 @@ private:
 
   std::string gains(const std::vector<std::string_view>& words) {
     ModesRecipe& modes = section_ == "solid" ? recipe.solid.modes : recipe.friction.modes;
-    if (words.size() < 2 || words.size() > kMostModes + 1)
-      return "gains: expected 1.." + number_text(kMostModes) + " numbers";
+    if (words.size() < 2 || words.size() > kMaxModes + 1)
+      return "gains: expected 1.." + number_text(kMaxModes) + " numbers";
     for (std::size_t i = 1; i < words.size(); ++i) {
       double value = 0;
       if (!to_number(words[i], value) || std::abs(value) > 120)

@@ -14,7 +14,9 @@
 /// What a ground is made of, as users write it down: a text of sections and `key value` lines.
 namespace tactus::footstep {
 
-inline constexpr std::size_t kMostModes = 32, kMostClouds = 4;
+inline constexpr std::size_t kMaxModes = 32, kMaxClouds = 4, kMaxPatches = 8;
+/// The weight for which a recipe's masses, energies and loads are written, N.
+inline constexpr double kReferenceWeight = 700;
 
 /// How far each step differs from the next: standard deviations of logarithms.
 struct Scatter {
@@ -27,29 +29,37 @@ struct ModesRecipe {
   double count = 6, frequency_hz = 150, ratio = 1.4, detune = 0.05;
   double t60_s = 0.1, t60_tilt = 0.5, tilt = 0.5, mass_kg = 0.25;
   double place = 0.3; ///< log. standard deviation of a mode's share in a step: no two places alike
-  std::array<double, kMostModes> gains_db{};
+  std::array<double, kMaxModes> gains_db{};
 };
 
-/// The floor as a whole, met by the masses of heel and ball under Hunt & Crossley's law.
+/// The floor as a whole, met by the masses of heel and ball under Hunt & Crossley's law: the
+/// ground's own, in series with the shoe's (shoe.hpp).
 struct SolidRecipe {
   bool present = false;
   ModesRecipe modes;
-  contact::ImpactLaw law{1e7, 1.5, 0.3};
-  double heel_kg = 0.08, ball_kg = 0.05;
-  double ball = 0.6; ///< landing speed of the ball, times what the gait says
+  contact::ImpactLaw law{1e9, 1.6, 0.3};
+  double heel_kg = 0.08, ball_kg = 0.05; ///< under a body of kReferenceWeight
+  double ball = 0.6;                     ///< landing speed of the ball, times what the gait says
+  double patches = 4;                    ///< parts of the sole that touch one after the other
+  double unevenness_m = 0.004;           ///< mean height of the later ones when the first touches
+  double roughness = 1;                  ///< of a sole that slides, N^(1/2) s^(1/2)/m^(1/2)
   double level = 1;
   Scatter scatter;
 };
 
-/// Boards that rub: a bristle contact driven by the weight as it moves onto the foot.
+/// Boards that creak: two of them rub in a joint that the foot's load presses together, while the
+/// floor bends as the load moves from heel to ball. The joint gives way as one mass on a spring (it
+/// is felt, not heard) until the bristles let go: the slips excite the boards' modes.
 struct FrictionRecipe {
   bool present = false;
   ModesRecipe modes;
   contact::FrictionLaw law{0.8, 0.3, 0.06, 0.4, 8e4, 20, 0.4, 0};
-  double pressed_n = 6;      ///< in the joint without load
-  double load_n = 20;        ///< more under one body's weight
-  double slip_m_per_s = 0.1; ///< while the load grows by 10 weights a second
-  double wobble = 0.2;       ///< slow unevenness of pressure and slip, relative
+  double joint_hz = 90, joint_kg = 0.1; ///< spring and mass of the joint
+  double joint_t60_s = 0.05;
+  double pressed_n = 6;       ///< in the joint without load
+  double load_n = 20;         ///< more under kReferenceWeight
+  double slip_m_per_s = 0.02; ///< while 10 reference weights a second move from heel to ball
+  double wobble = 0.2;        ///< slow unevenness of pressure and slip, relative
   double level = 1;
   Scatter scatter;
 };
@@ -58,19 +68,20 @@ struct FrictionRecipe {
 struct CloudRecipe {
   particle::CloudSettings settings;
   double heel = 1, ball = 0.5;  ///< for a landing at 0.5 m/s; grows with its square
-  double load = 0, release = 0; ///< for each body weight that comes and goes
+  double load = 0, release = 0; ///< for each reference weight that comes and goes
+  double slide = 10; ///< for each metre that the sole slides under one reference weight
   Scatter scatter;
 };
 
 struct Recipe {
-  double level = 1;
+  double level = 1; ///< of all sections: sound pressure at the walker's ears, Pa
   double radiation_hz = 40; ///< below, the floor radiates less and less; it is felt all the same
   /// As Scatter, but of all sections alike: wetter or firmer ground, another way to land.
   double vary_frequency = 0, vary_decay = 0;
   SolidRecipe solid;
   FrictionRecipe friction;
   std::size_t clouds = 0;
-  std::array<CloudRecipe, kMostClouds> cloud{};
+  std::array<CloudRecipe, kMaxClouds> cloud{};
   Room::Settings room; ///< where one usually meets that ground
 };
 
@@ -85,7 +96,7 @@ struct RecipeKey {
   std::string_view section, name, unit;
   double lowest, highest;
   std::string_view text;
-  double& (*place)(Recipe& recipe); ///< in the cloud read last, where it is one of a cloud's
+  double& (*member)(Recipe& recipe); ///< in the cloud read last, where it is one of a cloud's
 };
 [[nodiscard]] std::span<const RecipeKey> recipe_keys() noexcept;
 

@@ -28,6 +28,7 @@ enum ParameterIndex : std::size_t {
   kSensitivity,
   kLimit,
   kDelay,
+  kCommon,
   kSeed,
   kRoom,
 };
@@ -49,6 +50,8 @@ inline constexpr std::array kParameters{
     Parameter{"sensitivity", "g", 3, 0.01, 100, "acceleration of the actuator at a drive of 1"},
     Parameter{"limit", "g", 3, 0, 3, "largest acceleration"},
     Parameter{"delay", "ms", 0, 0, 200, "of the drives, to wait for a slower path"},
+    Parameter{"common", "", 0, 0, 1,
+              "of the drives: 0 each plays what is under it, 1 both the whole foot by their force"},
     Parameter{"seed", "", 1, 0, 16777215, "of everything that is left to chance"},
     Parameter{"room", "", 1, 0, 10,
               "times the room's answer that a surface comes with; 0: in the open"},

@@ -23,6 +23,7 @@ double rounded(double x) noexcept {
   return std::copysign(kKnee + (1 - kKnee) * over / (1 + over), x);
 }
 
+constexpr double kFullScale = 2; // Pa at gain 1
 constexpr double kGainTime = 0.01, kFadeTime = 0.005; // s
 
 /// False unless all words are finite numbers.
@@ -62,7 +63,7 @@ void Footstep::apply() noexcept {
   gait_.set({value_[kSpeed], value_[kWeight], value_[kShoe], value_[kRun] >= 0.5},
             value_[kVariation]);
   const Drive::Settings drive{value_[kDriveGain], value_[kSensitivity], value_[kLimit],
-                              value_[kDelay] / 1000};
+                              value_[kDelay] / 1000, value_[kCommon]};
   for (Side& side : *sides_) {
     side.foot.set_weight(value_[kWeight]);
     side.foot.set_shoe(value_[kShoe]);
@@ -220,7 +221,7 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
     const SoleState& sole = soles[i];
     note(i, sole);
     const Foot::Out made = (*sides_)[i].foot.next(sole);
-    out[4 * i] = rounded(gain_ * made.heard);
+    out[4 * i] = rounded(gain_ / kFullScale * made.heard);
     sounds = sounds || made.heard != 0;
     out[4 * i + 1] = made.heel_drive;
     out[4 * i + 2] = made.ball_drive;

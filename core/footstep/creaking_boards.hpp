@@ -1,0 +1,45 @@
+#pragma once
+
+#include "core/contact/touched_body.hpp"
+#include "core/dsp/random.hpp"
+#include "core/footstep/recipe.hpp"
+
+#include <cstdint>
+#include <span>
+
+namespace tactus::footstep {
+
+/// Boards that rub in a joint while the load moves over them: stick and slip whose normal force is
+/// the foot's and whose drive is the bending of the floor.
+///
+/// A joint of stiffness K = m (2 pi f)^2 pressed by N slips each time that the bending at a speed v
+/// has stretched it by 2 (mu_s - mu_d) N / K: 1/v times that is the time between two bursts.
+/// What stretches it when the foot leaves stays until the next step.
+class CreakingBoards {
+public:
+  CreakingBoards();
+  void prepare(double sample_rate) noexcept;
+  void seed(std::uint64_t value) noexcept;
+  void reset() noexcept;
+  /// What sounds goes on.
+  void set(const FrictionRecipe& friction) noexcept;
+  void move_to(const FrictionRecipe& friction, std::span<const double> detune, double frequency,
+               double decay) noexcept;
+
+  /// Velocity that is heard, m/s, one sample on. load: on the floor, in reference weights; shift:
+  /// of it from heel to ball, reference weights a second, negative while the floor springs back.
+  double next(const FrictionRecipe& friction, double load, double shift) noexcept;
+  [[nodiscard]] bool active() const noexcept { return settling_ > 0; }
+
+private:
+  static constexpr std::size_t kModes = 8, kJoint = 1;
+
+  contact::TouchedBody body_;
+  Random random_;
+  double wobble_ = 0, wobble_kept_ = 0.999;
+  double speed_factor_ = 1;
+  double sample_rate_ = 48000;
+  double settling_ = 0; ///< samples until the boards rest, from when the load has left
+};
+
+} // namespace tactus::footstep

@@ -1,0 +1,32 @@
+#include "core/footstep/floor_modes.hpp"
+
+namespace tactus::footstep {
+
+void tune(contact::TouchedBody& body, const ModesRecipe& modes, std::span<const double> detune,
+          double frequency, double decay, std::span<const contact::Mode> before) noexcept {
+  std::array<contact::Mode, kMaxModes> tuned{};
+  std::array<double, kMaxModes> ear{};
+  const std::size_t first = std::min(before.size(), kMaxModes);
+  std::copy_n(before.begin(), first, tuned.begin());
+  const auto count =
+      std::min({static_cast<std::size_t>(modes.count), detune.size(), kMaxModes - first});
+  double step = 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double relative = step * std::exp(modes.detune * detune[i]);
+    tuned[first + i] = {modes.frequency_hz * frequency * relative,
+                        modes.t60_s * decay * std::pow(relative, -modes.t60_tilt), modes.mass_kg};
+    ear[first + i] = std::pow(relative, -modes.tilt) * std::pow(10.0, modes.gains_db[i] / 20);
+    step *= modes.ratio;
+  }
+  body.set_modes(std::span(tuned.data(), first + count));
+  body.set_ear(0, std::span(ear.data(), first + count));
+}
+
+std::array<double, kMaxModes> place_shape(const ModesRecipe& modes, Random& random) noexcept {
+  std::array<double, kMaxModes> shape{};
+  for (double& s : shape)
+    s = drawn(modes.place, random);
+  return shape;
+}
+
+} // namespace tactus::footstep

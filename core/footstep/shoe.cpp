@@ -1,0 +1,43 @@
+#include "core/footstep/shoe.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::footstep {
+namespace {
+
+constexpr double kReferenceIndentation = 1e-3; // m
+constexpr double kBarefootForce = 63, kSteelForce = 1.6e5; // N
+constexpr double kBarefootDissipation = 3, kSteelDissipation = 0.3; // s/m
+
+double between(double soft, double hard, double hardness) noexcept {
+  return soft * std::pow(hard / soft, hardness);
+}
+
+} // namespace
+
+contact::ImpactLaw sole_law(double hardness, double exponent) noexcept {
+  hardness = std::clamp(hardness, 0.0, 1.0);
+  contact::ImpactLaw law;
+  law.exponent = exponent;
+  law.stiffness = between(kBarefootForce, kSteelForce, hardness) /
+                  std::pow(kReferenceIndentation, exponent);
+  law.dissipation_s_per_m = between(kBarefootDissipation, kSteelDissipation, hardness);
+  return law;
+}
+
+contact::ImpactLaw in_series(const contact::ImpactLaw& ground,
+                             const contact::ImpactLaw& sole) noexcept {
+  const double a = ground.exponent;
+  const double of_ground = std::pow(ground.stiffness, -1 / a);
+  const double of_sole = std::pow(sole.stiffness, -1 / a);
+  const double whole = of_ground + of_sole;
+  const double ground_share = of_ground / whole, sole_share = of_sole / whole;
+  contact::ImpactLaw law = ground;
+  law.stiffness = std::pow(whole, -a);
+  law.dissipation_s_per_m = ground_share * ground_share * ground.dissipation_s_per_m +
+                            sole_share * sole_share * sole.dissipation_s_per_m;
+  return law;
+}
+
+} // namespace tactus::footstep

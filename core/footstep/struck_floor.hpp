@@ -1,0 +1,50 @@
+#pragma once
+
+#include "core/contact/touched_body.hpp"
+#include "core/dsp/random.hpp"
+#include "core/footstep/recipe.hpp"
+
+#include <cstddef>
+#include <span>
+
+namespace tactus::footstep {
+
+/// The floor around one region of the sole, heel or ball: a body with modes that the sole's parts
+/// strike one after the other and that the sole rubs when it slides.
+///
+/// A landing is the fall of `patches` masses at one speed. The first touches at once with half of
+/// the mass; the others share the rest and begin at heights drawn from an exponential distribution
+/// of mean `unevenness`: the slower the landing, the longer it takes them to arrive.
+class StruckFloor {
+public:
+  StruckFloor();
+  void prepare(double sample_rate) noexcept;
+  void seed(std::uint64_t value) noexcept;
+  void reset() noexcept;
+
+  /// Contact law of ground and sole in series. What sounds goes on.
+  void set(const SolidRecipe& solid, double shoe) noexcept;
+  /// Another stretch of floor: its modes scaled in frequency and decay time, other places.
+  void move_to(const SolidRecipe& solid, std::span<const double> detune, double frequency,
+               double decay) noexcept;
+  /// A mass (kg) arrives at a speed (m/s, > 0).
+  void land(const SolidRecipe& solid, double mass_kg, double speed_m_per_s) noexcept;
+  /// The sole slides at a speed (m/s) under a force (N) from now on; 0 N: it does not.
+  void slide(double force_n, double speed_m_per_s) noexcept;
+
+  /// Velocity that is heard, m/s, one sample on.
+  double next() noexcept;
+  [[nodiscard]] bool active() const noexcept { return sliding_ || arriving_ > 0 || body_.active(); }
+
+private:
+  static constexpr std::size_t kSole = kMaxPatches; ///< slot of the sole that slides
+
+  contact::TouchedBody body_;
+  contact::ImpactLaw law_;
+  Random random_;
+  double sample_rate_ = 48000;
+  bool sliding_ = false;
+  double arriving_ = 0; ///< samples until the last part of a landing has touched
+};
+
+} // namespace tactus::footstep
