@@ -9,10 +9,11 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr double kReferenceShift = 10;  // reference weights a second
-constexpr double kWobbleTime = 0.02;    // s
-constexpr double kSettlingTime = 0.3;   // s, in which the boards ring out under the pressed joint
-constexpr double kLeastLoad = 0.01;     // reference weights; less presses nothing together
+constexpr double kReferenceShift = 10; // reference weights a second
+constexpr double kWobbleTime = 0.02;   // s
+constexpr double kRest = 0.06;         // s without sound after which the boards rest
+constexpr double kInaudible = 1e-6;    // of the loudest
+constexpr double kLeastLoad = 0.01;    // reference weights; less presses nothing together
 
 } // namespace
 
@@ -33,23 +34,27 @@ void CreakingBoards::reset() noexcept {
   body_.reset();
   body_.rub(0, 0, 0);
   wobble_ = 0;
-  settling_ = 0;
+  quiet_ = loudest_ = 0;
+  active_ = false;
 }
 
 void CreakingBoards::set(const FrictionRecipe& friction) noexcept {
   body_.set_friction(0, friction.law);
 }
 
-void CreakingBoards::move_to(const FrictionRecipe& friction, std::span<const double> detune,
+void CreakingBoards::tune_to(const FrictionRecipe& friction, std::span<const double> detune,
                              double frequency, double decay) noexcept {
   const std::array<contact::Mode, kJoint> joint{
       contact::Mode{friction.joint_hz * frequency, friction.joint_t60_s, friction.joint_kg}};
   tune(body_, friction.modes, detune.first(std::min(detune.size(), kModes)), frequency, decay,
        joint);
+}
+
+void CreakingBoards::choose_place(const FrictionRecipe& friction) noexcept {
   std::array<double, kModes + kJoint> shape{};
   const auto places = place_shape(friction.modes, random_);
-  std::copy_n(places.begin(), kModes, shape.begin() + kJoint);
   shape[0] = 1;
+  std::copy_n(places.begin(), kModes, shape.begin() + kJoint);
   body_.set_place(0, shape);
   speed_factor_ = drawn(friction.scatter.level, random_);
 }
@@ -61,15 +66,23 @@ double CreakingBoards::next(const FrictionRecipe& friction, double load, double 
     const double uneven = std::max(0.0, 1 + friction.wobble * wobble_);
     body_.rub(0, (friction.pressed_n + friction.load_n * load) * uneven,
               friction.slip_m_per_s * speed_factor_ * shift / kReferenceShift * uneven);
-    settling_ = kSettlingTime * sample_rate_;
-  } else if (settling_ > 0) {
+    active_ = true;
+    quiet_ = 0;
+  } else if (active_) {
     body_.rub(0, friction.pressed_n, 0);
-    settling_ -= 1;
+    if (++quiet_ > kRest * sample_rate_) {
+      active_ = false;
+      loudest_ = 0;
+    }
   }
-  if (!active())
+  if (!active_)
     return 0;
   body_.step();
-  return body_.hear(0);
+  const double sound = body_.hear(0), size = std::abs(sound);
+  loudest_ = std::max(loudest_, size);
+  if (size > kInaudible * loudest_)
+    quiet_ = 0;
+  return sound;
 }
 
 } // namespace tactus::footstep

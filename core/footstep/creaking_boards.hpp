@@ -23,13 +23,16 @@ public:
   void reset() noexcept;
   /// What sounds goes on.
   void set(const FrictionRecipe& friction) noexcept;
-  void move_to(const FrictionRecipe& friction, std::span<const double> detune, double frequency,
+  /// Modes of the recipe, scaled in frequency and decay time; where they rub stays.
+  void tune_to(const FrictionRecipe& friction, std::span<const double> detune, double frequency,
                double decay) noexcept;
+  /// Draws how the modes take part in the joint, and how fast it bends.
+  void choose_place(const FrictionRecipe& friction) noexcept;
 
   /// Velocity that is heard, m/s, one sample on. load: on the floor, in reference weights; shift:
   /// of it from heel to ball, reference weights a second, negative while the floor springs back.
   double next(const FrictionRecipe& friction, double load, double shift) noexcept;
-  [[nodiscard]] bool active() const noexcept { return settling_ > 0; }
+  [[nodiscard]] bool active() const noexcept { return active_; }
 
 private:
   static constexpr std::size_t kModes = 8, kJoint = 1;
@@ -39,7 +42,9 @@ private:
   double wobble_ = 0, wobble_kept_ = 0.999;
   double speed_factor_ = 1;
   double sample_rate_ = 48000;
-  double settling_ = 0; ///< samples until the boards rest, from when the load has left
+  double quiet_ = 0;   ///< samples without sound since the load has left
+  double loudest_ = 0; ///< since the boards were last at rest
+  bool active_ = false;
 };
 
 } // namespace tactus::footstep

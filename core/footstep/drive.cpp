@@ -189,8 +189,7 @@ void Drive::reset() noexcept {
   share_ = 1;
 }
 
-Drive::Pair Drive::next(double heel_felt, double ball_felt, double heel_n,
-                        double ball_n) noexcept {
+Drive::Pair Drive::next(double heel_felt, double ball_felt, double heel_n, double ball_n) noexcept {
   const double total = heel_n + ball_n;
   if (total > 0)
     share_ = std::clamp(heel_n / total, 0.0, 1.0);

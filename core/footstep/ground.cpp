@@ -14,7 +14,7 @@ constexpr double kUsualLanding = 0.5; // m/s
 // What no walker does is no step: landings and slopes beyond these count as these.
 constexpr double kHardestLanding = 4, kSteepest = 200; // m/s, reference weights a second
 constexpr double kSpringBack = 0.15;
-constexpr double kHeaviest = 20;                       // reference weights
+constexpr double kHeaviest = 20; // reference weights
 
 /// Of a landing at usual speed.
 double landing_energy(double speed) noexcept {
@@ -66,16 +66,16 @@ void Ground::reset() noexcept {
 void Ground::set(const Recipe& recipe, double shoe) noexcept {
   recipe_ = recipe;
   shoe_ = std::clamp(shoe, 0.0, 1.0);
-  const double angle = 2 * std::numbers::pi * std::min(recipe.radiation_hz / sample_rate_, 0.45);
-  radiation_kept_ = std::exp(-angle);
+  const double g = std::tan(std::numbers::pi * std::min(recipe.radiation_hz / sample_rate_, 0.45));
+  radiation_gain_ = g / (1 + g);
   if (recipe.solid.present)
     for (StruckFloor& floor : floor_) {
       floor.set(recipe.solid, shoe_);
-      floor.move_to(recipe.solid, detune_, 1, 1);
+      floor.tune_to(recipe.solid, detune_, 1, 1);
     }
   if (recipe.friction.present) {
     boards_.set(recipe.friction);
-    boards_.move_to(recipe.friction, detune_, 1, 1);
+    boards_.tune_to(recipe.friction, detune_, 1, 1);
   }
   for (std::size_t i = 0; i < recipe.clouds; ++i) {
     const particle::CloudSettings& settings = recipe.cloud[i].settings;
@@ -94,14 +94,17 @@ void Ground::new_place() noexcept {
   if (const SolidRecipe& solid = recipe_.solid; solid.present) {
     const double frequency = all_frequency * drawn(solid.scatter.frequency, random_);
     const double decay = all_decay * drawn(solid.scatter.decay, random_);
-    for (StruckFloor& floor : floor_)
-      floor.move_to(solid, detune_, frequency, decay);
+    for (StruckFloor& floor : floor_) {
+      floor.tune_to(solid, detune_, frequency, decay);
+      floor.choose_places(solid);
+    }
     speed_factor_ = drawn(solid.scatter.level, random_);
   }
   if (const FrictionRecipe& friction = recipe_.friction; friction.present) {
     const double frequency = all_frequency * drawn(friction.scatter.frequency, random_);
-    boards_.move_to(friction, detune_, frequency,
+    boards_.tune_to(friction, detune_, frequency,
                     all_decay * drawn(friction.scatter.decay, random_));
+    boards_.choose_place(friction);
   }
   // A heavier body sinks in deeper, for longer.
   const double deeper = std::sqrt(std::max(weight_, 1e-3));
@@ -191,11 +194,14 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
   for (double& f : felt)
     f *= recipe_.level;
   const double sum = felt[kHeel] + felt[kBall];
-  radiation_ += (1 - radiation_kept_) * (sum - radiation_);
+  // First-order high-pass by the trapezoidal rule.
+  const double change = radiation_gain_ * (sum - radiation_);
+  const double low = radiation_ + change;
+  radiation_ = low + change;
   silent_ = silent;
   if (silent_)
     radiation_ = 0;
-  return {felt[kHeel], felt[kBall], sum - radiation_};
+  return {recipe_.felt * felt[kHeel], recipe_.felt * felt[kBall], sum - low};
 }
 
 } // namespace tactus::footstep

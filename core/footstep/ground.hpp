@@ -16,8 +16,8 @@ namespace tactus::footstep {
 
 /// One foot's ground, made of a recipe: the sole's parts strike a floor with modes, boards creak,
 /// grains and bubbles are set free by landings, by load that comes and goes, and by a sole that
-/// slides. Each step draws a new place as it first lands: frequencies, decay times, strengths differ a
-/// little from step to step.
+/// slides. Each step draws a new place as it first lands: frequencies, decay times, strengths
+/// differ a little from step to step.
 ///
 /// Masses, energies and loads are proportional to the body's weight; deeper into soft ground takes
 /// longer: the times of grains and bubbles grow with the root of the weight (a mass that lands on a
@@ -34,8 +34,8 @@ public:
   void reset() noexcept;
 
   struct Sound {
-    double heel_felt = 0, ball_felt = 0; ///< the ground's motion under each
-    double heard = 0;                    ///< what of their sum the air takes
+    double heel_felt = 0, ball_felt = 0; ///< the ground's motion under each, for the drives
+    double heard = 0;                    ///< sound pressure, Pa: what of their sum the air takes
   };
   /// One sample.
   Sound next(const SoleState& sole) noexcept;
@@ -58,8 +58,8 @@ private:
   CreakingBoards boards_;
   std::array<Particles, kMaxClouds> particles_;
   double speed_factor_ = 1;
-  double radiation_ = 0, radiation_kept_ = 0;
-  double load_ = 0; ///< of the last sample, in reference weights
+  double radiation_ = 0, radiation_gain_ = 0;
+  double load_ = 0;        ///< of the last sample, in reference weights
   bool heel_down_ = false; ///< the heel has landed since the foot was last in the air
   bool silent_ = true;
 };

@@ -37,7 +37,7 @@ struct ModesRecipe {
 struct SolidRecipe {
   bool present = false;
   ModesRecipe modes;
-  contact::ImpactLaw law{1e9, 1.6, 0.3};
+  contact::ImpactLaw law{1e9, 1.5, 0.3};
   double heel_kg = 0.08, ball_kg = 0.05; ///< under a body of kReferenceWeight
   double ball = 0.6;                     ///< landing speed of the ball, times what the gait says
   double patches = 4;                    ///< parts of the sole that touch one after the other
@@ -69,12 +69,13 @@ struct CloudRecipe {
   particle::CloudSettings settings;
   double heel = 1, ball = 0.5;  ///< for a landing at 0.5 m/s; grows with its square
   double load = 0, release = 0; ///< for each reference weight that comes and goes
-  double slide = 10; ///< for each metre that the sole slides under one reference weight
+  double slide = 10;            ///< for each metre that the sole slides under one reference weight
   Scatter scatter;
 };
 
 struct Recipe {
-  double level = 1; ///< of all sections: sound pressure at the walker's ears, Pa
+  double level = 1;         ///< of all sections: sound pressure at the walker's ears, Pa
+  double felt = 2;          ///< of the drives, 1/Pa
   double radiation_hz = 40; ///< below, the floor radiates less and less; it is felt all the same
   /// As Scatter, but of all sections alike: wetter or firmer ground, another way to land.
   double vary_frequency = 0, vary_decay = 0;

@@ -28,7 +28,7 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
     section, "vary_level", "", 0, 2, "of each step: its strength", PLACE(part.scatter.level)       \
   }
 #define MODES(section, part)                                                                       \
-  RecipeKey{section, "modes", "", 1, kMaxModes, "number of modes", PLACE(part.modes.count)},      \
+  RecipeKey{section, "modes", "", 1, kMaxModes, "number of modes", PLACE(part.modes.count)},       \
       RecipeKey{section,                                                                           \
                 "frequency",                                                                       \
                 "Hz",                                                                              \
@@ -96,11 +96,10 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
                 IN_CLOUD(heel)},                                                                   \
       RecipeKey{section,       "ball", "", 0, 100, "energy of the ball's landing at 0.5 m/s",      \
                 IN_CLOUD(ball)},                                                                   \
-      RecipeKey{section,       "load", "", 0, 100, "energy for each 700 N that come",       \
-                IN_CLOUD(load)},                                                                   \
-      RecipeKey{section,          "release", "", 0, 100, "energy for each 700 N that go",  \
-                IN_CLOUD(release)},                                                                \
-      RecipeKey{section,        "slide", "", 0, 1000, "energy for each metre slid under 700 N",     \
+      RecipeKey{section, "load", "", 0, 100, "energy for each 700 N that come", IN_CLOUD(load)},   \
+      RecipeKey{                                                                                   \
+          section, "release", "", 0, 100, "energy for each 700 N that go", IN_CLOUD(release)},     \
+      RecipeKey{section,        "slide", "", 0, 1000, "energy for each metre slid under 700 N",    \
                 IN_CLOUD(slide)},                                                                  \
       RecipeKey{section,                                                                           \
                 "vary_frequency",                                                                  \
@@ -118,7 +117,8 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
 // NOLINTEND(bugprone-macro-parentheses)
 
 constexpr RecipeKey kKeys[] = {
-    {"", "level", "", 0, 1e4, "loudness of the whole", PLACE(level)},
+    {"", "level", "", 0, 1e4, "of the whole, heard and felt", PLACE(level)},
+    {"", "felt", "1/Pa", 0, 1e4, "drives for the sound pressure of the whole", PLACE(felt)},
     {"", "radiation", "Hz", 1, 8000, "below, less and less is heard", PLACE(radiation_hz)},
     {"", "vary_frequency", "", 0, 2, "of each step: all sections' frequencies alike",
      PLACE(vary_frequency)},
@@ -128,7 +128,8 @@ constexpr RecipeKey kKeys[] = {
     {"solid", "stiffness", "N/m^exponent", 1, 1e15, "of the ground itself; the sole's is in series",
      PLACE(solid.law.stiffness)},
     {"solid", "exponent", "", 1, 6, "of the contact", PLACE(solid.law.exponent)},
-    {"solid", "dissipation", "s/m", 0, 100, "of the ground itself", PLACE(solid.law.dissipation_s_per_m)},
+    {"solid", "dissipation", "s/m", 0, 100, "of the ground itself",
+     PLACE(solid.law.dissipation_s_per_m)},
     {"solid", "heel", "kg", 1e-4, 100, "mass that lands with the heel", PLACE(solid.heel_kg)},
     {"solid", "ball_mass", "kg", 1e-4, 100, "mass that lands with the ball", PLACE(solid.ball_kg)},
     {"solid", "ball", "", 0, 10, "times the ball's landing speed", PLACE(solid.ball)},
@@ -157,7 +158,8 @@ constexpr RecipeKey kKeys[] = {
     {"friction", "roughness", "N^.5 s^.5/m^.5", 0, 1e3, "of the surfaces",
      PLACE(friction.law.roughness)},
     {"friction", "pressed", "N", 0, 1e4, "in the joint without load", PLACE(friction.pressed_n)},
-    {"friction", "joint", "Hz", 5, 2000, "the joint's mass on its spring", PLACE(friction.joint_hz)},
+    {"friction", "joint", "Hz", 5, 2000, "the joint's mass on its spring",
+     PLACE(friction.joint_hz)},
     {"friction", "joint_mass", "kg", 0.001, 100, "of the joint", PLACE(friction.joint_kg)},
     {"friction", "joint_t60", "s", 0.001, 5, "decay time of the joint",
      PLACE(friction.joint_t60_s)},

@@ -6,8 +6,8 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr double kReferenceIndentation = 1e-3; // m
-constexpr double kBarefootForce = 63, kSteelForce = 1.6e5; // N
+constexpr double kReferenceIndentation = 1e-3;                      // m
+constexpr double kBarefootForce = 63, kSteelForce = 1.6e5;          // N
 constexpr double kBarefootDissipation = 3, kSteelDissipation = 0.3; // s/m
 
 double between(double soft, double hard, double hardness) noexcept {
@@ -20,8 +20,8 @@ contact::ImpactLaw sole_law(double hardness, double exponent) noexcept {
   hardness = std::clamp(hardness, 0.0, 1.0);
   contact::ImpactLaw law;
   law.exponent = exponent;
-  law.stiffness = between(kBarefootForce, kSteelForce, hardness) /
-                  std::pow(kReferenceIndentation, exponent);
+  law.stiffness =
+      between(kBarefootForce, kSteelForce, hardness) / std::pow(kReferenceIndentation, exponent);
   law.dissipation_s_per_m = between(kBarefootDissipation, kSteelDissipation, hardness);
   return law;
 }

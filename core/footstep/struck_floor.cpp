@@ -48,9 +48,12 @@ void StruckFloor::set(const SolidRecipe& solid, double shoe) noexcept {
   body_.set_friction(kSole, sliding_sole(solid));
 }
 
-void StruckFloor::move_to(const SolidRecipe& solid, std::span<const double> detune,
+void StruckFloor::tune_to(const SolidRecipe& solid, std::span<const double> detune,
                           double frequency, double decay) noexcept {
   tune(body_, solid.modes, detune, frequency, decay);
+}
+
+void StruckFloor::choose_places(const SolidRecipe& solid) noexcept {
   const auto patches = static_cast<std::size_t>(solid.patches);
   for (std::size_t i = 0; i < patches; ++i)
     body_.set_place(i, place_shape(solid.modes, random_));

@@ -24,9 +24,11 @@ public:
 
   /// Contact law of ground and sole in series. What sounds goes on.
   void set(const SolidRecipe& solid, double shoe) noexcept;
-  /// Another stretch of floor: its modes scaled in frequency and decay time, other places.
-  void move_to(const SolidRecipe& solid, std::span<const double> detune, double frequency,
+  /// Modes of the recipe, scaled in frequency and decay time; where it is struck stays.
+  void tune_to(const SolidRecipe& solid, std::span<const double> detune, double frequency,
                double decay) noexcept;
+  /// Draws where the parts of the sole meet the modes.
+  void choose_places(const SolidRecipe& solid) noexcept;
   /// A mass (kg) arrives at a speed (m/s, > 0).
   void land(const SolidRecipe& solid, double mass_kg, double speed_m_per_s) noexcept;
   /// The sole slides at a speed (m/s) under a force (N) from now on; 0 N: it does not.

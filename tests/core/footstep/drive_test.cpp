@@ -82,7 +82,7 @@ TEST_CASE("three g are never exceeded, for any sensitivity and however loud the 
     double worst = 0;
     for (int n = 0; n < 96000; ++n) {
       const double x = 100 * std::sin(0.02 * n) * (n % 9000 < 4000 ? 1 : 1e-3);
-      const Drive::Pair pair = drive.next(x, n % 3, 1);
+      const Drive::Pair pair = drive.next(x, 0, n % 3, 1);
       worst = std::max({worst, std::abs(pair.heel), std::abs(pair.ball)});
     }
     CHECK(worst * sensitivity <= 3 + 1e-12);
@@ -90,22 +90,23 @@ TEST_CASE("three g are never exceeded, for any sensitivity and however loud the 
   }
 }
 
-TEST_CASE("the heel's drive gives way to the ball's where the force does, at 46 % of the stance") {
+TEST_CASE(
+    "what both share gives way from heel to ball where the force does, at 46 % of the stance") {
   Gait gait;
   gait.prepare(48000);
   gait.set({1.4, 700, 0, false}, 0);
   gait.walk(true);
   Drive drive;
   drive.prepare(48000);
-  drive.set({1, 3, 30, 0});
+  drive.set({1, 3, 30, 0, 1});
   GroundReaction reaction;
   reaction.set({1.4, 700, 0, false});
   std::array<SoleState, Gait::kFeet> feet{};
   double heel = 0, ball = 0, crossing = 0;
   for (int n = 0; n < static_cast<int>(0.98 * reaction.stance_s() * 48000); ++n) {
     gait.next(feet);
-    const auto pair = drive.next(std::sin(2 * std::numbers::pi * 200 * n / 48000), feet[0].heel_n,
-                                 feet[0].ball_n);
+    const auto pair = drive.next(std::sin(2 * std::numbers::pi * 200 * n / 48000), 0,
+                                 feet[0].heel_n, feet[0].ball_n);
     heel += 0.002 * (std::abs(pair.heel) - heel);
     ball += 0.002 * (std::abs(pair.ball) - ball);
     if (crossing == 0 && n > 4800 && ball > heel)
@@ -120,7 +121,7 @@ TEST_CASE("a constant motion of the ground makes no constant drive") {
   drive.set({1, 3, 3, 0});
   double last = 1;
   for (int n = 0; n < 144000; ++n)
-    last = drive.next(1, 1, 0).heel;
+    last = drive.next(1, 0, 1, 0).heel;
   CHECK(db(std::abs(last) + 1e-12) < -80);
 }
 
@@ -175,7 +176,7 @@ TEST_CASE("settings of a drive are held: delays of 0 to 0.2 s, a sensitivity abo
     drive.set(settings);
     std::vector<double> out;
     for (int n = 0; n < 4000; ++n)
-      out.push_back(drive.next(n == 0, 1, 0).heel);
+      out.push_back(drive.next(n == 0, 0, 1, 0).heel);
     return out;
   };
   CHECK(heard({1, 3, 3, -1}) == heard({1, 3, 3, 0}));
@@ -200,7 +201,7 @@ TEST_CASE("under the ball alone the drive is what it is under the heel alone, at
     for (int n = 0; n < 0.3 * rate; ++n) { // too loud, then recovering
       const double t = n / rate,
                    x = (t < 0.1 ? 5 : 0.05) * std::sin(2 * std::numbers::pi * 200 * t);
-      const Drive::Pair a = heel.next(x, 700, 0), b = ball.next(x, 0, 700);
+      const Drive::Pair a = heel.next(x, 0, 700, 0), b = ball.next(0, x, 0, 700);
       apart = std::max({apart, std::abs(a.heel - b.ball), std::abs(a.ball), std::abs(b.heel)});
       loudest = std::max(loudest, std::abs(a.heel));
     }
@@ -213,21 +214,21 @@ TEST_CASE("a drive falls silent once band and delay have rung out, and wakes as 
   Drive drive, fresh;
   for (Drive* one : {&drive, &fresh}) {
     one->prepare(8000);
-    one->set({1, 3, 3, 0.1});
+    one->set({1, 3, 3, 0.1, 1});
   }
   double last = 1;
   for (int n = 0; n < 8000 * 3; ++n)
-    last = drive.next(n == 0, 1, 3).ball;
+    last = drive.next(n == 0, 0, 1, 3).ball;
   CHECK(last == 0); // 2.2 s
   const auto again = [](Drive& one) {
     std::vector<double> out;
     for (int n = 0; n < 4000; ++n) { // nobody presses: the last shares stay, 1 to 3
-      const Drive::Pair pair = one.next(n == 0, 0, 0);
+      const Drive::Pair pair = one.next(n == 0, 0, 0, 0);
       out.insert(out.end(), {pair.heel, pair.ball});
     }
     return out;
   };
-  fresh.next(0, 1, 3);
+  fresh.next(0, 0, 1, 3);
   const auto a = again(drive), b = again(fresh);
   double apart = 0, size = 0;
   for (std::size_t n = 0; n < a.size(); ++n) {
@@ -248,9 +249,37 @@ TEST_CASE("the drive can wait for a slower path") {
   late.set({1, 3, 3, 0.01});
   std::vector<double> a, b;
   for (int n = 0; n < 4800; ++n) {
-    a.push_back(straight.next(n == 0, 1, 0).heel);
-    b.push_back(late.next(n == 0, 1, 0).heel);
+    a.push_back(straight.next(n == 0, 0, 1, 0).heel);
+    b.push_back(late.next(n == 0, 0, 1, 0).heel);
   }
   for (std::size_t n = 0; n + 480 < a.size(); ++n)
     REQUIRE(b[n + 480] == a[n]);
+}
+
+TEST_CASE("each actuator plays what is under it, and a common share of the whole foot") {
+  const auto drives = [](double common, double heel_felt, double ball_felt) {
+    Drive drive;
+    drive.prepare(48000);
+    drive.set({1, 3, 3, 0, common});
+    std::vector<double> heel, ball;
+    for (int n = 0; n < 2400; ++n) {
+      const double x = std::sin(2 * std::numbers::pi * 150 * n / 48000);
+      const Drive::Pair pair = drive.next(heel_felt * x, ball_felt * x, 500, 300);
+      heel.push_back(pair.heel);
+      ball.push_back(pair.ball);
+    }
+    return std::pair(heel, ball);
+  };
+  const auto [heel, none] = drives(0, 0.2, 0);
+  CHECK(*std::max_element(heel.begin(), heel.end()) > 0.15);
+  CHECK(std::all_of(none.begin(), none.end(), [](double x) { return x == 0; }));
+  const auto [of_heel, of_ball] = drives(0.4, 0.2, 0.1);
+  const auto expected = [&](std::size_t n, double own, double share) {
+    return heel[n] / 0.2 * (0.6 * own + 0.4 * share * 0.3);
+  };
+  double apart = 0;
+  for (std::size_t n = 0; n < heel.size(); ++n)
+    apart = std::max({apart, std::abs(of_heel[n] - expected(n, 0.2, 0.625)),
+                      std::abs(of_ball[n] - expected(n, 0.1, 0.375))});
+  CHECK(apart < 1e-12);
 }

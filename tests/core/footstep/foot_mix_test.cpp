@@ -270,22 +270,35 @@ TEST_CASE("between two rooms the times lie between, by ratio; with one room it i
   CHECK(most < 1e-9);
 }
 
-TEST_CASE("forces count in body weights, and no weight is a small one") {
+TEST_CASE("forces count in newtons, landings by the weight of the body") {
   const Recipe sound = noise();
-  const auto tread_with = [&](double weight, double times) {
+  const auto tread_with = [&](double weight, const SoleState& sole) {
     const auto foot = new_foot();
     foot->set_weight(weight);
     foot->stand_on(1, sound, 1, sound, 0);
-    SoleState sole = loaded();
-    sole.heel_n *= times;
-    sole.heel_slope *= times;
     return tread(*foot, 1000, sole);
   };
-  const auto usual = tread_with(700, 1);
-  CHECK(apart(tread_with(1400, 2), usual, 1) < 1e-12);
-  CHECK(apart(tread_with(350, 1), usual, 2) < 1e-12);
-  CHECK(apart(tread_with(0, 1), tread_with(1e-6, 1), 1) == 0);
-  CHECK(apart(tread_with(-5, 1), tread_with(1e-6, 1), 1) == 0);
+  SoleState twice = loaded();
+  twice.heel_n *= 2;
+  twice.heel_slope *= 2;
+  const auto usual = tread_with(700, loaded());
+  CHECK(apart(tread_with(1400, loaded()), usual, 1) < 1e-12);
+  CHECK(apart(tread_with(700, twice), usual, 2) < 1e-12);
+  // A foot has its weight before and after it stands on a ground.
+  const Recipe ring = bell();
+  const auto land_with = [&](double before, double after) {
+    const auto foot = new_foot();
+    foot->set_weight(before);
+    foot->stand_on(1, ring, 1, ring, 0);
+    foot->set_weight(after);
+    foot->next(landing());
+    return tread(*foot, 1000, {});
+  };
+  CHECK(apart(land_with(350, 1000), land_with(1000, 1000), 1) == 0);
+  CHECK(apart(land_with(350, 1000), land_with(350, 350), 1) > 0.1);
+  for (const double none : {0.0, -5.0})
+    for (const auto& out : land_with(700, none))
+      REQUIRE(out.heard == 0);
 }
 
 TEST_CASE("a shoe is put on before or after the ground, and a reset foot stands where it stood") {

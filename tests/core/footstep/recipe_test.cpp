@@ -50,7 +50,7 @@ TEST_CASE("every key sets a number of its own within its range, and refuses what
          {key.lowest, key.highest, key.lowest + 0.37 * (key.highest - key.lowest)}) {
       Recipe recipe;
       REQUIRE(read_recipe(with(key, number(value)), recipe) == "");
-      CHECK(key.place(recipe) == doctest::Approx(value));
+      CHECK(key.member(recipe) == doctest::Approx(value));
       // No other key of the section has moved.
       Recipe plain;
       REQUIRE(read_recipe(key.section.empty() ? "[solid]\n"
@@ -58,7 +58,7 @@ TEST_CASE("every key sets a number of its own within its range, and refuses what
                           plain) == "");
       for (const RecipeKey& other : recipe_keys())
         if (other.section == key.section && &other != &key)
-          CHECK(other.place(recipe) == other.place(plain));
+          CHECK(other.member(recipe) == other.member(plain));
     }
     const double step = 0.01 * (key.highest - key.lowest);
     for (const double beyond : {key.lowest - step, key.highest + step}) {
@@ -103,7 +103,7 @@ TEST_CASE("what a recipe leaves out is what it was when it was written") {
   const auto value = [](Recipe& recipe, std::string_view section, std::string_view name) {
     for (const RecipeKey& key : recipe_keys())
       if (key.section == section && key.name == name)
-        return key.place(recipe);
+        return key.member(recipe);
     FAIL("no such key");
     return 0.0;
   };
@@ -121,7 +121,8 @@ TEST_CASE("what a recipe leaves out is what it was when it was written") {
       CHECK(value(recipe, section, d.name) == d.value);
     }
   };
-  check("[solid]", "", {{"level", 1}, {"radiation", 40}, {"vary_frequency", 0}, {"vary_decay", 0}});
+  check("[solid]", "",
+        {{"level", 1}, {"felt", 2}, {"radiation", 40}, {"vary_frequency", 0}, {"vary_decay", 0}});
   for (const char* section : {"solid", "friction"})
     check("[solid]\n[friction]", section,
           {{"modes", 6},
@@ -138,12 +139,15 @@ TEST_CASE("what a recipe leaves out is what it was when it was written") {
            {"vary_decay", 0.1},
            {"vary_level", 0.15}});
   check("[solid]", "solid",
-        {{"stiffness", 1e7},
+        {{"stiffness", 1e9},
          {"exponent", 1.5},
          {"dissipation", 0.3},
          {"heel", 0.08},
          {"ball_mass", 0.05},
-         {"ball", 0.6}});
+         {"ball", 0.6},
+         {"patches", 4},
+         {"unevenness", 0.004},
+         {"roughness", 1}});
   check("[friction]", "friction",
         {{"mu_s", 0.8},
          {"mu_d", 0.3},
@@ -155,7 +159,10 @@ TEST_CASE("what a recipe leaves out is what it was when it was written") {
          {"roughness", 0},
          {"pressed", 6},
          {"load", 20},
-         {"slip", 0.1},
+         {"slip", 0.02},
+         {"joint", 90},
+         {"joint_mass", 0.1},
+         {"joint_t60", 0.05},
          {"wobble", 0.2}});
   for (const std::string section : {"grains", "bubbles", "rustle"})
     check("[" + section + "]", section,
@@ -168,6 +175,7 @@ TEST_CASE("what a recipe leaves out is what it was when it was written") {
            {"ball", 0.5},
            {"load", 0},
            {"release", 0},
+           {"slide", 10},
            {"vary_frequency", 0.05},
            {"vary_decay", 0.1},
            {"vary_level", 0.15}});

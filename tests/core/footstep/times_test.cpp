@@ -421,7 +421,7 @@ TEST_CASE("what has been reset answers like new: sensors, rooms and drives") {
   }
   for (Drive* drive : {&used_drive, &fresh_drive}) {
     drive->prepare(kRate);
-    drive->set({1, 3, .3, .01});
+    drive->set({1, 3, .3, .01, .2});
     const std::array<double, 4> table{100, 6, 300, -4};
     CHECK(drive->equalise(table));
   }
@@ -429,7 +429,7 @@ TEST_CASE("what has been reset answers like new: sensors, rooms and drives") {
   for (int n = 0; n < 20011; ++n) {
     used.next(force(n), 20);
     used_room.next(std::sin(.3 * n));
-    used_drive.next(30 * std::sin(.02 * n), 0, 5);
+    used_drive.next(30 * std::sin(.02 * n), 9 * std::cos(.02 * n), 0, 5);
   }
   CHECK_FALSE(used_room.silent());
   used.reset();
@@ -444,7 +444,7 @@ TEST_CASE("what has been reset answers like new: sensors, rooms and drives") {
            std::abs(a.heel_slope - b.heel_slope) < 1e-6 && a.toe_off == b.toe_off;
     const double x = n < 4000 ? std::sin(.3 * n) : 0;
     same = same && std::abs(used_room.next(x) - fresh_room.next(x)) < 1e-12;
-    const Drive::Pair c = used_drive.next(x, 0, 0), d = fresh_drive.next(x, 0, 0);
+    const Drive::Pair c = used_drive.next(x, -x, 0, 0), d = fresh_drive.next(x, -x, 0, 0);
     same = same && std::abs(c.heel - d.heel) < 1e-12 && std::abs(c.ball - d.ball) < 1e-12;
   }
   CHECK(same);
