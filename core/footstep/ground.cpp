@@ -14,12 +14,13 @@ constexpr double kUsualLanding = 0.5; // m/s
 // What no walker does is no step: landings and slopes beyond these count as these.
 constexpr double kHardestLanding = 4, kSteepest = 200; // m/s, reference weights a second
 constexpr double kSpringBack = 0.15;
-constexpr double kHeaviest = 20; // reference weights
+constexpr double kLightest = 1e-3, kHeaviest = 20; // reference weights
 
-/// Of a landing at usual speed.
-double landing_energy(double speed) noexcept {
-  const double relative = std::min(speed, kHardestLanding) / kUsualLanding;
-  return relative * relative;
+/// What a landing puts into particles, times `heel` or `ball`. A cloud of energy E has events at a
+/// rate ~ E and of energies ~ E: its sound has the power E^2. What sounds is to be a fixed part of
+/// the landing's energy ~ m v^2, so E ~ sqrt(m) v.
+double landing(double weight, double speed) noexcept {
+  return std::sqrt(weight) * std::min(speed, kHardestLanding) / kUsualLanding;
 }
 
 } // namespace
@@ -107,7 +108,7 @@ void Ground::new_place() noexcept {
     boards_.choose_place(friction);
   }
   // A heavier body sinks in deeper, for longer.
-  const double deeper = std::sqrt(std::max(weight_, 1e-3));
+  const double deeper = std::sqrt(std::max(weight_, kLightest));
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
     const Scatter& scatter = recipe_.cloud[i].scatter;
     const particle::CloudSettings& settings = recipe_.cloud[i].settings;
@@ -168,19 +169,20 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
     const CloudRecipe& from = recipe_.cloud[i];
     Particles& p = particles_[i];
-    const auto power = [&from](double slope_now, double slid) {
-      return (slope_now > 0 ? from.load * slope_now : -from.release * slope_now) +
-             from.slide * slid;
+    const auto power = [&](double slope_now, double slid) {
+      return ((slope_now > 0 ? from.load * slope_now : -from.release * slope_now) +
+              from.slide * slid) /
+             std::sqrt(std::max(weight_, kLightest)); // as landings: ~ sqrt(m)
     };
     const double heel_power = power(heel_slope, heel_load * std::abs(sole.heel_slip));
     const double ball_power = power(ball_slope, ball_load * std::abs(sole.ball_slip));
     if (heel_lands) {
-      const double energy = from.heel * weight_ * landing_energy(sole.heel_landing);
+      const double energy = from.heel * landing(weight_, sole.heel_landing);
       p.cloud.blow(energy);
       p.heel.blow(energy);
     }
     if (ball_lands)
-      p.cloud.blow(from.ball * weight_ * landing_energy(sole.ball_landing));
+      p.cloud.blow(from.ball * landing(weight_, sole.ball_landing));
     if (p.cloud.silent() && heel_power + ball_power <= 0)
       continue;
     const double of_heel = p.heel.advance(heel_power);
@@ -201,7 +203,7 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
   silent_ = silent;
   if (silent_)
     radiation_ = 0;
-  return {recipe_.felt * felt[kHeel], recipe_.felt * felt[kBall], sum - low};
+  return {recipe_.felt * felt[kHeel], recipe_.felt * recipe_.felt_ball * felt[kBall], sum - low};
 }
 
 } // namespace tactus::footstep

@@ -67,7 +67,7 @@ struct FrictionRecipe {
 /// Grains, bubbles or a rustle: what gives them energy.
 struct CloudRecipe {
   particle::CloudSettings settings;
-  double heel = 1, ball = 0.5;  ///< for a landing at 0.5 m/s; grows with its square
+  double heel = 1, ball = 0.5;  ///< for a landing at 0.5 m/s; grows with the speed
   double load = 0, release = 0; ///< for each reference weight that comes and goes
   double slide = 10;            ///< for each metre that the sole slides under one reference weight
   Scatter scatter;
@@ -76,6 +76,7 @@ struct CloudRecipe {
 struct Recipe {
   double level = 1;         ///< of all sections: sound pressure at the walker's ears, Pa
   double felt = 2;          ///< of the drives, 1/Pa
+  double felt_ball = 1;     ///< of the ball's drive, times the heel's
   double radiation_hz = 40; ///< below, the floor radiates less and less; it is felt all the same
   /// As Scatter, but of all sections alike: wetter or firmer ground, another way to land.
   double vary_frequency = 0, vary_decay = 0;

@@ -119,6 +119,7 @@ CloudRecipe& last(Recipe& recipe) { return recipe.cloud[recipe.clouds - 1]; }
 constexpr RecipeKey kKeys[] = {
     {"", "level", "", 0, 1e4, "of the whole, heard and felt", PLACE(level)},
     {"", "felt", "1/Pa", 0, 1e4, "drives for the sound pressure of the whole", PLACE(felt)},
+    {"", "felt_ball", "", 0, 100, "of the drive under the ball", PLACE(felt_ball)},
     {"", "radiation", "Hz", 1, 8000, "below, less and less is heard", PLACE(radiation_hz)},
     {"", "vary_frequency", "", 0, 2, "of each step: all sections' frequencies alike",
      PLACE(vary_frequency)},

@@ -122,7 +122,12 @@ TEST_CASE("what a recipe leaves out is what it was when it was written") {
     }
   };
   check("[solid]", "",
-        {{"level", 1}, {"felt", 2}, {"radiation", 40}, {"vary_frequency", 0}, {"vary_decay", 0}});
+        {{"level", 1},
+         {"felt", 2},
+         {"felt_ball", 1},
+         {"radiation", 40},
+         {"vary_frequency", 0},
+         {"vary_decay", 0}});
   for (const char* section : {"solid", "friction"})
     check("[solid]\n[friction]", section,
           {{"modes", 6},
