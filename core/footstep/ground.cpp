@@ -1,6 +1,7 @@
 #include "core/footstep/ground.hpp"
 
 #include "core/footstep/floor_modes.hpp"
+#include "core/footstep/shoe.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -69,11 +70,20 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
   shoe_ = std::clamp(shoe, 0.0, 1.0);
   const double g = std::tan(std::numbers::pi * std::min(recipe.radiation_hz / sample_rate_, 0.45));
   radiation_gain_ = g / (1 + g);
-  if (recipe.solid.present)
+  sole_factor_ = 1;
+  if (recipe.solid.present) {
     for (StruckFloor& floor : floor_) {
       floor.set(recipe.solid, shoe_);
       floor.tune_to(recipe.solid, detune_, 1, 1);
     }
+    // What lies between sole and floor is pressed by the force of the landing. For one energy that
+    // goes with k^(1/(a + 1)).
+    const contact::ImpactLaw& floor = recipe.solid.law;
+    const auto stiffness = [&](double hardness) {
+      return in_series(floor, sole_law(hardness, floor.exponent)).stiffness;
+    };
+    sole_factor_ = std::pow(stiffness(shoe_) / stiffness(kReferenceShoe), 1 / (floor.exponent + 1));
+  }
   if (recipe.friction.present) {
     boards_.set(recipe.friction);
     boards_.tune_to(recipe.friction, detune_, 1, 1);
@@ -186,7 +196,7 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
     if (p.cloud.silent() && heel_power + ball_power <= 0)
       continue;
     const double of_heel = p.heel.advance(heel_power);
-    const double sound = p.cloud.next(heel_power + ball_power);
+    const double sound = sole_factor_ * p.cloud.next(heel_power + ball_power);
     const double energy = p.cloud.energy();
     const double share = energy > 0 ? std::min(of_heel / energy, 1.0) : 0;
     felt[kHeel] += share * sound;

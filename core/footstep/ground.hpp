@@ -58,6 +58,7 @@ private:
   CreakingBoards boards_;
   std::array<Particles, kMaxClouds> particles_;
   double speed_factor_ = 1;
+  double sole_factor_ = 1; ///< of particles between sole and floor, for a hard or soft sole
   double radiation_ = 0, radiation_gain_ = 0;
   double load_ = 0;        ///< of the last sample, in reference weights
   bool heel_down_ = false; ///< the heel has landed since the foot was last in the air

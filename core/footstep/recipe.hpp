@@ -17,6 +17,8 @@ namespace tactus::footstep {
 inline constexpr std::size_t kMaxModes = 32, kMaxClouds = 4, kMaxPatches = 8;
 /// The weight for which a recipe's masses, energies and loads are written, N.
 inline constexpr double kReferenceWeight = 700;
+/// The shoe for which the levels of its particles are: hard rubber.
+inline constexpr double kReferenceShoe = 0.4;
 
 /// How far each step differs from the next: standard deviations of logarithms.
 struct Scatter {

@@ -228,6 +228,26 @@ TEST_CASE("a landing meets the law of ground and sole in series, and returns as 
   }
 }
 
+TEST_CASE("a soft sole quietens what lies between it and a floor, as the force of a landing") {
+  const std::string floor = "[solid]\nlevel 0\nexponent 1.6\nstiffness 1e9\ndissipation 0\n";
+  const auto loud = [](const std::string& text, double shoe) {
+    return felt(*ground_of(text, 48000, 1, shoe), heel_at(0.5));
+  };
+  const std::string on_floor = rustle("heel 1\nball 1\n") + floor, alone = rustle("heel 1\n");
+  // Greatest force of an elastic landing of energy W: k^(1/(a+1)) ((a+1) W)^(a/(a+1)).
+  const auto force = [](double shoe) {
+    const contact::ImpactLaw law = in_series({1e9, 1.6, 0}, sole_law(shoe, 1.6));
+    return law.force(law.deepest(0.01), 0);
+  };
+  const auto usual = loud(on_floor, 0.4);
+  CHECK(factor(usual, loud(alone, 0.4)) == test::approx(1).epsilon(1e-9));
+  for (const double shoe : {0.0, 0.7, 1.0}) {
+    CHECK(factor(loud(on_floor, shoe), usual) ==
+          test::approx(force(shoe) / force(0.4)).epsilon(1e-3));
+    CHECK(factor(loud(alone, shoe), loud(alone, 0.4)) == test::approx(1).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("the parts of a sole share its mass and land one after the other, the slower the later") {
   // Contacts of a linear law far apart in time on a dead mode: each shows as one burst.
   const auto bursts = [](const std::string& more, double speed, std::uint64_t seed) {
