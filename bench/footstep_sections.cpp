@@ -91,7 +91,7 @@ Octaves walk(const Recipe& recipe, double speed, double seconds) {
   foot->stand_on(1, recipe, 1, recipe, 0);
   gait.prepare(kRate);
   gait.seed(3);
-  gait.set({speed, 700, 0.4, false}, 0.04);
+  gait.set({speed, 700, 0.4}, 0.04);
   gait.walk(true);
   std::array<SoleState, Gait::kFeet> soles{};
   Octaves heard;

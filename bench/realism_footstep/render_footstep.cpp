@@ -39,10 +39,10 @@ int main(int count, char** words) {
   Gait gait;
   gait.prepare(rate);
   gait.seed(seed);
-  gait.set({speed, 700, 0.4, false}, 0.04);
+  gait.set({speed, 700, 0.4}, 0.04);
   gait.walk(true);
   GroundReaction usual;
-  usual.set({speed, 700, 0.4, false});
+  usual.set({speed, 700, 0.4});
   const auto length = static_cast<std::size_t>(usual.stride_s() * rate);
   const auto before = static_cast<std::size_t>(0.01 * rate);
 

@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace tactus::footstep {
 namespace {
 
-/// The ball of the foot comes down after about this part of the stance, when walking.
-constexpr double kFlatAt = 0.12;
-constexpr double kHeelUpAt = 0.62;
-/// Speeds at which heel and ball meet the ground at 1.4 m/s, and how they grow with the speed.
-constexpr double kHeelSpeed = 0.5, kBallSpeed = 0.3, kUsualSpeed = 1.4, kGrowth = 0.8;
+/// Landing speeds of the first steps, against those of a walker who keeps on.
+constexpr double kSetOff[] = {0.75, 0.9};
+constexpr double kMaxLog = 1.3863;    // ln 4
+constexpr double kScuffLength = 0.15; // m
+constexpr double kScuffSpeed = 1.4;   // of the walking speed: a swinging foot that is held up
+constexpr double kScuffAt = 0.35;     // of the swing
+constexpr double kDragAt = 0.02, kFree = 0.05; // s after and before a foot stands
 
 } // namespace
 
@@ -18,98 +22,276 @@ void Gait::prepare(double sample_rate) noexcept { step_s_ = 1 / sample_rate; }
 
 void Gait::set(const Walker& walker, double variation) noexcept {
   walker_ = walker;
-  reaction_.set(walker);
-  variation_ = std::clamp(variation, 0.0, 0.5);
+  if (!std::isfinite(walker_.speed_m_per_s))
+    walker_.speed_m_per_s = Walker{}.speed_m_per_s;
+  reaction_.set(walker_);
+  variation_ = variation > 0 ? std::min(variation, 0.5) : 0;
 }
 
 void Gait::reset() noexcept {
-  until_contact_s_ = 0;
+  state_ = State::kAir;
+  until_s_ = 0;
   next_foot_ = 0;
-  for (auto& foot : steps_)
-    for (Step& step : foot)
-      step.under_way = false;
+  steps_ = 0;
+  turn_rad_ = jump_m_ = 0;
+  lands_ = false;
+  swings_ = {};
+  lent_ = {};
+  for (auto& foot : footfalls_)
+    for (Footfall& footfall : foot)
+      footfall.end();
 }
 
-void Gait::walk(bool on) noexcept {
-  if (on && !walking_)
-    until_contact_s_ = 0;
-  walking_ = on;
+double Gait::varied(double times) noexcept {
+  // Within a factor of four, however unsteady.
+  return std::exp(std::clamp(times * variation_ * random_.normal(), -kMaxLog, kMaxLog));
+}
+
+double Gait::swing_s() const noexcept { return reaction_.stride_s() - reaction_.stance_s(); }
+
+bool Gait::on_ground(std::size_t foot) const noexcept {
+  return std::any_of(footfalls_[foot].begin(), footfalls_[foot].end(),
+                     [](const Footfall& one) { return one.under_way(); });
+}
+
+bool Gait::standing() const noexcept {
+  return std::all_of(footfalls_.begin(), footfalls_.end(), [](const auto& foot) {
+    return std::any_of(foot.begin(), foot.end(), [](const Footfall& one) { return one.settled(); });
+  });
+}
+
+/// A free place, else the oldest's.
+Footfall& Gait::play(std::size_t foot, const Footfall& footfall) noexcept {
+  auto& all = footfalls_[foot];
+  Footfall& place =
+      *std::max_element(all.begin(), all.end(), [](const Footfall& a, const Footfall& b) {
+        return a.under_way() != b.under_way() ? a.under_way()
+                                              : a.under_way() && a.time_s() < b.time_s();
+      });
+  place = footfall;
+  return place;
+}
+
+/// What stands becomes something else that begins with the same load.
+void Gait::replace(std::size_t foot, const Footfall& footfall) noexcept {
+  for (Footfall& one : footfalls_[foot])
+    if (one.under_way() && one.stays) {
+      one = footfall;
+      return;
+    }
+  play(foot, footfall);
+}
+
+void Gait::begin_step(std::size_t foot) noexcept {
+  StepVariation vary{varied(1), varied(1), varied(4), varied(5), varied(4)};
+  if (state_ == State::kWalking && steps_ < 2) {
+    vary.heel_speed *= kSetOff[steps_];
+    vary.ball_speed *= kSetOff[steps_];
+  }
+  Footfall made = stance(reaction_, vary);
+  if (turn_rad_ > 0)
+    pivot(made, reaction_, std::exchange(turn_rad_, 0.0));
+  play(foot, made);
 }
 
 void Gait::step(std::size_t foot) noexcept {
-  if (foot < kFeet)
-    begin(foot);
-}
-
-void Gait::begin(std::size_t foot) noexcept {
-  // A free one, else the oldest.
-  Step& step =
-      *std::max_element(steps_[foot].begin(), steps_[foot].end(), [](const Step& a, const Step& b) {
-        return a.under_way != b.under_way ? a.under_way : a.under_way && a.time_s < b.time_s;
-      });
-  const auto vary = [this](double times) {
-    return std::exp(times * variation_ * random_.normal());
-  };
-  step.reaction = reaction_;
-  step.under_way = true;
-  step.time_s = 0;
-  step.stance_s = step.reaction.stance_s() * vary(1);
-  step.scale = vary(1);
-  const double pace = std::pow(std::clamp(walker_.speed_m_per_s, 0.3, 8.0) / kUsualSpeed, kGrowth);
-  step.heel_speed = kHeelSpeed * pace * vary(4);
-  step.ball_speed = kBallSpeed * pace * vary(5);
-  // A runner lands on the whole foot.
-  step.flat_s = (walker_.run ? 0.04 : kFlatAt) * step.stance_s * vary(4);
-  step.landed = step.flat = step.heel_up = false;
-  step.heel_n = step.ball_n = 0;
-}
-
-void Gait::advance(Step& step, SoleState& sole) noexcept {
-  if (!step.under_way)
+  if (foot >= kFeet)
     return;
-  if (!step.landed) {
-    step.landed = true;
-    sole.heel_landing = std::max(sole.heel_landing, step.heel_speed);
+  if (state_ == State::kStanding) {
+    for (auto& feet : footfalls_)
+      for (Footfall& one : feet)
+        if (one.under_way() && one.stays)
+          one = lift(one.load.at(one.time_s()));
+    state_ = State::kAir;
   }
-  if (!step.flat && step.time_s >= step.flat_s) {
-    step.flat = true;
-    sole.ball_landing = std::max(sole.ball_landing, step.ball_speed);
+  begin_step(foot);
+}
+
+void Gait::turn(double angle_rad, std::size_t foot) noexcept {
+  turn_rad_ = std::isfinite(angle_rad) ? std::min(std::abs(angle_rad), std::numbers::pi) : 0;
+  if (!wants_to_walk_ && state_ != State::kHalting)
+    step(foot);
+}
+
+void Gait::jump(double height_m) noexcept {
+  jump_m_ = height_m > 0 ? std::clamp(height_m, kLeastJump, kMostJump) : 0;
+}
+
+void Gait::scuff(std::size_t foot) noexcept {
+  if (foot < kFeet)
+    swings_[foot] = {Swing::Kind::kScuff, kScuffLength * varied(4),
+                     kScuffSpeed * std::clamp(walker_.speed_m_per_s, 0.3, 3.0) * varied(2), -1};
+}
+
+void Gait::drag(std::size_t foot, double length_m, double speed_m_per_s) noexcept {
+  if (foot < kFeet && std::isfinite(length_m) && std::isfinite(speed_m_per_s))
+    swings_[foot] = {Swing::Kind::kDrag, length_m, speed_m_per_s, -1};
+}
+
+void Gait::begin_halt() noexcept {
+  BothFeet pair = footstep::halt(reaction_);
+  play(next_foot_, pair.feet[0]);
+  closing_ = pair.feet[1];
+  until_s_ = pair.then_s;
+  next_foot_ = 1 - next_foot_;
+  state_ = State::kHalting;
+}
+
+void Gait::begin_jump() noexcept {
+  const Jump made = footstep::jump(std::exchange(jump_m_, 0.0) * varied(1), reaction_.weight_n());
+  for (std::size_t foot = 0; foot < kFeet; ++foot)
+    replace(foot, made.push_off);
+  landing_ = made.landing;
+  lands_ = true;
+  until_s_ = made.then_s;
+  state_ = State::kBusy;
+}
+
+/// What feet in the air begin with.
+void Gait::leave_the_air() noexcept {
+  if (jump_m_ > 0) {
+    for (std::size_t foot = 0; foot < kFeet; ++foot)
+      play(foot, stand(reaction_.weight_n()));
+    state_ = State::kStanding;
+  } else if (wants_to_walk_) {
+    state_ = State::kWalking;
+    until_s_ = 0;
+    steps_ = 0;
+    begun_ = false;
   }
-  step.time_s += step_s_;
-  const double x = step.time_s / step.stance_s;
-  const double force = step.scale * step.reaction.force(x);
-  const double heel = force * GroundReaction::heel_share(x);
-  const double ball = force - heel;
-  sole.heel_n += heel;
-  sole.ball_n += ball;
-  sole.heel_slope += (heel - step.heel_n) / step_s_;
-  sole.ball_slope += (ball - step.ball_n) / step_s_;
-  step.heel_n = heel;
-  step.ball_n = ball;
-  if (!step.heel_up && x >= kHeelUpAt) {
-    step.heel_up = true;
-    sole.heel_up = true;
+}
+
+/// Scuffs and drags of feet that swing or have nothing to do.
+void Gait::begin_swings() noexcept {
+  for (std::size_t foot = 0; foot < kFeet; ++foot) {
+    Swing& swing = swings_[foot];
+    if (swing.kind == Swing::Kind::kNone)
+      continue;
+    const double weight_n = reaction_.weight_n();
+    const bool scuffs = swing.kind == Swing::Kind::kScuff;
+    if (state_ == State::kStanding) {
+      if (!standing())
+        continue;
+      BothFeet pair = standing_drag(swing.length_m, swing.speed_m_per_s, weight_n);
+      replace(foot, pair.feet[0]);
+      replace(1 - foot, pair.feet[1]);
+      until_s_ = pair.then_s;
+      state_ = State::kBusy;
+    } else if (state_ == State::kBusy || on_ground(foot)) {
+      swing.wait_s = -1;
+      continue;
+    } else if (state_ == State::kAir) {
+      play(foot, scuffs ? footstep::scuff(swing.length_m, swing.speed_m_per_s, weight_n)
+                        : footstep::drag(swing.length_m, swing.speed_m_per_s, weight_n));
+    } else {
+      // Of a walker: a while after the foot has left the ground, if there is time left.
+      if (swing.wait_s < 0)
+        swing.wait_s = scuffs ? kScuffAt * swing_s() : kDragAt;
+      swing.wait_s -= step_s_;
+      const double left = until_s_ + (next_foot_ == foot ? 0 : 0.5 * reaction_.stride_s()) - kFree;
+      if (swing.wait_s > 0 || left < kScuffAt * swing_s())
+        continue;
+      Footfall made;
+      if (scuffs) { // half a cosine's mean is 1/2
+        const double length = std::min(swing.length_m, 0.5 * swing.speed_m_per_s * left);
+        made = footstep::scuff(length, swing.speed_m_per_s, weight_n);
+      } else { // as far as a stride, as fast as the swing is short
+        const double length =
+            std::min(swing.length_m, walker_.speed_m_per_s * reaction_.stride_s());
+        made = footstep::drag(length, drag_speed(length, left), weight_n);
+      }
+      made.borrows = true;
+      play(foot, made);
+    }
+    swing = {};
   }
-  if (x >= 1) {
-    step.under_way = false;
-    sole.toe_off = true;
+}
+
+void Gait::decide() noexcept {
+  if (state_ == State::kAir)
+    leave_the_air();
+  switch (state_) {
+  case State::kWalking:
+    if (until_s_ <= 0) {
+      if (!wants_to_walk_ || jump_m_ > 0) {
+        if (begun_)
+          begin_halt();
+        else
+          state_ = State::kAir;
+        break;
+      }
+      begin_step(next_foot_);
+      begun_ = true;
+      steps_ = std::min(steps_ + 1, 2);
+      const double half_stride = 0.5 * reaction_.stride_s();
+      until_s_ += half_stride * std::max(0.2, 1 + variation_ * random_.normal());
+      next_foot_ = 1 - next_foot_;
+    }
+    break;
+  case State::kHalting:
+    if (until_s_ <= 0) {
+      play(next_foot_, closing_);
+      next_foot_ = 1 - next_foot_;
+      state_ = State::kStanding;
+    }
+    break;
+  case State::kBusy:
+    if (until_s_ <= 0) {
+      state_ = State::kStanding;
+      if (std::exchange(lands_, false))
+        for (std::size_t foot = 0; foot < kFeet; ++foot)
+          play(foot, landing_);
+    }
+    break;
+  case State::kStanding:
+    if (!(wants_to_walk_ || jump_m_ > 0) || !standing())
+      break;
+    if (jump_m_ > 0) {
+      begin_jump();
+    } else {
+      const BothFeet pair = set_off(reaction_);
+      replace(1 - next_foot_, pair.feet[0]);
+      replace(next_foot_, pair.feet[1]);
+      until_s_ = pair.then_s;
+      steps_ = 0;
+      begun_ = true;
+      state_ = State::kWalking;
+    }
+    break;
+  case State::kAir:
+    break;
   }
 }
 
 void Gait::next(std::array<SoleState, kFeet>& feet) noexcept {
   feet = {};
-  if (walking_) {
-    if (until_contact_s_ <= 0) {
-      begin(next_foot_);
-      const double half_stride = 0.5 * reaction_.stride_s();
-      until_contact_s_ += half_stride * std::max(0.2, 1 + variation_ * random_.normal());
-      next_foot_ = 1 - next_foot_;
-    }
-    until_contact_s_ -= step_s_;
-  }
+  decide();
+  begin_swings();
+  until_s_ -= step_s_;
+  std::array<double, kFeet> borrowed{};
   for (std::size_t i = 0; i < kFeet; ++i)
-    for (Step& step : steps_[i])
-      advance(step, feet[i]);
+    for (Footfall& footfall : footfalls_[i]) {
+      footfall.advance(step_s_, feet[i]);
+      if (footfall.under_way() && footfall.borrows)
+        borrowed[1 - i] += footfall.force_n();
+    }
+  for (std::size_t i = 0; i < kFeet; ++i)
+    lend(i, borrowed[i], feet[i]);
+}
+
+/// What a foot of a walker bears while it scuffs or drags, the other one does not.
+void Gait::lend(std::size_t foot, double force_n, SoleState& sole) noexcept {
+  const double whole = sole.heel_n + sole.ball_n;
+  const double part = force_n > 0 && whole > 0 ? std::min(force_n / whole, 1.0) : 0;
+  const double before = std::exchange(lent_[foot], part);
+  if (part == 0 && before == 0)
+    return;
+  // The difference of (1 - part) force between two samples.
+  const double rate = (part - before) / step_s_;
+  sole.heel_slope = (1 - before) * sole.heel_slope - rate * sole.heel_n;
+  sole.ball_slope = (1 - before) * sole.ball_slope - rate * sole.ball_n;
+  sole.heel_n *= 1 - part;
+  sole.ball_n *= 1 - part;
 }
 
 } // namespace tactus::footstep

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "core/dsp/random.hpp"
+#include "core/footstep/footfall.hpp"
 #include "core/footstep/ground_reaction.hpp"
+#include "core/footstep/movements.hpp"
 #include "core/footstep/step_event.hpp"
 
 #include <array>
@@ -10,9 +12,13 @@
 
 namespace tactus::footstep {
 
-/// Steps of a person who walks or runs on: forces under heel and ball of one or two feet, and the
-/// phases of each step. No two steps are alike: times and forces vary by `variation` (coefficient
-/// of variation, 3 to 5 % in people), landing speeds by four times that.
+/// A person on two feet: walks in a Style, sets off, halts, turns, jumps, scuffs and drags a foot.
+/// Gives forces under heel and ball of both feet, landing speeds, sliding, and the phases of each
+/// step. No two steps are alike: times and forces vary by `variation` (coefficient of variation, 3
+/// to 5 % in people), landing speeds by four times that.
+///
+/// At first the feet are in the air and the first step is a landing. Who halts stands, each foot
+/// with half of the weight, and sets off from there.
 class Gait {
 public:
   static constexpr std::size_t kFeet = 2, kOverlap = 4;
@@ -21,37 +27,68 @@ public:
   /// Holds from the next step on.
   void set(const Walker& walker, double variation) noexcept;
   void seed(std::uint64_t value) noexcept { random_.seed(value); }
-  /// Both feet in the air; the next sample is a contact of the first foot.
+  /// Both feet in the air; a walker begins anew with a contact of the first foot.
   void reset() noexcept;
-  /// Begins or ends walking; a step that is under way is completed.
-  void walk(bool on) noexcept;
-  /// One step of that foot now. A foot that is on the ground lands once more beside it: up to
-  /// kOverlap landings of one foot are under way at once, and one more ends the oldest.
+  /// Walks on, or halts: one more step, softer, and the other foot beside it.
+  void walk(bool on) noexcept { wants_to_walk_ = on; }
+  [[nodiscard]] bool walking() const noexcept { return wants_to_walk_; }
+  /// One step of that foot now, whatever else goes on. A foot that is on the ground lands once more
+  /// beside it: up to kOverlap landings of one foot are under way at once, and one more ends the
+  /// oldest.
   void step(std::size_t foot) noexcept;
-  [[nodiscard]] bool walking() const noexcept { return walking_; }
+  /// The next step pivots by that angle (radians, up to pi); who does not walk makes a step of that
+  /// foot for it.
+  void turn(double angle_rad, std::size_t foot) noexcept;
+  /// A jump on both feet, height in m (kLeastJump..kMostJump). A walker halts before it and sets
+  /// off again after; feet in the air are put down first.
+  void jump(double height_m) noexcept;
+  /// The ball of that foot strikes and slides: in its next swing, or at once if it does not walk.
+  void scuff(std::size_t foot) noexcept;
+  /// That foot slides by a length (m) at a speed (m/s) under part of the weight: a walker's in its
+  /// next swing and no longer than it, else at once.
+  void drag(std::size_t foot, double length_m, double speed_m_per_s) noexcept;
 
   /// One sample of both feet.
   void next(std::array<SoleState, kFeet>& feet) noexcept;
 
 private:
-  struct Step {
-    GroundReaction reaction;
-    bool under_way = false;
-    double time_s = 0, stance_s = 0.6, scale = 1, flat_s = 0.08;
-    double heel_speed = 0, ball_speed = 0;
-    bool landed = false, flat = false, heel_up = false;
-    double heel_n = 0, ball_n = 0;
+  enum class State { kAir, kWalking, kHalting, kStanding, kBusy };
+  /// Something that a foot does once it is free.
+  struct Swing {
+    enum class Kind { kNone, kScuff, kDrag } kind = Kind::kNone;
+    double length_m = 0, speed_m_per_s = 0;
+    double wait_s = -1; ///< since the foot left the ground; negative: it has not yet
   };
-  void begin(std::size_t foot) noexcept;
-  void advance(Step& step, SoleState& sole) noexcept;
+  Footfall& play(std::size_t foot, const Footfall& footfall) noexcept;
+  void replace(std::size_t foot, const Footfall& footfall) noexcept;
+  void begin_step(std::size_t foot) noexcept;
+  void begin_halt() noexcept;
+  void begin_jump() noexcept;
+  void leave_the_air() noexcept;
+  void begin_swings() noexcept;
+  void lend(std::size_t foot, double force_n, SoleState& sole) noexcept;
+  void decide() noexcept;
+  [[nodiscard]] bool on_ground(std::size_t foot) const noexcept;
+  [[nodiscard]] bool standing() const noexcept;
+  [[nodiscard]] double varied(double times) noexcept;
+  [[nodiscard]] double swing_s() const noexcept;
 
   Walker walker_;
   GroundReaction reaction_; ///< of that walker
-  double variation_ = 0.04, step_s_ = 1.0 / 48000, until_contact_s_ = 0;
+  double variation_ = 0.04, step_s_ = 1.0 / 48000;
+  bool wants_to_walk_ = false;
+  State state_ = State::kAir;
+  double until_s_ = 0; ///< until the next contact, or the end of what is under way
   std::size_t next_foot_ = 0;
-  bool walking_ = false;
+  int steps_ = 0;      ///< since setting off, as far as they differ
+  bool begun_ = false; ///< a foot has come down or pushed off since the feet were in the air
+  double turn_rad_ = 0, jump_m_ = 0; ///< what is still to be done
+  Footfall closing_, landing_;       ///< what comes at the end of until_s_
+  bool lands_ = false;
+  std::array<Swing, kFeet> swings_{};
+  std::array<double, kFeet> lent_{}; ///< part of its load that a foot does not bear just now
   Random random_;
-  std::array<std::array<Step, kOverlap>, kFeet> steps_{};
+  std::array<std::array<Footfall, kOverlap>, kFeet> footfalls_{};
 };
 
 } // namespace tactus::footstep

@@ -10,13 +10,27 @@ namespace {
 constexpr double kLowPassHz = 200;
 constexpr double kSlopeTime = 0.005;                            // s
 constexpr double kFollowSlow = 0.5, kFollowFast = 0.02;         // s
-constexpr double kOn = 0.05, kEarly = 0.025, kOff = 0.025;      // of the weight
+constexpr double kFloor = 0.03, kNoise = 0.2;                   // s, time constants in the air
+constexpr double kOn = 0.05, kOff = 0.025;                      // of the weight
 constexpr double kLowestBaseline = 0.02;                        // of the weight
-constexpr double kStepSlope = 4;                                // weights a second
+constexpr double kTouch = 0.0015, kMaxTouch = 0.025;            // of the weight
+constexpr double kDeviations = 7;                               // of noise that is no touch
+constexpr double kKnown = 0.1;                                  // 20 ms in the air
+constexpr double kLongestTouch = 0.5;                           // s
 constexpr double kShortestStance = 0.08, kShortestSwing = 0.06; // s
-constexpr double kTouch = 0.01, kLook = 0.0027;                 // of the weight, s
+constexpr double kLook = 0.0022, kLongLook = 0.0035;            // s
+constexpr double kFirm = 0.008;                                 // of the weight
 constexpr double kSlowest = 0.02, kFastest = 2;                 // m/s
-constexpr double kMostForce = 1e5;                              // N
+constexpr double kStiffening = 1.5;                             // F ~ x^kStiffening
+constexpr double kMaxForce = 1e5;                               // N
+
+/// Landing speed in m/s and weights a second: of a heel that comes first and of a part that
+/// follows, as a walker at 1.4 m/s in usual shoes has them; of a ball that comes first, as on
+/// stairs.
+struct Usual {
+  double speed, slope;
+};
+constexpr Usual kHeelFirst{0.5, 26}, kBallFirst{0.5, 9}, kFollows{0.3, 3.3};
 
 } // namespace
 
@@ -56,6 +70,8 @@ void SoleChannel::prepare(double sample_rate) {
   a2_ = (1 - std::numbers::sqrt2 * k + k * k) * norm;
   follow_slow_ = 1 - std::exp(-1 / (kFollowSlow * sample_rate));
   follow_fast_ = 1 - std::exp(-1 / (kFollowFast * sample_rate));
+  follow_floor_ = 1 - std::exp(-1 / (kFloor * sample_rate));
+  follow_noise_ = 1 - std::exp(-1 / (kNoise * sample_rate));
   const auto length = static_cast<std::size_t>(std::max(4.0, std::round(kSlopeTime * sample_rate)));
   if (length != recent_.size()) {
     recent_.assign(length, force_);
@@ -66,6 +82,7 @@ void SoleChannel::prepare(double sample_rate) {
 
 void SoleChannel::reset() noexcept {
   force_ = slope_ = baseline_ = s1_ = s2_ = 0;
+  floor_ = rise_ = variance_ = known_ = 0;
   std::fill(recent_.begin(), recent_.end(), 0.0);
   at_ = 0;
   start_sums();
@@ -81,7 +98,15 @@ void SoleChannel::start_sums() noexcept {
   }
 }
 
-void SoleChannel::next(double force_n, bool lifted, double lowest_n) noexcept {
+double SoleChannel::touch_n(double weight_n) const noexcept {
+  if (known_ < kKnown) // too short a time in the air
+    return kMaxTouch * weight_n;
+  const double deviation = std::sqrt(variance_ / known_);
+  return std::clamp(kDeviations * deviation, kTouch * weight_n, kMaxTouch * weight_n);
+}
+
+void SoleChannel::next(double force_n, bool lifted, bool free, double touch_n,
+                       double lowest_n) noexcept {
   const double x = force_n;
   double y = b0_ * x + s1_;
   s1_ = b1_ * x - a1_ * y + s2_;
@@ -93,6 +118,14 @@ void SoleChannel::next(double force_n, bool lifted, double lowest_n) noexcept {
     baseline_ += follow_slow_ * (y - baseline_);
   baseline_ = std::max(baseline_, lowest_n);
   force_ = std::max(0.0, y - baseline_);
+  rise_ = y - floor_;
+  if (free) {
+    // Rises alone count as noise: a foot that leaves the ground is none. A touch counts little.
+    const double up = std::clamp(rise_, 0.0, touch_n);
+    variance_ += follow_noise_ * (2 * up * up - variance_);
+    known_ += follow_noise_ * (1 - known_);
+    floor_ += follow_floor_ * (y - floor_);
+  }
   const std::size_t length = recent_.size();
   if (length == 0)
     return;
@@ -116,43 +149,60 @@ void SoleSensor::prepare(double sample_rate) {
 }
 
 void SoleSensor::set(double weight_n) noexcept {
-  weight_n_ = std::clamp(weight_n, 1e-6, kMostForce);
+  weight_n_ = std::clamp(weight_n, 1e-6, kMaxForce);
 }
 
 void SoleSensor::reset() noexcept {
   for (Region* region : {&heel_, &ball_}) {
     region->channel.reset();
-    region->down = region->landed = false;
+    region->down = region->loaded = false;
     region->since_s = 1;
     region->touching_s = 0;
+    region->touch_n = kMaxTouch * weight_n_;
   }
 }
 
 void SoleSensor::update(Region& region, double force_n, bool stands, double& landing,
                         bool& lifted) noexcept {
-  const double force = std::isfinite(force_n) ? std::clamp(force_n, -kMostForce, kMostForce) : 0;
+  const double force = std::isfinite(force_n) ? std::clamp(force_n, -kMaxForce, kMaxForce) : 0;
+  SoleChannel& channel = region.channel;
+  const double touch_n = region.touch_n;
   // The baseline waits until the foot is surely in the air.
-  region.channel.next(force, !in_stance() && region.since_s > kShortestSwing,
-                      -kLowestBaseline * weight_n_);
+  channel.next(force, !in_stance() && region.since_s > kShortestSwing,
+               !region.down && region.touching_s == 0, touch_n, -kLowestBaseline * weight_n_);
   region.since_s = std::min(region.since_s + step_s_, 1e3);
-  const double level = region.channel.force() / weight_n_;
-  const double slope = region.channel.slope() / weight_n_;
-  region.touching_s = level > kTouch ? region.touching_s + step_s_ : 0;
-  if ((region.down || stands) && !region.landed && region.touching_s >= kLook) {
-    region.landed = true;
-    // A heel's pad or a sole stiffens as it is pressed, F ~ x^2, so that slopes go with the square
-    // of the speed.
-    const double relative = std::max(slope, 0.0) / region.usual_slope;
-    landing = std::clamp(region.usual_speed * std::sqrt(relative), kSlowest, kFastest);
-  }
+  const double level = channel.force() / weight_n_;
   if (!region.down) {
-    if (region.since_s < kShortestSwing || !(level > kOn || (level > kEarly && slope > kStepSlope)))
+    const bool touches = channel.rise() > (region.touching_s > 0 ? 0.5 : 1) * touch_n;
+    region.touching_s = touches ? region.touching_s + step_s_ : 0;
+    if (!touches)
+      region.touch_n = channel.touch_n(weight_n_);
+    if (region.since_s < kShortestSwing)
+      return;
+    // A firm contact is told early: there is time to look longer at how hard it is.
+    const double look = channel.rise() > kFirm * weight_n_ ? kLongLook : kLook;
+    if (region.touching_s < look && !(level > kOn && region.touching_s == 0))
       return;
     region.down = true;
+    region.loaded = false;
     region.since_s = 0;
-  } else if (region.since_s >= kShortestStance && level < kOff) {
-    region.down = region.landed = false;
-    region.since_s = 0;
+    const double slope =
+        std::max(channel.rise() - touch_n, 0.0) / weight_n_ / std::max(region.touching_s, kLook);
+    const Usual& usual = stands ? kFollows : &region == &heel_ ? kHeelFirst : kBallFirst;
+    landing = usual.speed * std::pow(slope / usual.slope, 1 / kStiffening);
+    landing = std::clamp(landing, kSlowest, kFastest);
+    return;
+  }
+  region.loaded = region.loaded || level > kOn;
+  // A light touch ends where it began, or has become what the shoe itself presses; a stance ends at
+  // kOff.
+  const bool gone = region.loaded
+                        ? level < kOff
+                        : channel.rise() < 0.5 * touch_n || region.since_s > kLongestTouch;
+  if (gone && region.since_s >= kShortestStance) {
+    region.down = false;
+    region.touching_s = region.since_s = 0;
+    channel.land_on_floor();
     lifted = true;
   }
 }
@@ -161,10 +211,8 @@ SoleState SoleSensor::next(double heel_reading, double ball_reading) noexcept {
   SoleState sole;
   const bool stood = in_stance();
   bool ball_up = false;
-  update(heel_, heel_table_.force(heel_reading), false, sole.heel_landing, sole.heel_up);
-  if (sole.heel_landing > 0)
-    ball_.landed = ball_.down;
-  update(ball_, ball_table_.force(ball_reading), heel_.landed, sole.ball_landing, ball_up);
+  update(heel_, heel_table_.force(heel_reading), ball_.down, sole.heel_landing, sole.heel_up);
+  update(ball_, ball_table_.force(ball_reading), heel_.down, sole.ball_landing, ball_up);
   sole.heel_n = heel_.channel.force();
   sole.ball_n = ball_.channel.force();
   sole.heel_slope = heel_.channel.slope();

@@ -31,28 +31,38 @@ class SoleChannel {
 public:
   void prepare(double sample_rate); ///< may allocate
   void reset() noexcept;
-  /// `lifted`: the foot is in the air, the baseline may follow, down to `lowest_n`.
-  void next(double force_n, bool lifted, double lowest_n = -20) noexcept;
+  /// `lifted`: the foot is in the air, the baseline may follow, down to `lowest_n`. `free`: this
+  /// part of it is, floor and noise are followed; what rises by more than touch_n is no noise.
+  void next(double force_n, bool lifted, bool free = false, double touch_n = 20,
+            double lowest_n = -20) noexcept;
   [[nodiscard]] double force() const noexcept { return force_; }         ///< N
   [[nodiscard]] double slope() const noexcept { return slope_ * rate_; } ///< N/s
+  /// Above what the sensor read during the last 30 ms in which it was free, N.
+  [[nodiscard]] double rise() const noexcept { return rise_; }
+  /// The rise that noise does not reach, N: seven of its standard deviations, within 0.15 to 2.5 %
+  /// of the weight.
+  [[nodiscard]] double touch_n(double weight_n) const noexcept;
+  /// What it reads now is the floor.
+  void land_on_floor() noexcept { floor_ += rise_; }
 
 private:
   void start_sums() noexcept;
 
   double rate_ = 48000, force_ = 0, slope_ = 0, baseline_ = 0;
-  double follow_slow_ = 0, follow_fast_ = 0;
+  double follow_slow_ = 0, follow_fast_ = 0, follow_floor_ = 0, follow_noise_ = 0;
+  double floor_ = 0, rise_ = 0, variance_ = 0, known_ = 0; ///< known: weight of the variance
   double b0_ = 1, b1_ = 0, b2_ = 0, a1_ = 0, a2_ = 0, s1_ = 0, s2_ = 0; // low-pass
   std::vector<double> recent_;
   std::size_t at_ = 0;
   double sum_ = 0, weighted_ = 0; // over the last 5 ms
 };
 
-/// Two sensors of one foot to its forces and the phases of its steps. A region lands when it
-/// carries 5 % of the body's weight, or 2.5 % while rising as fast as a step does, and lifts
-/// below 2.5 %; a stance lasts at least 80 ms and a swing 60 ms, so that noise makes no steps. How
-/// hard it landed is told 2.7 ms after it first carried 1 %, or as soon as it has landed: before,
-/// the slope is that of the air. A ball that carries 1 % under a heel that stands has landed, too:
-/// it takes on weight slowly.
+/// Two sensors of one foot to its forces and the phases of its steps. A region lands once it has
+/// risen for 2.2 ms (3.5 ms if firmly) above what it read in the air by more than noise (touch_n),
+/// and how hard is told by the slope then; at the latest it lands when it carries 5 % of the body's
+/// weight. It lifts below 2.5 %, or, if it never carried 5 %, where it began. A stance lasts at
+/// least 80 ms and a swing 60 ms. A pad of F ~ x^1.5 (Hertz) pressed at v has a slope ~ v^1.5 by
+/// that time.
 class SoleSensor {
 public:
   void prepare(double sample_rate); ///< may allocate
@@ -68,15 +78,16 @@ public:
 private:
   struct Region {
     SoleChannel channel;
-    double usual_speed, usual_slope; ///< landing speed in m/s, weights a second by then
-    bool down = false, landed = false;
-    double since_s = 1, touching_s = 0;
+    double usual_speed, usual_slope;   ///< landing speed in m/s, weights a second by then
+    bool down = false, loaded = false; ///< loaded: has carried 5 % since it landed
+    double since_s = 1, touching_s = 0, touch_n = 17.5;
   };
+  /// `stands`: the other part of the sole is down already.
   void update(Region& region, double force_n, bool stands, double& landing, bool& lifted) noexcept;
 
   double weight_n_ = 700, step_s_ = 1.0 / 48000;
   Calibration heel_table_, ball_table_;
-  Region heel_{{}, 0.5, 12}, ball_{{}, 0.3, 0.3};
+  Region heel_, ball_;
 };
 
 } // namespace tactus::footstep

@@ -10,6 +10,8 @@
 namespace tactus::footstep {
 
 inline constexpr std::array<std::string_view, 2> kSources{"gait", "sensors"};
+inline constexpr std::array<std::string_view, 5> kStyleNames{"walk", "run", "sneak", "upstairs",
+                                                             "downstairs"};
 inline constexpr std::array<std::string_view, 2> kUnits{"newton", "weight"};
 
 enum ParameterIndex : std::size_t {
@@ -31,13 +33,16 @@ enum ParameterIndex : std::size_t {
   kCommon,
   kSeed,
   kRoom,
+  kGait,
 };
 inline constexpr std::array kParameters{
     Parameter{"source", "", 0, 0, 1, "whose steps: a walker's, made here, or the inlets' forces",
               kSources},
-    Parameter{"walk", "", 0, 0, 1, "1: the walker walks on; 0: stops after this step"},
-    Parameter{"speed", "m/s", 1.4, 0.3, 8, "of the walker"},
-    Parameter{"run", "", 0, 0, 1, "1: runs, at 1.5 m/s or more; 0: walks, at 2.5 m/s or less"},
+    Parameter{"walk", "", 0, 0, 1,
+              "1: the walker sets off and walks on; 0: halts with one more step and stands"},
+    Parameter{"speed", "m/s", 1.4, 0.3, 8,
+              "of the walker on level ground; sneaking and stairs are slower, as people are"},
+    Parameter{"run", "", 0, 0, 1, "1: gait run, at 1.5 m/s or more; 0: gait walk"},
     Parameter{"weight", "N", 700, 1, 10000, "of the body; forces count relative to it"},
     Parameter{"shoe", "", 0.4, 0, 1, "hardness of the sole: 0 soft or barefoot, 1 hard"},
     Parameter{"feet", "", 1, 1, 2, "feet that sound"},
@@ -55,12 +60,17 @@ inline constexpr std::array kParameters{
     Parameter{"seed", "", 1, 0, 16777215, "of everything that is left to chance"},
     Parameter{"room", "", 1, 0, 10,
               "times the room's answer that a surface comes with; 0: in the open"},
+    Parameter{"gait", "", 0, 0, 4, "how the walker walks", kStyleNames},
 };
 
 enum MessageIndex : std::size_t {
   kSurface,
   kStep,
   kBang,
+  kTurn,
+  kJump,
+  kScuff,
+  kDrag,
   kCalibrate,
   kEqualise,
   kSurfaces,
@@ -75,6 +85,15 @@ inline constexpr std::array kMessages{
     Message{"step", "[left|right]", 0, 1,
             "one step; a foot that is down lands once more beside it"},
     Message{"bang", "", 0, 0, "one step; with feet 2 the feet in turn"},
+    Message{"turn", "[degrees]", 0, 1,
+            "the next step pivots by 1 to 180 degrees (90): the ball slides under the load"},
+    Message{"jump", "[m]", 0, 1,
+            "crouches, jumps on both feet 0.01 to 1 m high (0.3), lands; a walker halts before"},
+    Message{"scuff", "[left|right]", 0, 1,
+            "the ball strikes and slides 15 cm, in that foot's next swing or at once"},
+    Message{"drag", "[left|right] [m [m/s]]", 0, 3,
+            "that foot slides 0.01 to 20 m (0.5) at 0.02 to 5 m/s (0.5) under 30 % of the weight; "
+            "of a walker for its next swing"},
     Message{"calibrate", "heel|ball [reading N reading N ...]", 1, 65,
             "at least five rising points from what the sensor reads to newtons; none: as it is"},
     Message{"equalise", "[f1 dB1 f2 dB2 ...]", 0, 32,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -60,7 +61,7 @@ void Footstep::prepare(double sample_rate, std::size_t) {
 }
 
 void Footstep::apply() noexcept {
-  gait_.set({value_[kSpeed], value_[kWeight], value_[kShoe], value_[kRun] >= 0.5},
+  gait_.set({value_[kSpeed], value_[kWeight], value_[kShoe], static_cast<Style>(value_[kGait])},
             value_[kVariation]);
   const Drive::Settings drive{value_[kDriveGain], value_[kSensitivity], value_[kLimit],
                               value_[kDelay] / 1000, value_[kCommon]};
@@ -78,6 +79,11 @@ void Footstep::set(std::size_t parameter, double value) noexcept {
   value_[parameter] = value;
   if (parameter == kWalk)
     return gait_.walk(value >= 0.5);
+  constexpr auto run = static_cast<double>(Style::kRun), walk = static_cast<double>(Style::kWalk);
+  if (parameter == kRun && (value >= 0.5 || value_[kGait] == run))
+    value_[kGait] = value >= 0.5 ? run : walk;
+  if (parameter == kGait)
+    value_[kRun] = value == run ? 1 : 0;
   if (parameter == kSeed) {
     const auto seed = static_cast<std::uint64_t>(value);
     gait_.seed(seed);
@@ -104,10 +110,12 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
       return host.error("step: expected left or right");
     return gait_.step(!arguments.empty() && arguments[0].word == kSides[1] ? 1 : 0);
   case kBang:
-    next_foot_ = value_[kFeet] >= 1.5 ? next_foot_ : 0;
-    gait_.step(next_foot_);
-    next_foot_ = 1 - next_foot_;
-    return;
+    return gait_.step(side_of(arguments));
+  case kTurn:
+  case kJump:
+  case kScuff:
+  case kDrag:
+    return move(index, arguments, host);
   case kCalibrate:
     return calibrate(arguments, host);
   case kEqualise:
@@ -131,6 +139,52 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
   default:
     return;
   }
+}
+
+std::size_t Footstep::side_of(std::span<const Atom>& arguments) noexcept {
+  for (std::size_t side = 0; side < kSides.size(); ++side)
+    if (!arguments.empty() && arguments[0].is_word && arguments[0].word == kSides[side]) {
+      arguments = arguments.subspan(1);
+      return side;
+    }
+  const std::size_t side = value_[kFeet] >= 1.5 ? next_foot_ : 0;
+  next_foot_ = 1 - side;
+  return side;
+}
+
+void Footstep::move(std::size_t index, std::span<const Atom> arguments, Host& host) {
+  const bool sided = index == kScuff || index == kDrag;
+  const std::size_t side = sided || index == kTurn ? side_of(arguments) : 0;
+  const auto number = [&](std::size_t i, double otherwise, double least, double most) {
+    if (i >= arguments.size())
+      return otherwise;
+    const Atom& word = arguments[i];
+    return !word.is_word && word.number >= least && word.number <= most
+               ? word.number
+               : std::numeric_limits<double>::quiet_NaN();
+  };
+  if (index == kTurn) {
+    const double degrees = number(0, 90, 1, 180);
+    if (std::isnan(degrees))
+      return host.error("turn: expected 1 to 180 degrees");
+    return gait_.turn(degrees * std::numbers::pi / 180, side);
+  }
+  if (index == kJump) {
+    const double height = number(0, 0.3, kLeastJump, kMostJump);
+    if (std::isnan(height))
+      return host.error("jump: expected a height of 0.01 to 1 m");
+    return gait_.jump(height);
+  }
+  if (index == kScuff) {
+    if (!arguments.empty())
+      return host.error("scuff: expected left or right");
+    return gait_.scuff(side);
+  }
+  const double length = number(0, 0.5, kLeastDrag, kMostDrag);
+  const double speed = number(1, 0.5, kLeastDragSpeed, kMostDragSpeed);
+  if (std::isnan(length) || std::isnan(speed) || arguments.size() > 2)
+    return host.error("drag: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s");
+  gait_.drag(side, length, speed);
 }
 
 void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {

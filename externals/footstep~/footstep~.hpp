@@ -75,6 +75,10 @@ private:
   void apply() noexcept;
   void stand() noexcept;
   void fade(std::array<double, 8>& out) noexcept;
+  /// Takes left or right off the front of the words; without, the feet in turn (the left one alone
+  /// with feet 1).
+  std::size_t side_of(std::span<const Atom>& arguments) noexcept;
+  void move(std::size_t index, std::span<const Atom> arguments, Host& host);
   void set_surface(std::span<const Atom> arguments, Host& host);
   void calibrate(std::span<const Atom> arguments, Host& host);
   void equalise(std::span<const Atom> arguments, Host& host);
@@ -85,7 +89,7 @@ private:
   SurfaceStore store_;
   Fade fade_;
   double gain_ = 1, gain_glide_ = 1; ///< smoothed while something sounds
-  std::size_t next_foot_ = 0;        ///< of a bang
+  std::size_t next_foot_ = 0;        ///< of a bang and its like
   std::array<Event, kMostEvents> events_{};
   std::size_t event_count_ = 0;
   double measured_ = 0; ///< samples since the last dump

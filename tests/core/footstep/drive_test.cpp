@@ -94,13 +94,13 @@ TEST_CASE(
     "what both share gives way from heel to ball where the force does, at 46 % of the stance") {
   Gait gait;
   gait.prepare(48000);
-  gait.set({1.4, 700, 0, false}, 0);
+  gait.set({1.4, 700, 0}, 0);
   gait.walk(true);
   Drive drive;
   drive.prepare(48000);
   drive.set({1, 3, 30, 0, 1});
   GroundReaction reaction;
-  reaction.set({1.4, 700, 0, false});
+  reaction.set({1.4, 700, 0});
   std::array<SoleState, Gait::kFeet> feet{};
   double heel = 0, ball = 0, crossing = 0;
   for (int n = 0; n < static_cast<int>(0.98 * reaction.stance_s() * 48000); ++n) {

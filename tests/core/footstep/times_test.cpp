@@ -99,12 +99,13 @@ Felt feel(const Line& heel, const Line& ball, double seconds, double weight = 70
 
 TEST_CASE("a gait without variation keeps the times and speeds of its walker") {
   for (const Walker& walker :
-       {Walker{.9, 700, .2, false}, Walker{1.4, 700, .2, false}, Walker{3, 650, .2, true}}) {
+       {Walker{.9, 700, .2}, Walker{1.4, 700, .2}, Walker{3, 650, .2, Style::kRun}}) {
     CAPTURE(walker.speed_m_per_s);
     GroundReaction reaction;
     reaction.set(walker);
     const double stride = reaction.stride_s(), stance = reaction.stance_s();
-    const double pace = std::pow(walker.speed_m_per_s / 1.4, .8);
+    const bool run = walker.style == Style::kRun;
+    const double v = walker.speed_m_per_s, heel = run ? .6 + .15 * v : .5 * std::pow(v / 1.4, .8);
     for (const std::size_t foot : {0UL, 1UL}) {
       const Events e = walk(walker, 6, foot);
       REQUIRE(e.heel.size() >= 5);
@@ -112,25 +113,26 @@ TEST_CASE("a gait without variation keeps the times and speeds of its walker") {
       for (std::size_t k = 0; k < 4; ++k) {
         const double begin = static_cast<double>(k) * stride + (foot ? stride / 2 : 0);
         CHECK(e.heel[k] == doctest::Approx(begin).epsilon(1e-9).scale(3 / kRate / 1e-9));
-        CHECK(std::abs(e.ball[k] - e.heel[k] - (walker.run ? .04 : .12) * stance) < 2 / kRate);
+        CHECK(std::abs(e.ball[k] - e.heel[k] - (run ? .04 : .12) * stance) < 2 / kRate);
         CHECK(std::abs(e.heel_up[k] - e.heel[k] - .62 * stance) < 2 / kRate);
         CHECK(std::abs(e.toe_off[k] - e.heel[k] - stance) < 2 / kRate);
-        CHECK(e.heel_speed[k] == doctest::Approx(.5 * pace));
-        CHECK(e.ball_speed[k] == doctest::Approx(.3 * pace));
+        const double softer = k > 0 ? 1 : foot == 0 ? .75 : .9; // the first two
+        CHECK(e.heel_speed[k] == doctest::Approx(softer * heel));
+        CHECK(e.ball_speed[k] == doctest::Approx(softer * .6 * heel));
       }
     }
   }
-  CHECK(walk({20, 700, 0, true}, 1, 0).heel_speed[0] ==
-        walk({8, 700, 0, true}, 1, 0).heel_speed[0]);
-  CHECK(walk({.1, 700, 0, false}, 1, 0).heel_speed[0] ==
-        walk({.3, 700, 0, false}, 1, 0).heel_speed[0]);
-  CHECK(walk({1.4, 700, 0, false}, 4, 0, 9).heel == walk({1.4, 700, 0, false}, 4, 0, .5).heel);
+  CHECK(walk({20, 700, 0, Style::kRun}, 1, 0).heel_speed[0] ==
+        walk({8, 700, 0, Style::kRun}, 1, 0).heel_speed[0]);
+  CHECK(walk({.1, 700, 0}, 1, 0).heel_speed[0] == walk({.3, 700, 0}, 1, 0).heel_speed[0]);
+  CHECK(walk({9, 700, 0}, 1, 0).heel_speed[0] == walk({2.5, 700, 0}, 1, 0).heel_speed[0]);
+  CHECK(walk({1.4, 700, 0}, 4, 0, 9).heel == walk({1.4, 700, 0}, 4, 0, .5).heel);
 }
 
 TEST_CASE("slopes are the forces' differences, and a scatter of forces is the variation's") {
   Gait gait;
   gait.prepare(kRate);
-  gait.set({1.4, 700, .4, false}, .04);
+  gait.set({1.4, 700, .4}, .04);
   gait.walk(true);
   std::array<SoleState, Gait::kFeet> feet{};
   double before_heel = 0, before_ball = 0, worst = 0, impulse = 0;
@@ -164,33 +166,26 @@ TEST_CASE("slopes are the forces' differences, and a scatter of forces is the va
   CHECK(scatter(speeds) == doctest::Approx(.16).epsilon(.18));
 }
 
-TEST_CASE("walking begins at once, ends after the step, goes on with the other foot; single steps "
-          "are steps") {
+TEST_CASE("walking begins at once from the air; single steps are steps") {
   Gait gait;
   gait.prepare(kRate);
-  gait.set({1.4, 700, 0, false}, 0);
+  gait.set({1.4, 700, 0}, 0);
   std::array<SoleState, Gait::kFeet> feet{};
   gait.next(feet);
   CHECK(feet[0].heel_landing == 0);
   CHECK_FALSE(gait.walking());
   gait.walk(true);
   CHECK(gait.walking());
+  gait.walk(false); // before anything began
+  for (int n = 0; n < 100; ++n) {
+    gait.next(feet);
+    CHECK(feet[0].heel_n + feet[1].heel_n == 0);
+  }
+  gait.walk(true);
   gait.next(feet);
   CHECK(feet[0].heel_landing > 0);
   CHECK(feet[1].heel_landing == 0);
-  gait.walk(false);
-  int offs = 0, landings = 0;
-  for (int n = 0; n < 2 * kRate; ++n) {
-    gait.next(feet);
-    offs += feet[0].toe_off + feet[1].toe_off;
-    landings += (feet[0].heel_landing > 0) + (feet[1].heel_landing > 0);
-  }
-  CHECK(offs == 1);
-  CHECK(landings == 0);
-  gait.walk(true);
   gait.walk(true); // is nothing new
-  gait.next(feet);
-  CHECK(feet[1].heel_landing > 0);
   gait.reset();
   CHECK(gait.walking());
   gait.next(feet);
@@ -214,7 +209,7 @@ TEST_CASE("landings of one foot that overlap add up, four at most, and all end")
   Gait one, many;
   for (Gait* gait : {&one, &many}) {
     gait->prepare(8000);
-    gait->set({1.4, 700, 0, false}, 0);
+    gait->set({1.4, 700, 0}, 0);
     gait->step(0);
   }
   std::array<SoleState, Gait::kFeet> alone{}, feet{};
@@ -249,10 +244,10 @@ TEST_CASE("landings of one foot that overlap add up, four at most, and all end")
 TEST_CASE("however unsteady a gait, the next contact waits a fifth of half a stride at least") {
   Gait gait;
   gait.prepare(8000);
-  gait.set({1.4, 700, 0, false}, .5);
+  gait.set({1.4, 700, 0}, .5);
   gait.walk(true);
   GroundReaction reaction;
-  reaction.set({1.4, 700, 0, false});
+  reaction.set({1.4, 700, 0});
   std::array<SoleState, Gait::kFeet> feet{};
   // A contact is seen as a landing, also of a foot that is on the ground still and begins anew.
   double last = -1, shortest = 1e9, longest = 0;
@@ -285,7 +280,7 @@ TEST_CASE("forces of walking between the published speeds, and of running, follo
       sum += reaction.force((i + .5) / 20000) / 20000;
     return sum;
   };
-  reaction.set({1.25, 1000, 0, false}); // halfway between 1.1 and 1.4
+  reaction.set({1.25, 1000, 0}); // halfway between 1.1 and 1.4
   CHECK(highest(.1, .4) == doctest::Approx(1000 * .5 * (1.06 + 1.13)).epsilon(1e-4));
   CHECK(highest(.6, .9) == doctest::Approx(1000 * .5 * (1.06 + 1.10)).epsilon(1e-4));
   CHECK(reaction.force(.48) == doctest::Approx(1000 * .5 * (.8 + .72)).epsilon(1e-4));
@@ -301,65 +296,75 @@ TEST_CASE("forces of walking between the published speeds, and of running, follo
       same = same && a.force(i / 50.) == b.force(i / 50.);
     return same;
   };
-  CHECK(like({9, 700, 0, false}, {2.5, 700, 0, false}));
-  CHECK_FALSE(like({2.4, 700, 0, false}, {2.5, 700, 0, false}));
-  CHECK(like({.1, 700, 0, false}, {.3, 700, 0, false}));
-  CHECK(like({20, 700, 0, true}, {8, 700, 0, true}));
-  CHECK(like({1, 700, 0, true}, {1.5, 700, 0, true}));
-  CHECK(like({1, -5, 0, false}, {1, 0, 0, false}));
-  CHECK(like({1, 1e9, 0, false}, {1, 1e5, 0, false}));
-  CHECK(like({1, 700, 3, false}, {1, 700, 1, false}));
-  CHECK_FALSE(like({1, 700, .9, false}, {1, 700, 1, false}));
-  CHECK(like({1, 700, -3, false}, {1, 700, 0, false}));
+  CHECK(like({9, 700, 0}, {2.5, 700, 0}));
+  CHECK_FALSE(like({2.4, 700, 0}, {2.5, 700, 0}));
+  CHECK(like({.1, 700, 0}, {.3, 700, 0}));
+  CHECK(like({20, 700, 0, Style::kRun}, {8, 700, 0, Style::kRun}));
+  CHECK(like({1, 700, 0, Style::kRun}, {1.5, 700, 0, Style::kRun}));
+  CHECK(like({1, -5, 0}, {1, 0, 0}));
+  CHECK(like({1, 1e9, 0}, {1, 1e5, 0}));
+  CHECK(like({1, 700, 3}, {1, 700, 1}));
+  CHECK_FALSE(like({1, 700, .9}, {1, 700, 1}));
+  CHECK(like({1, 700, -3}, {1, 700, 0}));
   for (const double speed : {2., 4., 7.5}) {
-    reaction.set({speed, 1000, 0, true});
+    reaction.set({speed, 1000, 0, Style::kRun});
     const double stance = std::max(.32 - .02 * speed, .16), stride = 120 / (150 + 8 * speed);
     CHECK(reaction.stance_s() == doctest::Approx(std::min(stance, .29)));
     CHECK(reaction.stride_s() == doctest::Approx(stride));
     CHECK(mean() == doctest::Approx(1000 * stride / (2 * reaction.stance_s())).epsilon(1e-3));
-    CHECK(reaction.force(.5) == doctest::Approx(mean() * kPi / 2).epsilon(1e-3));
-    CHECK(reaction.force(.25) == doctest::Approx(reaction.force(.5) * std::sqrt(.5)).epsilon(1e-6));
+    // What landings add (docs/footstep.md): m v / g of the heel, 5.3 % of the body, and of the
+    // ball, 1.45 %, at 0.6 + 0.15 v and 0.6 of that; from 6 m/s the ball comes first, 1.7 %, and a
+    // fifth.
+    const double v = .6 + .15 * speed;
+    const double landings = (speed < 6 ? .053 * v + .0145 * .6 * v : .017 * v + .0145 * .2 * v) /
+                            (9.81 * reaction.stance_s()) * 1000;
+    const double sine = (mean() - landings) * kPi / 2;
+    CHECK(reaction.force(.5) == doctest::Approx(sine).epsilon(1e-3));
+    CHECK(reaction.force(.75) == doctest::Approx(sine * std::sqrt(.5)).epsilon(1e-3));
   }
   GroundReaction bare; // the transient alone: .6 weights, 16.5 ms after contact
-  bare.set({1.4, 1000, 0, false});
-  reaction.set({1.4, 1000, 1, false});
+  bare.set({1.4, 1000, 0});
+  reaction.set({1.4, 1000, 1});
   const double x = .0165 / reaction.stance_s();
-  const double u = x / .22, s = std::sin(kPi / 2 * u);
-  CHECK(reaction.force(x) > 600);
-  CHECK(reaction.force(x) < 600 + 1130 * s); // over a flank between sine and its square
-  CHECK(reaction.force(x) > 600 + 1130 * s * s);
+  CHECK(reaction.force(x) - bare.force(x) == doctest::Approx(600).epsilon(.07)); // less: the flank
   CHECK(mean() == doctest::Approx(1000 / (2 * .62)).epsilon(1e-3)); // the impulse stays
   CHECK(reaction.force(0) == 0);
   CHECK(reaction.force(1) == 0);
 }
 
 TEST_CASE(
-    "a region lands at 5 %, or at 2.5 % while it rises as a step does, and lifts below 2.5 %") {
-  // 700 N. Slowly: 5 % = 35 N. On a line of 100 N/s the baseline follows, 35 = 50 (1 - e^(-t/.5)),
-  // and waits from then on; the low-pass lags by sqrt(2)/(2 pi 200) = 1.1 ms.
+    "a region lands when it rises above noise, is told by 2.2 or 3.5 ms, and lifts at 2.5 %") {
+  // 700 N. So slowly that it might be drift: 5 % = 35 N. On a line of 100 N/s the baseline follows,
+  // 35 = 50 (1 - e^(-t/.5)), and waits from then on; the low-pass lags by sqrt(2)/(2 pi 200) =
+  // 1.1 ms.
   const Line none{{{0, 0}}};
   Felt felt = feel({{{.2, 0}, {1.2, 100}, {2, 100}, {2.5, 0}}}, none, 3);
   REQUIRE(felt.heel_landing_s.size() == 1);
   const double time = -.5 * std::log(1 - 35. / 50), baseline = 100 * time - 35;
   CHECK(felt.heel_landing_s[0] == doctest::Approx(.2 + time + .0011).epsilon(.001));
-  const double slope = 100 * std::exp(-time / .5) / 700; // weights a second
-  CHECK(felt.heel_speed[0] == doctest::Approx(.5 * std::sqrt(slope / 12)).epsilon(.01));
+  CHECK(felt.heel_speed[0] < .1);
   REQUIRE(felt.heel_up_s.size() == 1);
   CHECK(felt.heel_up_s[0] == doctest::Approx(2.5 - (baseline + 17.5) / 200 + .0011).epsilon(.001));
   CHECK(felt.toe_off_s == felt.heel_up_s);
-  // As a step: 7000 N/s are 10 weights a second; 2.5 ms to 17.5 N, told 2.7 ms after 7 N at 1 ms.
+  // As a step: 7000 N/s, firm by 2.2 ms.
   felt = feel({{{.2, 0}, {.3, 700}, {.6, 700}, {.7, 0}}}, none, 1);
   REQUIRE(felt.heel_landing_s.size() == 1);
-  CHECK(felt.heel_landing_s[0] > .2 + .001 + .0027);
-  CHECK(felt.heel_landing_s[0] < .2 + .001 + .0027 + .0025);
-  CHECK(felt.heel_speed[0] > .25);
-  CHECK(felt.heel_speed[0] < .5);
-  // 3.9 weights a second are not a step's rise: 5 % are waited for; 4.1 are.
-  const double slow = feel({{{.2, 0}, {.2 + 1 / 3.5, 700}}}, none, .5).heel_landing_s.at(0) - .2;
-  const double fast = feel({{{.2, 0}, {.2 + 1 / 4.6, 700}}}, none, .5).heel_landing_s.at(0) - .2;
-  CHECK(slow == doctest::Approx(.05 / 3.5 + .0011).epsilon(.05));
-  CHECK(fast < .05 / 4.6 - .001);
-  CHECK(fast > .025 / 4.6);
+  CHECK(std::abs(felt.heel_landing_s[0] - (.2 + 1.05 / 7000 + .0011 + .0035)) < .0006);
+  CHECK(felt.heel_speed[0] == doctest::Approx(.5 * std::pow(10 / 26., 2 / 3.)).epsilon(.1));
+}
+
+TEST_CASE("a light touch is a landing and ends where it began, or after half a second") {
+  const Line none{{{0, 0}}};
+  // 4 N for 0.15 s: never 5 %.
+  Felt felt = feel(none, {{{.2, 0}, {.21, 4}, {.35, 4}, {.36, 0}}}, 1);
+  REQUIRE(felt.ball_landing_s.size() == 1);
+  REQUIRE(felt.toe_off_s.size() == 1);
+  CHECK(felt.ball_landing_s[0] - .2 < .0075);
+  CHECK(felt.toe_off_s[0] == doctest::Approx(.36).epsilon(.01));
+  felt = feel(none, {{{.2, 0}, {.21, 4}, {3, 4}}}, 3); // a lace that presses
+  CHECK(felt.ball_landing_s.size() == 1);
+  REQUIRE(felt.toe_off_s.size() == 1);
+  CHECK(felt.toe_off_s[0] == doctest::Approx(felt.ball_landing_s[0] + .5).epsilon(.01));
 }
 
 TEST_CASE("no stance ends before 80 ms and no swing before 60 ms") {
@@ -375,13 +380,13 @@ TEST_CASE("no stance ends before 80 ms and no swing before 60 ms") {
   CHECK(felt.heel_up_s.size() == 2);
 }
 
-TEST_CASE("a ball lands under a heel that stands as soon as it carries 1 %") {
+TEST_CASE("a ball lands under a heel that stands as soon as it rises") {
   const Line heel{{{.2, 0}, {.25, 500}, {.6, 500}, {.65, 0}}};
-  const Line ball{{{.3, 0}, {1.0, 210}, {1.1, 0}}}; // 300 N/s: 7 N after 23 ms
+  const Line ball{{{.3, 0}, {1.0, 210}, {1.1, 0}}}; // 300 N/s: 1.05 N after 3.5 ms
   const Felt felt = feel(heel, ball, 2);
   REQUIRE(felt.ball_landing_s.size() == 1);
-  CHECK(felt.ball_landing_s[0] == doctest::Approx(.3 + 7. / 300 + .0027 + .0011).epsilon(.005));
-  CHECK(felt.ball_speed[0] == doctest::Approx(.3 * std::sqrt(300. / 700 / .3)).epsilon(.02));
+  CHECK(felt.ball_landing_s[0] == doctest::Approx(.3 + 1.05 / 300 + .0022 + .0011).epsilon(.005));
+  CHECK(felt.ball_speed[0] == doctest::Approx(.3 * std::pow(300. / 700 / 3.3, 2 / 3.)).epsilon(.1));
   REQUIRE(felt.heel_up_s.size() == 1);
   REQUIRE(felt.toe_off_s.size() == 1); // the ball, last
   CHECK(felt.toe_off_s[0] > 1.08);

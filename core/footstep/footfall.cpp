@@ -1,0 +1,71 @@
+#include "core/footstep/footfall.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus::footstep {
+
+double Footfall::Impact::impulse() const noexcept {
+  return peak_n * 2 / std::numbers::pi * Landing::kImpactTime + 0.5 * bell_n * bell_s;
+}
+
+void Footfall::start() noexcept {
+  under_way_ = true;
+  heel_is_up_ = false;
+  landed_ = {};
+  time_s_ = 0;
+  heel_n_ = load.at(0) * heel_share.at(0);
+  ball_n_ = load.at(0) - heel_n_;
+}
+
+void Footfall::advance(double step_s, SoleState& sole) noexcept {
+  if (!under_way_)
+    return;
+  for (std::size_t i = 0; i < impacts.size(); ++i) {
+    const Impact& impact = impacts[i];
+    if (landed_[i] || !(impact.speed_m_per_s > 0) || time_s_ < impact.at_s)
+      continue;
+    landed_[i] = true;
+    double& landing = impact.heel ? sole.heel_landing : sole.ball_landing;
+    landing = std::max(landing, impact.speed_m_per_s);
+  }
+  time_s_ += step_s;
+  const double whole = load.at(time_s_);
+  double heel = whole * std::clamp(heel_share.at(time_s_), 0.0, 1.0);
+  double ball = whole - heel;
+  for (const Impact& impact : impacts) {
+    const double since = time_s_ - impact.at_s;
+    if (!(since > 0) || !(impact.speed_m_per_s > 0))
+      continue;
+    double force = 0;
+    if (since < Landing::kImpactTime)
+      force = impact.peak_n * std::sin(std::numbers::pi * since / Landing::kImpactTime);
+    if (impact.bell_n > 0 && since < impact.bell_s) {
+      const double sine = std::sin(std::numbers::pi * since / impact.bell_s);
+      force += impact.bell_n * sine * sine;
+    }
+    (impact.heel ? heel : ball) += force;
+  }
+  const bool ends = !stays && time_s_ >= load.duration_s();
+  if (ends)
+    heel = ball = 0;
+  sole.heel_n += heel;
+  sole.ball_n += ball;
+  sole.heel_slope += (heel - heel_n_) / step_s;
+  sole.ball_slope += (ball - ball_n_) / step_s;
+  heel_n_ = heel;
+  ball_n_ = ball;
+  sole.heel_slip = std::max(sole.heel_slip, heel_slip.at(time_s_));
+  sole.ball_slip = std::max(sole.ball_slip, ball_slip.at(time_s_));
+  if (!heel_is_up_ && heel_up_s >= 0 && time_s_ >= heel_up_s) {
+    heel_is_up_ = true;
+    sole.heel_up = true;
+  }
+  if (ends) {
+    under_way_ = false;
+    sole.toe_off = true;
+  }
+}
+
+} // namespace tactus::footstep

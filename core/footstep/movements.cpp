@@ -1,0 +1,285 @@
+#include "core/footstep/movements.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tactus::footstep {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kGravity = 9.81;      // m/s^2
+constexpr double kStandingShare = 0.6; // under the heels of people who stand
+constexpr double kShift = 0.7;         // s, of the weight to one foot; the other is free after
+constexpr double kFree = 0.6;          // that part of it
+constexpr double kGentle = 0.15;       // m/s, of a foot that is put down to stand
+constexpr double kGentleMass = 0.0145; // of the body's
+
+Footfall::Impact impact(bool heel, double at_s, double speed, double mass,
+                        double weight_n) noexcept {
+  const Landing landing{0, speed, mass};
+  return {heel, at_s, speed, weight_n * landing.peak(speed)};
+}
+
+} // namespace
+
+Footfall stance(const GroundReaction& reaction, const StepVariation& vary) noexcept {
+  Footfall step;
+  const double stance_s = reaction.stance_s() * vary.time;
+  const double force = reaction.weight_n() * vary.force;
+  step.load = reaction.load().scaled(force, stance_s);
+  const auto land = [&](bool heel, const Landing& landing, double speed_scatter, double roll) {
+    const double speed = landing.speed_m_per_s * speed_scatter;
+    return Footfall::Impact{heel, landing.at * roll * stance_s, speed, force * landing.peak(speed)};
+  };
+  step.impacts = {land(true, reaction.heel(), vary.heel_speed, vary.roll),
+                  land(false, reaction.ball(), vary.ball_speed, vary.roll)};
+  step.impacts[0].bell_n = force * reaction.transient();
+  step.heel_share =
+      heel_share_track(step.impacts[0].at_s, step.impacts[1].at_s, reaction.release_at() * stance_s,
+                       reaction.highest_heel_share());
+  step.heel_up_s = reaction.heel_up_at() * stance_s;
+  // Sliding over the ground until the contact holds.
+  Track& slip = reaction.ball_first() ? step.ball_slip : step.heel_slip;
+  slip = Track(reaction.contact_slip());
+  slip.to(0, Landing::kImpactTime);
+  step.start();
+  return step;
+}
+
+void pivot(Footfall& step, const GroundReaction& reaction, double angle_rad) noexcept {
+  constexpr double kBallRadius = 0.04; // m
+  const double stance_s = step.load.duration_s();
+  const double from = 0.36 * stance_s, during = 0.42 * stance_s;
+  step.heel_share = heel_share_track(step.impacts[0].at_s, step.impacts[1].at_s,
+                                     std::max(from, step.impacts[1].at_s + 0.1 * stance_s),
+                                     reaction.highest_heel_share());
+  step.heel_up_s = from;
+  const double distance = std::abs(angle_rad) * kBallRadius * 2 / 3;
+  step.ball_slip = Track(0);
+  step.ball_slip.hold(from).to(0, during, 0, 2 * distance / during);
+}
+
+BothFeet set_off(const GroundReaction& reaction) noexcept {
+  BothFeet pair;
+  Footfall &carries = pair.feet[0], &leaves = pair.feet[1];
+  const double stance_s = reaction.stance_s();
+  const bool run = reaction.flight_s() > 0;
+  const double level = run ? 1 : reaction.second_half().at(0);
+  // The other foot takes 1/2 kFree / 2 of the shift's mean; the rest of the weight is this one's.
+  const double hump = 2 * (1 - 0.25 * kFree) - (0.5 + level);
+  Track load(0.5);
+  load.to(level, kShift, 0, hump);
+  if (run) {
+    // From rest to the speed at which each flight begins, g flight / 2.
+    const double rise = 0.7 * stance_s, fall = 0.5 * stance_s;
+    const double peak =
+        (0.5 * reaction.flight_s() + 0.5 * rise + fall) / (0.5 * rise + 2 / kPi * fall);
+    load.to(peak, rise).to(0, fall, 1);
+    pair.then_s = load.duration_s() + reaction.flight_s();
+  } else {
+    load.append(reaction.second_half().scaled(1, stance_s));
+    pair.then_s = kShift + 0.5 * reaction.stride_s() - reaction.middle() * stance_s;
+  }
+  carries.load = load.scaled(reaction.weight_n(), 1);
+  const double rest = load.duration_s() - kShift;
+  carries.heel_share = Track(kStandingShare);
+  carries.heel_share.hold(kShift).to(0, 0.4 * rest);
+  carries.heel_up_s = kShift + 0.3 * rest;
+  leaves.load = Track(0.5 * reaction.weight_n());
+  leaves.load.to(0, kFree * kShift);
+  leaves.heel_share = Track(kStandingShare);
+  leaves.heel_share.to(0, 0.6 * kFree * kShift);
+  leaves.heel_up_s = 0.5 * kFree * kShift;
+  for (Footfall& foot : pair.feet)
+    foot.start();
+  return pair;
+}
+
+BothFeet halt(const GroundReaction& reaction) noexcept {
+  // The last landing is softer, and so is the closing one.
+  constexpr double kLast = 0.8, kClosing = 0.5;
+  BothFeet pair;
+  Footfall &last = pair.feet[0], &closing = pair.feet[1];
+  const double stance_s = reaction.stance_s(), weight_n = reaction.weight_n();
+  const bool run = reaction.flight_s() > 0;
+  last = stance(reaction, {1, 1, kLast, kLast, 1});
+  Track load(0);
+  double level = 1;
+  if (run) {
+    const double rise = 0.5 * stance_s, fall = 0.7 * stance_s;
+    double landings = 0;
+    for (const Footfall::Impact& one : last.impacts)
+      landings += one.impulse() / std::max(weight_n, 1e-9);
+    const double peak =
+        (0.5 * reaction.flight_s() - landings + 0.5 * fall + rise) / (0.5 * fall + 2 / kPi * rise);
+    load.to(peak, rise, 1).to(level, fall);
+  } else {
+    level = reaction.second_half().at(0);
+    load = reaction.first_half().scaled(1, stance_s);
+  }
+  const double middle = load.duration_s();
+  load.to(0.5, kShift, 0, 2 * (1 - 0.25 * kFree) - (0.5 + level));
+  last.load = load.scaled(weight_n, 1);
+  last.heel_up_s = -1;
+  last.stays = true;
+  if (reaction.ball_first()) {
+    last.heel_share = Track(0);
+    last.heel_share.hold(last.impacts[0].at_s).to(kStandingShare, 0.5 * middle);
+  } else {
+    last.heel_share = Track(1);
+    last.heel_share.hold(last.impacts[1].at_s).to(kStandingShare, middle);
+  }
+  last.start();
+
+  pair.then_s = middle + (1 - kFree) * kShift;
+  closing = stand(weight_n);
+  closing.load = Track(0);
+  closing.load.to(0.5 * weight_n, kFree * kShift);
+  const Landing &heel = reaction.heel(), &ball = reaction.ball();
+  closing.impacts = {impact(true, 0, kClosing * heel.speed_m_per_s, kGentleMass, weight_n),
+                     impact(false, 0, kClosing * ball.speed_m_per_s, kGentleMass, weight_n)};
+  constexpr double kFlat = 0.06; // s between the two: nearly flat
+  closing.impacts[reaction.ball_first() ? 0 : 1].at_s = kFlat;
+  closing.heel_share = Track(reaction.ball_first() ? 0 : 1);
+  closing.heel_share.hold(kFlat).to(kStandingShare, kFree * kShift - kFlat);
+  closing.start();
+  return pair;
+}
+
+Footfall stand(double weight_n) noexcept {
+  Footfall foot;
+  foot.load.to(0.5 * weight_n, 0.3);
+  foot.heel_share = Track(0);
+  foot.heel_share.hold(0.03).to(kStandingShare, 0.2);
+  foot.impacts = {impact(true, 0.03, kGentle, kGentleMass, weight_n),
+                  impact(false, 0, kGentle, kGentleMass, weight_n)};
+  foot.stays = true;
+  foot.start();
+  return foot;
+}
+
+Footfall lift(double load_n) noexcept {
+  Footfall foot;
+  foot.load = Track(load_n);
+  foot.load.to(0, 0.15);
+  foot.heel_share = Track(kStandingShare);
+  foot.heel_share.to(0, 0.1);
+  foot.heel_up_s = 0.08;
+  foot.start();
+  return foot;
+}
+
+Jump jump(double height_m, double weight_n) noexcept {
+  const double height = std::clamp(height_m, kLeastJump, kMostJump);
+  const double speed = std::sqrt(2 * kGravity * height);
+  const double half = 0.5 * weight_n; // each foot
+  Jump made;
+
+  // Crouch: the body falls into the knees; push-off: from that speed down to the speed up. Small
+  // jumps are the same in less time.
+  const double quick = std::clamp(std::sqrt(height / 0.3), 0.35, 1.1);
+  const double crouch = 0.3 * quick, rise = 0.2 * quick, fall = 0.28 * quick;
+  constexpr double kUnweighted = 0.6;
+  const double momentum = 0.5 * kUnweighted * crouch + speed / kGravity; // weight * s
+  const double peak = (momentum + 0.5 * rise + fall) / (0.5 * rise + 2 / kPi * fall);
+  Track push(1);
+  push.to(1, crouch, 0, -kUnweighted).to(peak, rise).to(0, fall, 1);
+  made.push_off.load = push.scaled(half, 1);
+  made.push_off.heel_share = Track(kStandingShare);
+  made.push_off.heel_share.hold(crouch + rise).to(0, 0.6 * fall);
+  made.push_off.heel_up_s = crouch + rise + 0.4 * fall;
+  made.push_off.start();
+  made.then_s = push.duration_s() + 2 * speed / kGravity;
+
+  // Landing: the ball's impact, the heel's, and the legs, which lead the rest of the momentum off.
+  constexpr double kBallMass = 0.04, kHeelAt = 0.025, kHeelTime = 0.06, kLegsRise = 0.08;
+  const double highest = 1 + 5.5 * std::sqrt(height); // of both feet, weights
+  const double legs = std::min(2.0, highest);
+  const double ball = 2 * Landing{0, speed, kBallMass}.peak(speed); // of both feet
+  const double at_heel = 0.5 * (1 - std::cos(kPi * (kHeelAt + 0.5 * kHeelTime) / kLegsRise));
+  const double heel = std::max(0.0, highest - legs * at_heel);
+  const double impulse = speed / kGravity - ball * 2 / kPi * Landing::kImpactTime -
+                         heel * 0.5 * kHeelTime - (0.5 * legs - 1) * kLegsRise;
+  const double absorb = impulse / (0.5 * (legs - 1));
+  Footfall& landing = made.landing;
+  landing.load.to(legs * half, kLegsRise).to(half, absorb);
+  landing.heel_share = Track(0);
+  landing.heel_share.hold(kHeelAt).to(kStandingShare, 0.12);
+  landing.impacts = {Footfall::Impact{true, kHeelAt, 0.5 * speed, 0, heel * half, kHeelTime},
+                     Footfall::Impact{false, 0, speed, ball * half}};
+  landing.stays = true;
+  landing.start();
+  return made;
+}
+
+Footfall scuff(double length_m, double speed_m_per_s, double weight_n) noexcept {
+  constexpr double kLoad = 0.06; // of the weight
+  Footfall foot;
+  const double speed = std::clamp(speed_m_per_s, 0.3, 5.0);
+  const double during = 2 * std::clamp(length_m, 0.01, 1.0) / speed; // half a cosine's mean is 1/2
+  foot.load.to(kLoad * weight_n, 0.4 * during).to(0, 0.6 * during);
+  foot.heel_share = Track(0);
+  foot.ball_slip = Track(speed);
+  foot.ball_slip.to(0, during);
+  foot.impacts[1] = impact(false, 0, 0.1 * speed, kGentleMass, weight_n);
+  foot.start();
+  return foot;
+}
+
+namespace {
+
+constexpr double kLongestRamp = 0.12, kRampPart = 0.25; // s; of the way's time at full speed
+
+/// A foot bears its load after one ramp, is up to its speed after another, and so down again.
+struct Sliding {
+  Sliding(double length_m, double speed_m_per_s) noexcept {
+    const double speed = std::clamp(speed_m_per_s, kLeastDragSpeed, kMostDragSpeed);
+    const double whole = std::clamp(length_m, kLeastDrag, kMostDrag) / speed;
+    ramp_s = std::min(kLongestRamp, kRampPart * whole);
+    slides_s = whole + ramp_s;
+    slip.hold(ramp_s).to(speed, ramp_s).hold(whole - ramp_s).to(0, ramp_s);
+  }
+  double ramp_s, slides_s;
+  Track slip{0};
+};
+
+} // namespace
+
+double drag_speed(double length_m, double lasts_s) noexcept {
+  // Both ramps of the load and half of each of the speed's are beyond the way's time.
+  const double speed = (1 + 3 * kRampPart) * length_m / lasts_s;
+  return kRampPart * length_m / speed < kLongestRamp ? speed
+                                                     : length_m / (lasts_s - 3 * kLongestRamp);
+}
+
+Footfall drag(double length_m, double speed_m_per_s, double weight_n) noexcept {
+  const Sliding sliding(length_m, speed_m_per_s);
+  Footfall foot;
+  foot.ball_slip = foot.heel_slip = sliding.slip;
+  foot.load.to(kDragLoad * weight_n, sliding.ramp_s).hold(sliding.slides_s).to(0, sliding.ramp_s);
+  foot.heel_share = Track(0.3); // it trails
+  foot.impacts[1] = impact(false, 0, kGentle, kGentleMass, weight_n);
+  foot.start();
+  return foot;
+}
+
+BothFeet standing_drag(double length_m, double speed_m_per_s, double weight_n) noexcept {
+  const Sliding sliding(length_m, speed_m_per_s);
+  BothFeet pair;
+  pair.feet[0].ball_slip = pair.feet[0].heel_slip = sliding.slip;
+  for (std::size_t i = 0; i < 2; ++i) {
+    Footfall& foot = pair.feet[i];
+    foot.load = Track(0.5 * weight_n);
+    foot.load.to((i == 0 ? kDragLoad : 1 - kDragLoad) * weight_n, sliding.ramp_s)
+        .hold(sliding.slides_s)
+        .to(0.5 * weight_n, sliding.ramp_s);
+    foot.heel_share = Track(kStandingShare);
+    foot.stays = true;
+    foot.start();
+  }
+  pair.then_s = pair.feet[0].load.duration_s();
+  return pair;
+}
+
+} // namespace tactus::footstep

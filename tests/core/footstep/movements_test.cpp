@@ -1,0 +1,526 @@
+#include "core/footstep/gait.hpp"
+#include "core/footstep/movements.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+// Setting off, halting, jumping, scuffing, dragging and turning: momentum, times and ways.
+
+using namespace tactus::footstep;
+
+namespace {
+
+constexpr double kGravity = 9.81, kPi = std::numbers::pi;
+
+struct Event {
+  double t;
+  std::size_t foot;
+  Phase phase;
+  double speed;
+};
+
+/// What a gait does, sample by sample.
+struct Recording {
+  double rate = 48000;
+  std::vector<std::array<SoleState, 2>> samples;
+  std::vector<Event> events;
+
+  [[nodiscard]] double total(std::size_t n) const { return force(n, 0) + force(n, 1); }
+  [[nodiscard]] double force(std::size_t n, std::size_t foot) const {
+    return samples[n][foot].heel_n + samples[n][foot].ball_n;
+  }
+  [[nodiscard]] std::size_t at(double t) const {
+    return std::min(static_cast<std::size_t>(t * rate), samples.size() - 1);
+  }
+  /// Integral of both feet's force less the weight, over the mass: a change of velocity, m/s.
+  [[nodiscard]] double velocity(double from, double to, double weight) const {
+    double sum = 0;
+    for (std::size_t n = at(from); n < at(to); ++n)
+      sum += (total(n) - weight) / rate;
+    return sum * kGravity / weight;
+  }
+  [[nodiscard]] std::vector<Event> of(Phase phase, double from = 0) const {
+    std::vector<Event> found;
+    std::copy_if(events.begin(), events.end(), std::back_inserter(found),
+                 [&](const Event& e) { return e.phase == phase && e.t >= from; });
+    return found;
+  }
+};
+
+template <class Move>
+Recording play(const Walker& walker, double seconds, Move move, double rate = 48000,
+               double variation = 0) {
+  Gait gait;
+  gait.prepare(rate);
+  gait.set(walker, variation);
+  Recording made;
+  made.rate = rate;
+  std::array<SoleState, 2> feet{};
+  std::array<std::array<double, 2>, 2> before{};
+  double worst = 0, largest = 1, least = 0;
+  for (int n = 0; n < seconds * rate; ++n) {
+    move(gait, n / rate);
+    gait.next(feet);
+    made.samples.push_back(feet);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const SoleState& sole = feet[i];
+      least = std::min({least, sole.heel_n, sole.ball_n});
+      worst = std::max(worst, std::abs(sole.heel_slope - (sole.heel_n - before[i][0]) * rate));
+      worst = std::max(worst, std::abs(sole.ball_slope - (sole.ball_n - before[i][1]) * rate));
+      largest = std::max({largest, std::abs(sole.heel_slope), std::abs(sole.ball_slope)});
+      before[i] = {sole.heel_n, sole.ball_n};
+      const double t = n / rate;
+      if (sole.heel_landing > 0)
+        made.events.push_back({t, i, Phase::kHeelDown, sole.heel_landing});
+      if (sole.ball_landing > 0)
+        made.events.push_back({t, i, Phase::kBallDown, sole.ball_landing});
+      if (sole.heel_up)
+        made.events.push_back({t, i, Phase::kHeelUp, 0});
+      if (sole.toe_off)
+        made.events.push_back({t, i, Phase::kToeOff, 0});
+    }
+  }
+  CHECK(least == 0);
+  CHECK(worst < 1e-6 * largest); // slopes are the forces' differences, also where a foot lends
+  return made;
+}
+
+/// True once, when the time comes.
+class Once {
+public:
+  explicit Once(double t) : t_(t) {}
+  bool operator()(double t) { return !std::exchange(done_, done_ || t >= t_) && t >= t_; }
+
+private:
+  double t_;
+  bool done_ = false;
+};
+
+} // namespace
+
+TEST_CASE("who halts closes the step, stands on both feet, and sets off again") {
+  for (const Style style :
+       {Style::kWalk, Style::kRun, Style::kSneak, Style::kUpstairs, Style::kDownstairs}) {
+    CAPTURE(static_cast<int>(style));
+    Once halt(3), go(9), again(13);
+    const Recording made = play({1.4, 700, 0.4, style}, 20, [&](Gait& gait, double t) {
+      if (t == 0 || go(t))
+        gait.walk(true);
+      if (halt(t) || again(t))
+        gait.walk(false);
+    });
+    // Two more landings of each part: the last step and the closing one, each softer.
+    const bool ball_first = style == Style::kUpstairs || style == Style::kDownstairs;
+    const auto landings = made.of(ball_first ? Phase::kBallDown : Phase::kHeelDown);
+    const auto between = [&](double from, double to) {
+      std::vector<Event> found;
+      for (const Event& one : landings)
+        if (one.t >= from && one.t < to)
+          found.push_back(one);
+      return found;
+    };
+    const auto last = between(3, 9);
+    REQUIRE(last.size() == 2);
+    CHECK(last[0].foot != last[1].foot);
+    const double usual = between(0, 3).back().speed;
+    CHECK(last[0].speed < 0.9 * usual);
+    CHECK(last[1].speed < 0.9 * last[0].speed);
+    // Half of the weight each, at rest, 60 % on the heels.
+    for (std::size_t foot = 0; foot < 2; ++foot) {
+      const SoleState& sole = made.samples[made.at(8.5)][foot];
+      CHECK(sole.heel_n == doctest::Approx(0.6 * 350));
+      CHECK(sole.ball_n == doctest::Approx(0.4 * 350));
+      CHECK(sole.heel_slope == 0);
+    }
+    // Setting off takes a shift of weight; the first landings are softer than those that follow.
+    const auto first = between(9, 13);
+    REQUIRE(first.size() >= 3);
+    CHECK(first[0].t - 9 > 0.7);
+    CHECK(first[0].t - 9 < 1.8);
+    CHECK(first[0].speed < first[1].speed);
+    CHECK(first[1].speed < first[2].speed);
+    CHECK(first[0].foot != first[1].foot);
+    // From standing to standing no momentum is won or lost: 0.02 m/s, of 1.4 along the ground.
+    CHECK(std::abs(made.velocity(8.9, 19.5, 700)) < 0.02);
+    // While the weight is shifted one foot leaves the ground and the other does not.
+    const auto off = made.of(Phase::kToeOff, 9);
+    CHECK(off[0].t - 9 == doctest::Approx(0.42).epsilon(0.01));
+    CHECK(off[0].foot == first[0].foot);
+    double carried = 0;
+    for (std::size_t n = made.at(9); n < made.at(9.7); ++n)
+      carried += made.total(n) / 48000;
+    CHECK(carried == doctest::Approx(0.7 * 700).epsilon(2e-3));
+  }
+}
+
+TEST_CASE("a jump is ballistic: the push-off gives v = sqrt(2 g h), the landing takes it") {
+  for (const double height : {0.01, 0.05, 0.15, 0.3, 0.5, 1.0})
+    for (const double weight : {400.0, 1000.0}) {
+      CAPTURE(height);
+      Once jump(0.1);
+      const Recording made = play({1.4, weight, 0.4}, 5, [&](Gait& gait, double t) {
+        if (jump(t))
+          gait.jump(height);
+      });
+      const double speed = std::sqrt(2 * kGravity * height);
+      const auto off = made.of(Phase::kToeOff), up = made.of(Phase::kHeelUp);
+      REQUIRE(off.size() == 2);
+      CHECK(off[0].t == off[1].t); // both feet
+      CHECK(up[0].t < off[0].t);
+      const auto balls = made.of(Phase::kBallDown, off[0].t),
+                 heels = made.of(Phase::kHeelDown, off[0].t);
+      REQUIRE(balls.size() == 2);
+      REQUIRE(heels.size() == 2);
+      CHECK(balls[0].t - off[0].t == doctest::Approx(2 * speed / kGravity).epsilon(0.001));
+      CHECK(balls[0].t == balls[1].t);
+      CHECK(heels[0].t > balls[0].t + 0.01);
+      CHECK(balls[0].speed == doctest::Approx(speed).epsilon(1e-9));
+      CHECK(heels[0].speed < balls[0].speed);
+      // Standing 0.3 s after the message, when the feet have been put down.
+      const double stood = 0.4003;
+      CHECK(made.total(made.at(stood)) == doctest::Approx(weight).epsilon(0.01));
+      CHECK(made.velocity(stood, off[0].t, weight) == doctest::Approx(speed).epsilon(0.01));
+      double air = 0;
+      for (std::size_t n = made.at(off[0].t) + 1; n < made.at(balls[0].t); ++n)
+        air = std::max(air, made.total(n));
+      CHECK(air == 0);
+      CHECK(made.velocity(balls[0].t, 4.9, weight) == doctest::Approx(speed).epsilon(0.01));
+      double push = 0, landing = 0;
+      for (std::size_t n = 0; n < made.samples.size(); ++n)
+        (n < made.at(off[0].t) ? push : landing) =
+            std::max(n < made.at(off[0].t) ? push : landing, made.total(n));
+      CHECK(push / weight > 2);
+      CHECK(push / weight < 4.5);
+      CHECK(landing / weight == doctest::Approx(1 + 5.5 * std::sqrt(height)).epsilon(0.3));
+      if (height >= 0.3 && height <= 0.5) {
+        CHECK(push / weight < 3.2);
+        CHECK(landing / weight > 3);
+        CHECK(landing / weight < 5);
+      }
+      CHECK(made.total(made.at(4.9)) == doctest::Approx(weight)); // stands
+    }
+}
+
+TEST_CASE("a walker halts to jump and walks on after it") {
+  Once jump(3.2);
+  const Recording made = play({1.4, 700, 0.4}, 9, [&](Gait& gait, double t) {
+    if (t == 0)
+      gait.walk(true);
+    if (jump(t))
+      gait.jump(0.2);
+  });
+  const double flight = 2 * std::sqrt(2 * 0.2 / kGravity);
+  std::vector<double> air; // starts of times with no force at all
+  for (std::size_t n = 1; n < made.samples.size(); ++n)
+    if (made.total(n) == 0 && made.total(n - 1) > 0)
+      air.push_back(static_cast<double>(n) / 48000);
+  REQUIRE(air.size() == 1);
+  CHECK(air[0] > 3.2 + 1);
+  CHECK(air[0] < 3.2 + 3);
+  CHECK(made.of(Phase::kHeelDown, air[0] + flight + 0.2).size() >= 3);
+  CHECK(std::abs(made.velocity(air[0] - 0.78 * std::sqrt(0.2 / 0.3), air[0] + flight + 0.45, 700)) <
+        0.05);
+}
+
+TEST_CASE(
+    "a scuff strikes and slides in the swing, under a load that the other foot does not bear") {
+  Once scuff(3.1);
+  const Walker walker{1.4, 700, 0.4};
+  const Recording made = play(walker, 10, [&](Gait& gait, double t) {
+    if (t == 0)
+      gait.walk(true);
+    if (scuff(t))
+      gait.scuff(1);
+  });
+  const Recording plain = play(walker, 10, [&](Gait& gait, double t) {
+    if (t == 0)
+      gait.walk(true);
+  });
+  double slid = 0, largest = 0, apart = 0, heel = 0, from = 0, to = 0;
+  for (std::size_t n = 0; n < made.samples.size(); ++n) {
+    const SoleState& sole = made.samples[n][1];
+    // Steps slide by their heels when they land.
+    slid += sole.ball_slip / 48000;
+    if (sole.ball_slip > 0) {
+      from = from > 0 ? from : static_cast<double>(n) / 48000;
+      to = static_cast<double>(n) / 48000;
+      largest = std::max(largest, sole.ball_n);
+      heel = std::max(heel, sole.heel_n);
+    }
+    apart = std::max(apart, std::abs(made.total(n) - plain.total(n)));
+  }
+  CHECK(heel == 0);
+  CHECK(slid > 0.1);
+  CHECK(slid < 0.2); // 10 to 20 cm
+  CHECK(largest < 0.15 * 700);
+  CHECK(largest > 0.03 * 700);
+  CHECK(apart < 1e-6 * 700); // the sum of both feet is what it was
+  // Between the foot's lift and its next landing.
+  const auto off = made.of(Phase::kToeOff), down = made.of(Phase::kHeelDown);
+  const auto lift = std::find_if(off.rbegin(), off.rend(),
+                                 [&](const Event& e) { return e.foot == 1 && e.t < from; });
+  const auto land = std::find_if(down.begin(), down.end(),
+                                 [&](const Event& e) { return e.foot == 1 && e.t > from; });
+  REQUIRE(lift != off.rend());
+  REQUIRE(land != down.end());
+  CHECK(from > lift->t + 0.05);
+  CHECK(to < land->t);
+  const auto balls = made.of(Phase::kBallDown, from - 0.001);
+  CHECK(std::abs(balls[0].t - from) < 1e-3); // it strikes where it begins to slide
+  CHECK(balls[0].speed < 0.4);
+}
+
+TEST_CASE("a scuff finds a swing whatever the speed, the way of walking and the moment") {
+  for (const Style style : {Style::kWalk, Style::kRun, Style::kSneak, Style::kDownstairs})
+    for (const double speed : {0.3, 1.4, 4.0})
+      for (const double moment : {3.0, 3.13, 3.37, 3.5}) {
+        Once scuff(moment);
+        const Recording made = play(
+            {speed, 700, 0.4, style}, 16,
+            [&](Gait& gait, double t) {
+              if (t == 0)
+                gait.walk(true);
+              if (scuff(t))
+                gait.scuff(0);
+            },
+            8000);
+        CAPTURE(static_cast<int>(style));
+        CAPTURE(speed);
+        CAPTURE(moment);
+        double slid = 0;
+        bool loaded = false;
+        for (std::size_t n = made.at(moment); n < made.samples.size(); ++n) {
+          const SoleState& sole = made.samples[n][0];
+          if (sole.heel_n > 0.2 * 700 || sole.ball_n > 0.2 * 700)
+            continue; // the contact of a step's ball slides by 3 mm
+          slid += sole.ball_slip / 8000;
+          loaded = loaded || (sole.ball_slip > 0 && sole.ball_n > 10 && sole.heel_n == 0);
+        }
+        CHECK(loaded);
+        CHECK(slid > 0.02);
+      }
+}
+
+TEST_CASE("a dragged foot slides as far as it is told, under 30 % of the weight") {
+  for (const auto& [length, speed] : {std::pair{0.5, 0.5}, {0.05, 2.0}, {3.0, 0.4}, {1.0, 3.0}})
+    for (const bool stands : {false, true}) {
+      CAPTURE(length);
+      CAPTURE(stands);
+      Once drag(3);
+      const Recording made = play({1.4, 800, 0.4}, 14, [&](Gait& gait, double t) {
+        if (stands && t == 0)
+          gait.walk(true);
+        if (stands && t > 0.5)
+          gait.walk(false);
+        if (drag(t))
+          gait.drag(0, length, speed);
+      });
+      double slid = 0, fastest = 0, largest = 0, apart = 0;
+      for (std::size_t n = made.at(3); n < made.samples.size(); ++n) {
+        const SoleState& sole = made.samples[n][0];
+        apart = std::max(apart, std::abs(sole.heel_slip - sole.ball_slip));
+        slid += sole.ball_slip / 48000;
+        fastest = std::max(fastest, sole.ball_slip);
+        if (sole.ball_slip == fastest)
+          largest = sole.heel_n + sole.ball_n;
+        if (stands)
+          apart = std::max(apart, std::abs(made.total(n) - 800));
+      }
+      CHECK(apart < 1e-6);
+      CHECK(slid == doctest::Approx(length).epsilon(1e-3));
+      CHECK(fastest == doctest::Approx(speed).epsilon(1e-6));
+      CHECK(largest == doctest::Approx(0.3 * 800).epsilon(0.01));
+      CHECK(made.force(made.samples.size() - 1, 0) == doctest::Approx(stands ? 400 : 0));
+    }
+}
+
+TEST_CASE("a walker drags a foot for its swing, and the sum of both feet stays") {
+  for (const double moment : {3.0, 3.2, 3.45}) {
+    Once drag(moment);
+    const auto steady = [](Gait& gait, double t) {
+      if (t == 0)
+        gait.walk(true);
+    };
+    const Recording made = play({1.1, 700, 0.4}, 8, [&](Gait& gait, double t) {
+      steady(gait, t);
+      if (drag(t))
+        gait.drag(1, 0.4, 0.5);
+    });
+    const Recording plain = play({1.1, 700, 0.4}, 8, steady);
+    double slid = 0, apart = 0;
+    for (std::size_t n = 0; n < made.samples.size(); ++n) {
+      slid += made.samples[n][1].ball_slip / 48000;
+      apart = std::max(apart, std::abs(made.total(n) - plain.total(n)));
+    }
+    CHECK(slid == doctest::Approx(0.4).epsilon(1e-3));
+    CHECK(apart < 0.01 * 700); // but for its touch
+  }
+}
+
+TEST_CASE("a turn slides the ball under the load by the angle times two thirds of its radius") {
+  for (const double degrees : {30.0, 90.0, 180.0}) {
+    Once turn(3);
+    const Recording made = play({1.4, 700, 0.4}, 8, [&](Gait& gait, double t) {
+      if (t == 0)
+        gait.walk(true);
+      if (turn(t))
+        gait.turn(degrees * kPi / 180, 0);
+    });
+    double slid = 0, under = 0, heel = 0;
+    for (std::size_t n = made.at(3); n < made.samples.size(); ++n)
+      for (const SoleState& sole : made.samples[n]) {
+        slid += sole.ball_slip / 48000;
+        under += sole.ball_slip * sole.ball_n / 48000;
+        heel = std::max(heel, sole.ball_slip > 0 ? sole.heel_n : 0);
+      }
+    const double distance = degrees * kPi / 180 * 0.04 * 2 / 3;
+    CHECK(slid == doctest::Approx(distance).epsilon(1e-3));
+    CHECK(under / slid > 0.6 * 700); // under most of the weight
+    CHECK(heel < 0.02 * 700);        // on the ball alone
+  }
+  // Who does not walk makes one step of it.
+  Once turn(0.1);
+  const Recording made = play({1.4, 700, 0.4}, 3, [&](Gait& gait, double t) {
+    if (turn(t))
+      gait.turn(kPi / 2, 1);
+  });
+  CHECK(made.of(Phase::kHeelDown).size() == 1);
+  CHECK(made.of(Phase::kHeelDown)[0].foot == 1);
+}
+
+TEST_CASE(
+    "a step from standing takes the feet off the ground; the standing feet stay with others") {
+  Once step(6);
+  const Recording made = play({1.4, 700, 0.4}, 9, [&](Gait& gait, double t) {
+    gait.walk(t < 1);
+    if (step(t))
+      gait.step(0);
+  });
+  CHECK(made.total(made.at(5.9)) == doctest::Approx(700));
+  CHECK(made.of(Phase::kHeelDown, 6).size() == 1);
+  CHECK(made.total(made.at(8.9)) == 0);
+}
+
+TEST_CASE("times, ways and impulses are the same at any sample rate") {
+  const auto tour = [](double rate) {
+    Once jump(3), scuff(7.5), turn(9), halt(11), drag(14.5);
+    return play(
+        {1.4, 700, 0.4}, 18,
+        [&](Gait& gait, double t) {
+          if (t == 0)
+            gait.walk(true);
+          if (jump(t))
+            gait.jump(0.3);
+          if (scuff(t))
+            gait.scuff(0);
+          if (turn(t))
+            gait.turn(1.5, 0);
+          if (halt(t))
+            gait.walk(false);
+          if (drag(t))
+            gait.drag(1, 0.3, 0.4);
+        },
+        rate);
+  };
+  const Recording reference = tour(48000);
+  for (const double rate : {8000.0, 22050.0, 96000.0}) {
+    const Recording made = tour(rate);
+    REQUIRE(made.events.size() == reference.events.size());
+    for (std::size_t i = 0; i < made.events.size(); ++i) {
+      CHECK(std::abs(made.events[i].t - reference.events[i].t) < 12 / rate);
+      CHECK(made.events[i].speed == doctest::Approx(reference.events[i].speed));
+      CHECK(made.events[i].phase == reference.events[i].phase);
+    }
+    CHECK(made.velocity(0, 17.9, 700) ==
+          doctest::Approx(reference.velocity(0, 17.9, 700)).epsilon(0.01));
+  }
+}
+
+TEST_CASE("a reset takes both feet off the ground and forgets what was to come") {
+  Gait gait;
+  gait.prepare(8000);
+  gait.set({1.4, 700, 0.4}, 0);
+  gait.walk(true);
+  std::array<SoleState, 2> feet{};
+  for (int n = 0; n < 9000; ++n)
+    gait.next(feet);
+  gait.jump(0.4);
+  gait.scuff(0);
+  gait.drag(1, 1, 1);
+  gait.walk(false);
+  for (int n = 0; n < 10000; ++n)
+    gait.next(feet);
+  gait.reset();
+  bool any = false;
+  for (int n = 0; n < 40000; ++n) {
+    gait.next(feet);
+    for (const SoleState& sole : feet)
+      any = any || sole.heel_n + sole.ball_n + sole.heel_slip + sole.ball_slip != 0;
+  }
+  CHECK_FALSE(any);
+}
+
+TEST_CASE("whatever it is told and whenever, forces stay finite and bounded") {
+  tactus::Random random(11);
+  const double odd[] = {std::nan(""),
+                        std::numeric_limits<double>::infinity(),
+                        -std::numeric_limits<double>::infinity(),
+                        1e300,
+                        -1e300,
+                        0,
+                        1e-310};
+  Gait gait;
+  gait.prepare(8000);
+  std::array<SoleState, 2> feet{};
+  for (int round = 0; round < 4000; ++round) {
+    const auto number = [&](double most) {
+      return random.uniform() < 0.1 ? odd[random.next() % 7] : most * random.uniform();
+    };
+    const auto foot = static_cast<std::size_t>(random.next() % 3);
+    switch (random.next() % 8) {
+    case 0:
+      gait.set({number(10), number(2000), number(1.2), static_cast<Style>(random.next() % 5)},
+               number(0.6));
+      break;
+    case 1:
+      gait.walk(random.uniform() < 0.6);
+      break;
+    case 2:
+      gait.step(foot);
+      break;
+    case 3:
+      gait.turn(number(4), foot % 2);
+      break;
+    case 4:
+      gait.jump(number(2));
+      break;
+    case 5:
+      gait.scuff(foot);
+      break;
+    case 6:
+      gait.drag(foot, number(3), number(6));
+      break;
+    default:
+      if (random.uniform() < 0.1)
+        gait.reset();
+    }
+    bool good = true;
+    for (int n = static_cast<int>(random.uniform() * 4000); n > 0; --n) {
+      gait.next(feet);
+      for (const SoleState& sole : feet) {
+        const double slip = sole.heel_slip + sole.ball_slip;
+        good = good && std::isfinite(sole.heel_slope + sole.ball_slope) && sole.heel_n >= 0 &&
+               sole.ball_n >= 0 && sole.heel_n + sole.ball_n < 3e7 && slip >= 0 && slip < 12 &&
+               sole.heel_landing < 8 && sole.ball_landing < 8;
+      }
+    }
+    REQUIRE(good);
+  }
+}
