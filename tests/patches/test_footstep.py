@@ -183,6 +183,14 @@ def test_a_users_own_recipe_is_read_from_a_file_and_its_mistakes_are_named(tmp_p
     ("calibrate toe 1 2", "calibrate: expected heel or ball"),
     ("calibrate heel 0 0 1 1", "calibrate: expected 5 to 32 points"),
     ("equalise 100", "equalise: expected up to 16 pairs"),
+    ("turn 0", "turn: expected 1 to 180 degrees"),
+    ("turn round", "turn: expected 1 to 180 degrees"),
+    ("jump 2", "jump: expected a height of 0.01 to 1 m"),
+    ("jump left", "jump: expected a height of 0.01 to 1 m"),
+    ("scuff middle", "scuff: expected left or right"),
+    ("drag left 0 1", "drag: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s"),
+    ("drag 1 9", "drag: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s"),
+    ("drag 1 1 left", "drag: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s"),
     ("surface wood sand 2", "surface: expected a mix in 0..1"),
     ("surface 3", "surface: expected one name or two"),
     ("surface left", "surface: expected one name or two"),
@@ -259,6 +267,128 @@ def test_a_gain_glides_while_it_sounds_and_a_reset_does_not_click():
     assert not numpy.any(faded["sound"][after:]) and not numpy.any(faded["heel"][after:])
     ratio = abs(glided["sound"][after + 4000:]).max() / abs(plain["sound"][after + 4000:]).max()
     assert abs(ratio / 3 - 1) < .01
+
+
+def both(result):
+    """Force under both feet."""
+    return numpy.asarray(result["force"], float) + numpy.asarray(result["force_2"], float)
+
+
+def landings(result, part="heel", side=None):
+    """Times in s and speeds of what lands."""
+    return [(ms / 1000, atoms[3]) for ms, atoms in result.logs["info"]
+            if atoms[0] == "step" and atoms[2] == part and (side is None or atoms[1] == side)]
+
+
+@pytest.mark.parametrize("way, ball_first", [("walk", False), ("run", False), ("sneak", False),
+                                             ("upstairs", True), ("downstairs", True)])
+def test_every_way_of_walking_carries_the_weight_and_sounds(way, ball_first):
+    patch, box = foot("gravel", "-feet", 2, "-variation", 0, "-gait", way, "-weight", 800)
+    patch.at(0, box, "walk 1")
+    result = patch.render(16)
+    heels, balls = landings(result, side="left"), landings(result, "ball", "left")
+    assert len(heels) >= 6
+    assert (balls[2][0] < heels[2][0]) == ball_first
+    stride = heels[3][0] - heels[2][0]
+    a = int(round(heels[2][0] * RATE))
+    strides = int((16 - heels[2][0]) / stride)
+    mean = both(result)[a:a + int(round(strides * stride * RATE))].mean()
+    assert mean == pytest.approx(800, rel=.01)
+    assert both(result).min() >= 0
+    assert abs(result["sound"]).max() > 1e-3
+
+
+def test_sneaking_is_softer_than_walking_and_walking_softer_than_running():
+    def level(way):
+        patch, box = foot("concrete", "-feet", 2, "-gait", way, "-gain", .3)
+        patch.at(0, box, "walk 1")
+        result = patch.render(10)
+        return 10 * numpy.log10((numpy.asarray(result["sound"], float) ** 2).mean()), result
+    (sneak, quiet), (walk, _), (run, _) = level("sneak"), level("walk"), level("run")
+    assert max(speed for _, speed in landings(quiet)) < .25
+    assert sneak < walk - 6
+    assert run > walk
+
+
+def test_run_and_gait_run_are_one():
+    patch, box = foot("wood")
+    for ms, message in ((0, "run 1"), (10, "get gait"), (20, "gait sneak"), (30, "get run"), (40, "gait run"),
+                        (50, "get run"), (60, "run 0"), (70, "get gait"), (80, "gait upstairs"),
+                        (90, "run 0"), (100, "get gait")):
+        patch.at(ms, box, message)
+    told = [atoms for _, atoms in patch.render(.2).logs["info"]]
+    assert told == [["gait", "run"], ["run", 0], ["run", 1], ["gait", "walk"], ["gait", "upstairs"]]
+
+
+def test_who_halts_takes_one_more_step_closes_it_and_stands():
+    patch, box = foot("wood", "-feet", 2, "-variation", 0)
+    patch.at(0, box, "walk 1")
+    patch.at(3000, box, "walk 0")
+    patch.at(7000, box, "walk 1")
+    result = patch.render(9)
+    heels = landings(result)
+    before, last = [h for h in heels if h[0] < 3], [h for h in heels if 3 <= h[0] < 7]
+    assert len(last) == 2 and before[-1][1] > last[0][1] > last[1][1]
+    for name in ("force", "force_2"):
+        assert numpy.allclose(result[name][6 * RATE:7 * RATE], 350, atol=.1)
+    still = result["sound"][int(6.5 * RATE):7 * RATE]
+    assert abs(still).max() < 1e-3  # standing is silent
+    again = [h for h in heels if h[0] > 7]
+    assert 7.7 < again[0][0] < 8.2 and again[0][1] < before[-1][1]
+
+
+def test_a_jump_is_ballistic_and_lands_on_balls_then_heels():
+    height, weight, g = .25, 650, 9.81
+    patch, box = foot("wood", "-feet", 2, "-variation", 0, "-weight", weight)
+    patch.at(0, box, f"jump {height}")
+    result = patch.render(4)
+    force = both(result)
+    loaded = numpy.flatnonzero(force > 0)
+    air = numpy.diff(loaded).argmax()
+    off, on = loaded[air], loaded[air + 1]
+    assert (on - off) / RATE == pytest.approx(2 * numpy.sqrt(2 * height / g), abs=2e-4)
+    speed = numpy.sqrt(2 * g * height)
+    stood = int(.3 * RATE) + 64  # put down, and a block
+    push = (force[stood:off + 1] - weight).sum() / RATE * g / weight
+    land = (force[on:] - weight).sum() / RATE * g / weight
+    assert push == pytest.approx(speed, rel=.02) and land == pytest.approx(speed, rel=.02)
+    assert force[:off].max() > 2 * weight and 3 < force[on:].max() / weight < 5
+    balls = [b for b in landings(result, "ball") if b[0] > on / RATE - .002]
+    heels = [h for h in landings(result) if h[0] > on / RATE - .002]
+    assert len(balls) == len(heels) == 2 and balls[0][0] < heels[0][0]
+    assert balls[0][1] == pytest.approx(speed, rel=1e-3)
+    assert abs(result["sound"][on:on + RATE // 5]).max() > 3 * abs(result["sound"][stood:off]).max()
+
+
+def test_a_scuff_strikes_in_the_swing_and_a_drag_under_part_of_the_weight():
+    patch, box = foot("gravel", "-feet", 2, "-variation", 0)
+    patch.at(0, box, "walk 1")
+    patch.at(2000, box, "scuff left")
+    result = patch.render(5)
+    balls, heels = landings(result, "ball", "left"), landings(result, side="left")
+    assert len(balls) == len(heels) + 1
+    extra = [b for b in balls if not any(0 < b[0] - h[0] < .2 for h in heels)]
+    assert len(extra) == 1
+    t = int((extra[0][0] + .04) * RATE)
+    assert 10 < result["force"][t] < 100
+    patch, box = foot("gravel", "-variation", 0, "-weight", 800)
+    patch.at(100, box, "drag left 0.6 0.4")
+    result = patch.render(3)
+    force = numpy.asarray(result["force"], float)
+    assert numpy.median(force[force > 0]) == pytest.approx(240, rel=.01)
+    assert (force > 0).mean() * 3 == pytest.approx(.6 / .4 + 3 * .12, abs=.02)  # three ramps
+
+
+def test_a_turn_is_a_step_on_the_ball():
+    patch, box = foot("sand", "-variation", 0)
+    patch.at(100, box, "turn 120")
+    result = patch.render(2)
+    assert len(landings(result)) == 1 and len(landings(result, "ball")) == 1
+    up, = events(result, "heel_up")
+    plain, box = foot("sand", "-variation", 0)
+    plain.at(100, box, "step")
+    usual, = events(plain.render(2), "heel_up")
+    assert up < usual - .1
 
 
 def test_each_foot_has_its_own_ground():
