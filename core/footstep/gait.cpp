@@ -239,8 +239,11 @@ void Gait::decide() noexcept {
     if (until_s_ <= 0) {
       state_ = State::kStanding;
       if (std::exchange(lands_, false))
-        for (std::size_t foot = 0; foot < kFeet; ++foot)
-          play(foot, landing_);
+        for (std::size_t foot = 0; foot < kFeet; ++foot) {
+          Footfall& one = play(foot, landing_);
+          for (Footfall::Impact& impact : one.impacts)
+            impact.speed_m_per_s *= varied(2);
+        }
     }
     break;
   case State::kStanding:
