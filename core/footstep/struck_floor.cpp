@@ -15,7 +15,11 @@ constexpr double kMassDeviation = 0.4, kSpeedDeviation = 0.15;
 constexpr double kFirstShare = 0.5;
 constexpr double kLongestArrival = 1; // s
 /// Of what presses and slides along the ground, the share that goes into its vertical motion.
-constexpr double kTangentialShare = 0.3;
+constexpr double kTangentialShare = 0.1;
+/// A sole that has come to rest goes on holding; what it pulled with passes to the joints of the
+/// leg.
+constexpr double kHoldingTime = 0.015; // s
+constexpr double kLeastForce = 1e-3;   // N
 
 /// Rubber or leather on a floor: coefficients 0.7 and 0.5, bristles of 0.1 MN/m.
 contact::FrictionLaw sliding_sole(const SolidRecipe& solid) noexcept {
@@ -28,6 +32,7 @@ StruckFloor::StruckFloor() : body_(kMaxModes, kMaxPatches + 1, 1) {}
 
 void StruckFloor::prepare(double sample_rate) noexcept {
   sample_rate_ = sample_rate;
+  pressing_kept_ = std::exp(-1 / (kHoldingTime * sample_rate));
   body_.prepare(sample_rate);
 }
 
@@ -40,7 +45,7 @@ void StruckFloor::reset() noexcept {
   body_.reset();
   body_.rub(kSole, 0, 0);
   sliding_ = false;
-  arriving_ = 0;
+  arriving_ = pressing_n_ = 0;
 }
 
 void StruckFloor::set(const SolidRecipe& solid, double shoe) noexcept {
@@ -89,13 +94,17 @@ void StruckFloor::land(const SolidRecipe& solid, double mass_kg, double speed_m_
 }
 
 void StruckFloor::slide(double force_n, double speed_m_per_s) noexcept {
-  if (force_n > 0 && speed_m_per_s != 0) {
-    body_.rub(kSole, force_n, speed_m_per_s);
-    sliding_ = true;
-  } else if (sliding_) {
-    body_.rub(kSole, 0, 0);
-    sliding_ = false;
-  }
+  const bool slides = force_n > 0 && speed_m_per_s != 0;
+  if (slides)
+    pressing_n_ = force_n;
+  else if (!sliding_)
+    return;
+  else
+    pressing_n_ *= pressing_kept_;
+  sliding_ = slides || pressing_n_ > kLeastForce;
+  if (!sliding_)
+    pressing_n_ = 0;
+  body_.rub(kSole, pressing_n_, slides ? speed_m_per_s : 0);
 }
 
 double StruckFloor::next() noexcept {

@@ -45,7 +45,8 @@ private:
   contact::ImpactLaw law_;
   Random random_;
   double sample_rate_ = 48000;
-  bool sliding_ = false;
+  bool sliding_ = false; ///< or holds still
+  double pressing_n_ = 0, pressing_kept_ = 0.999;
   double arriving_ = 0; ///< samples until the last part of a landing has touched
 };
 
