@@ -69,7 +69,7 @@ Walked walk(const Recipe& recipe, const Walk& how) {
   foot->drive().set({1, 3, 1e6, 0, 0});
   gait.prepare(kRate);
   gait.seed(5);
-  gait.set({how.speed, how.weight, how.shoe, how.run}, 0.04);
+  gait.set({how.speed, how.weight, how.shoe, how.run ? Style::kRun : Style::kWalk}, 0.04);
   gait.walk(true);
   std::array<SoleState, Gait::kFeet> soles{};
   Walked walked;
