@@ -138,6 +138,43 @@ def test_a_published_force_curve_through_worn_sensors_gives_every_step_in_time()
     assert result["force"].max() == pytest.approx(987, rel=0.2)
 
 
+def landing_force(way, t, weight):
+    """Force in N under the part that lands first, t s after its onset: from docs/footstep.md, without a
+    heel's transient. The impact is half a sine of 30 ms with the impulse mass times speed."""
+    mass, speed, level, rise, power = {"walk": (.063, .5, 1.13, .147, 1.3), "slow": (.063, .21, 1.02, .26, 1.3),
+                                       "sneak": (.037, .1, 1, .37, 2), "stairs": (.017, .25, 1.03, .23, 1.5),
+                                       "run": (.053, 1, 2, .13, 1)}[way]
+    peak = mass * speed / 9.81 * numpy.pi / 2 / .03
+    impact = peak * numpy.sin(numpy.pi * t / .03) * ((t > 0) & (t < .03))
+    flank = level * numpy.sin(.5 * numpy.pi * numpy.clip(t / rise, 0, 1)) ** power
+    return weight * (impact + flank * (1 - numpy.clip((t - .4) / .1, 0, 1)))
+
+
+@pytest.mark.parametrize("weight", [350, 1100])
+@pytest.mark.parametrize("way", ["walk", "slow", "sneak", "stairs", "run"])
+def test_from_sensors_a_step_is_heard_and_felt_within_6_ms_of_its_force(way, weight):
+    onsets = numpy.arange(.5, 9, .9)
+    t = numpy.arange(10 * RATE) / RATE
+    force = sum(landing_force(way, t - onset, weight) for onset in onsets)
+    random = numpy.random.RandomState(3)
+    noisy = force * (1 + .01 * random.randn(len(t))) + .001 * weight * random.randn(len(t))
+    still = .001 * weight * random.randn(len(t))
+    inputs = [still, noisy] if way == "stairs" else [noisy, still]
+    patch, box = foot("concrete", "-source", "sensors", "-weight", weight, "-room", 0, inputs=inputs)
+    result = patch.render(10)
+    part, drive = ("ball", "ball") if way == "stairs" else ("heel", "heel")
+    found = events(result, part)
+    assert len(found) == len(onsets)  # none missed, none made up
+    for name, limit in (("sound", .006), (drive, .006)):
+        samples = abs(numpy.asarray(result[name], float))
+        for onset in onsets:
+            n = int(onset * RATE)
+            here = samples[n:n + RATE // 10]
+            # Where it begins: far above what rings on from the last step.
+            begins = numpy.argmax(here > max(1e-5 * here.max(), 10 * samples[n - 480:n].max()))
+            assert here.max() > 0 and begins / RATE < limit, (name, onset, 1000 * begins / RATE)
+
+
 def test_forces_in_body_weights_are_the_same_steps():
     heel, ball, _ = curve(3)
     a, _ = foot("sand", "-source", "sensors", inputs=[heel, ball])
