@@ -56,8 +56,10 @@ void Footfall::advance(double step_s, SoleState& sole) noexcept {
   sole.ball_slope += (ball - ball_n_) / step_s;
   heel_n_ = heel;
   ball_n_ = ball;
-  sole.heel_slip = std::max(sole.heel_slip, heel_slip.at(time_s_));
-  sole.ball_slip = std::max(sole.ball_slip, ball_slip.at(time_s_));
+  if (time_s_ < heel_slip.duration_s())
+    sole.heel_slip = std::max(sole.heel_slip, heel_slip.at(time_s_));
+  if (time_s_ < ball_slip.duration_s())
+    sole.ball_slip = std::max(sole.ball_slip, ball_slip.at(time_s_));
   if (!heel_is_up_ && heel_up_s >= 0 && time_s_ >= heel_up_s) {
     heel_is_up_ = true;
     sole.heel_up = true;

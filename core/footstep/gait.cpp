@@ -114,7 +114,7 @@ void Gait::turn(double angle_rad, std::size_t foot) noexcept {
 }
 
 void Gait::jump(double height_m) noexcept {
-  jump_m_ = height_m > 0 ? std::clamp(height_m, kLeastJump, kMostJump) : 0;
+  jump_m_ = height_m > 0 ? std::clamp(height_m, kMinJump, kMaxJump) : 0;
 }
 
 void Gait::scuff(std::size_t foot) noexcept {

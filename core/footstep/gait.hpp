@@ -39,7 +39,7 @@ public:
   /// The next step pivots by that angle (radians, up to pi); who does not walk makes a step of that
   /// foot for it.
   void turn(double angle_rad, std::size_t foot) noexcept;
-  /// A jump on both feet, height in m (kLeastJump..kMostJump). A walker halts before it and sets
+  /// A jump on both feet, height in m (kMinJump..kMaxJump). A walker halts before it and sets
   /// off again after; feet in the air are put down first.
   void jump(double height_m) noexcept;
   /// The ball of that foot strikes and slides: in its next swing, or at once if it does not walk.

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kGravity = 9.81;          // m/s^2
-constexpr double kHardestTransient = 0.6;  // weights
+constexpr double kMaxTransient = 0.6;      // weights
 constexpr double kUsualSpeed = 1.4;        // m/s
-constexpr double kLeastDuration = 1e-3;    // s, so that nothing divides by zero
+constexpr double kMinDuration = 1e-3;      // s, so that nothing divides by zero
 constexpr double kShareShape = 0.8;        // the heel's share is 1/2 at 63 % of its fall
 constexpr double kContactSlip = 0.2 / 1.4; // of the walking speed: 3 mm in 30 ms at 1.4 m/s
-constexpr double kMostWalk = 2.5, kLeastWalk = 0.3, kMostRun = 8, kLeastRun = 1.5; // m/s
+constexpr double kMaxWalk = 2.5, kMinWalk = 0.3, kMaxRun = 8, kMinRun = 1.5; // m/s
 constexpr double kSprint = 6; // m/s, from where runners land on the ball
 
 // Effective masses behind a landing, parts of the body's (docs/footstep.md).
@@ -140,13 +140,13 @@ void GroundReaction::set(const Walker& walker) noexcept {
   style_ = walker.style;
   const bool run = style_ == Style::kRun;
   const double speed = std::clamp(finite(walker.speed_m_per_s, kUsualSpeed),
-                                  run ? kLeastRun : kLeastWalk, run ? kMostRun : kMostWalk);
+                                  run ? kMinRun : kMinWalk, run ? kMaxRun : kMaxWalk);
   const double shoe = std::clamp(finite(walker.shoe, Walker{}.shoe), 0.0, 1.0);
   const double pace = std::pow(speed / kUsualSpeed, 0.8);
   const double walking_cadence = std::clamp(100 + 27.8 * (speed - 1), 70.0, 145.0); // steps / min
   const auto times = [this](double steps_a_minute, double duty) {
     stride_s_ = 2 * 60 / steps_a_minute;
-    stance_s_ = std::max(kLeastDuration, duty * stride_s_);
+    stance_s_ = std::max(kMinDuration, duty * stride_s_);
   };
   transient_ = 0;
   contact_slip_ = kContactSlip * speed;
@@ -161,7 +161,7 @@ void GroundReaction::set(const Walker& walker) noexcept {
     if (speed < kSprint) {
       heel_ = {0, landing, kHeelRunning};
       ball_ = {0.04, 0.6 * landing, kFoot};
-      transient_ = kHardestTransient * shoe;
+      transient_ = kMaxTransient * shoe;
     } else { // the heel hardly comes down
       ball_ = {0, landing, kBallFirst};
       heel_ = {0.15, 0.2 * landing, kFoot};
@@ -200,7 +200,7 @@ void GroundReaction::set(const Walker& walker) noexcept {
     times(walking_cadence, shape.duty);
     heel_ = {0, 0.5 * pace, kHeelWalking};
     ball_ = {0.12, 0.3 * pace, kFoot};
-    transient_ = kHardestTransient * shoe;
+    transient_ = kMaxTransient * shoe;
     set_walk(shape);
     break;
   }

@@ -171,7 +171,7 @@ Footfall lift(double load_n) noexcept {
 }
 
 Jump jump(double height_m, double weight_n) noexcept {
-  const double height = std::clamp(height_m, kLeastJump, kMostJump);
+  const double height = std::clamp(height_m, kMinJump, kMaxJump);
   const double speed = std::sqrt(2 * kGravity * height);
   const double half = 0.5 * weight_n; // each foot
   Jump made;
@@ -234,8 +234,8 @@ constexpr double kLongestRamp = 0.12, kRampPart = 0.25; // s; of the way's time 
 /// A foot bears its load after one ramp, is up to its speed after another, and so down again.
 struct Sliding {
   Sliding(double length_m, double speed_m_per_s) noexcept {
-    const double speed = std::clamp(speed_m_per_s, kLeastDragSpeed, kMostDragSpeed);
-    const double whole = std::clamp(length_m, kLeastDrag, kMostDrag) / speed;
+    const double speed = std::clamp(speed_m_per_s, kMinDragSpeed, kMaxDragSpeed);
+    const double whole = std::clamp(length_m, kMinDrag, kMaxDrag) / speed;
     ramp_s = std::min(kLongestRamp, kRampPart * whole);
     slides_s = whole + ramp_s;
     slip.hold(ramp_s).to(speed, ramp_s).hold(whole - ramp_s).to(0, ramp_s);

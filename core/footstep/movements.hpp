@@ -49,15 +49,15 @@ struct Jump {
   Footfall push_off, landing;
   double then_s = 0;
 };
-inline constexpr double kLeastJump = 0.01, kMostJump = 1.0; ///< m
+inline constexpr double kMinJump = 0.01, kMaxJump = 1.0; ///< m
 [[nodiscard]] Jump jump(double height_m, double weight_n) noexcept;
 
 /// The ball of a swinging foot that strikes the ground and slides until it is free again: `length`
 /// m, from the speed at which the foot swings over the ground to nothing.
 [[nodiscard]] Footfall scuff(double length_m, double speed_m_per_s, double weight_n) noexcept;
 
-inline constexpr double kLeastDrag = 0.01, kMostDrag = 20;          ///< m
-inline constexpr double kLeastDragSpeed = 0.02, kMostDragSpeed = 5; ///< m/s
+inline constexpr double kMinDrag = 0.01, kMaxDrag = 20;          ///< m
+inline constexpr double kMinDragSpeed = 0.02, kMaxDragSpeed = 5; ///< m/s
 /// A foot that slides along the ground by that length at that speed under 30 % of the weight. From
 /// standing feet[0] slides and feet[1] carries the rest; both stand before and after.
 inline constexpr double kDragLoad = 0.3;

@@ -36,7 +36,7 @@ constexpr Usual kHeelFirst{0.5, 26}, kBallFirst{0.5, 9}, kFollows{0.3, 3.3};
 
 bool Calibration::set(std::span<const double> points) noexcept {
   const std::size_t count = points.size() / 2;
-  if (points.size() % 2 || count < kFewest || count > kMost)
+  if (points.size() % 2 || count < kMinPoints || count > kMaxPoints)
     return false;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!std::isfinite(points[i]) || (i >= 2 && !(points[i] > points[i - 2])))

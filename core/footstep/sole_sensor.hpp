@@ -12,7 +12,7 @@ namespace tactus::footstep {
 /// From what a sensor reads to newtons: straight lines between rising points.
 class Calibration {
 public:
-  static constexpr std::size_t kMost = 32, kFewest = 5;
+  static constexpr std::size_t kMaxPoints = 32, kMinPoints = 5;
   /// Readings and forces in turn; false, and nothing changes, unless there are 5 to 32 points and
   /// both rise throughout.
   bool set(std::span<const double> readings_and_forces) noexcept;
@@ -22,7 +22,7 @@ public:
 
 private:
   std::size_t count_ = 0;
-  std::array<double, kMost> reading_{}, force_{};
+  std::array<double, kMaxPoints> reading_{}, force_{};
 };
 
 /// One sensor under the sole: calibration, baseline that follows while the foot is in the air,

@@ -12,6 +12,7 @@ namespace tactus::footstep {
 inline constexpr std::array<std::string_view, 2> kSources{"gait", "sensors"};
 inline constexpr std::array<std::string_view, 5> kStyleNames{"walk", "run", "sneak", "upstairs",
                                                              "downstairs"};
+inline constexpr std::array<std::string_view, 2> kSides{"left", "right"};
 inline constexpr std::array<std::string_view, 2> kUnits{"newton", "weight"};
 
 enum ParameterIndex : std::size_t {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -12,7 +11,6 @@ namespace tactus::footstep {
 namespace {
 
 constexpr std::array<std::string_view, 4> kPhases{"heel", "ball", "heel_up", "toe_off"};
-constexpr std::array<std::string_view, 2> kSides{"left", "right"};
 
 /// Straight up to 0.7, then bent so that it never passes 1.
 double rounded(double x) noexcept {
@@ -105,17 +103,19 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
   case kSurface:
     return set_surface(arguments, host);
   case kStep:
-    if (!arguments.empty() && !(arguments[0].is_word &&
-                                (arguments[0].word == kSides[0] || arguments[0].word == kSides[1])))
+    if (!arguments.empty() && !side_named(arguments))
       return host.error("step: expected left or right");
-    return gait_.step(!arguments.empty() && arguments[0].word == kSides[1] ? 1 : 0);
+    return gait_.step(side_named(arguments).value_or(0));
   case kBang:
-    return gait_.step(side_of(arguments));
+    return gait_.step(side_in_turn());
   case kTurn:
+    return turn(arguments, host);
   case kJump:
+    return jump(arguments, host);
   case kScuff:
+    return scuff(arguments, host);
   case kDrag:
-    return move(index, arguments, host);
+    return drag(arguments, host);
   case kCalibrate:
     return calibrate(arguments, host);
   case kEqualise:
@@ -141,56 +141,10 @@ void Footstep::message(std::size_t index, std::span<const Atom> arguments, Host&
   }
 }
 
-std::size_t Footstep::side_of(std::span<const Atom>& arguments) noexcept {
-  for (std::size_t side = 0; side < kSides.size(); ++side)
-    if (!arguments.empty() && arguments[0].is_word && arguments[0].word == kSides[side]) {
-      arguments = arguments.subspan(1);
-      return side;
-    }
-  const std::size_t side = value_[kFeet] >= 1.5 ? next_foot_ : 0;
-  next_foot_ = 1 - side;
-  return side;
-}
-
-void Footstep::move(std::size_t index, std::span<const Atom> arguments, Host& host) {
-  const bool sided = index == kScuff || index == kDrag;
-  const std::size_t side = sided || index == kTurn ? side_of(arguments) : 0;
-  const auto number = [&](std::size_t i, double otherwise, double least, double most) {
-    if (i >= arguments.size())
-      return otherwise;
-    const Atom& word = arguments[i];
-    return !word.is_word && word.number >= least && word.number <= most
-               ? word.number
-               : std::numeric_limits<double>::quiet_NaN();
-  };
-  if (index == kTurn) {
-    const double degrees = number(0, 90, 1, 180);
-    if (std::isnan(degrees))
-      return host.error("turn: expected 1 to 180 degrees");
-    return gait_.turn(degrees * std::numbers::pi / 180, side);
-  }
-  if (index == kJump) {
-    const double height = number(0, 0.3, kLeastJump, kMostJump);
-    if (std::isnan(height))
-      return host.error("jump: expected a height of 0.01 to 1 m");
-    return gait_.jump(height);
-  }
-  if (index == kScuff) {
-    if (!arguments.empty())
-      return host.error("scuff: expected left or right");
-    return gait_.scuff(side);
-  }
-  const double length = number(0, 0.5, kLeastDrag, kMostDrag);
-  const double speed = number(1, 0.5, kLeastDragSpeed, kMostDragSpeed);
-  if (std::isnan(length) || std::isnan(speed) || arguments.size() > 2)
-    return host.error("drag: expected left or right, then 0.01 to 20 m and 0.02 to 5 m/s");
-  gait_.drag(side, length, speed);
-}
-
 void Footstep::set_surface(std::span<const Atom> arguments, Host& host) {
   std::size_t from = 0, to = Gait::kFeet;
-  if (arguments[0].is_word && (arguments[0].word == kSides[0] || arguments[0].word == kSides[1])) {
-    from = arguments[0].word == kSides[0] ? 0 : 1;
+  if (const auto side = side_named(arguments)) {
+    from = *side;
     to = from + 1;
     arguments = arguments.subspan(1);
   }

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace tactus::footstep {
@@ -75,10 +76,15 @@ private:
   void apply() noexcept;
   void stand() noexcept;
   void fade(std::array<double, 8>& out) noexcept;
-  /// Takes left or right off the front of the words; without, the feet in turn (the left one alone
-  /// with feet 1).
-  std::size_t side_of(std::span<const Atom>& arguments) noexcept;
-  void move(std::size_t index, std::span<const Atom> arguments, Host& host);
+  /// The foot that the first word names, if it does.
+  [[nodiscard]] static std::optional<std::size_t>
+  side_named(std::span<const Atom> arguments) noexcept;
+  /// The feet in turn; the left one alone with feet 1.
+  std::size_t side_in_turn() noexcept;
+  void turn(std::span<const Atom> arguments, Host& host);
+  void jump(std::span<const Atom> arguments, Host& host);
+  void scuff(std::span<const Atom> arguments, Host& host);
+  void drag(std::span<const Atom> arguments, Host& host);
   void set_surface(std::span<const Atom> arguments, Host& host);
   void calibrate(std::span<const Atom> arguments, Host& host);
   void equalise(std::span<const Atom> arguments, Host& host);
