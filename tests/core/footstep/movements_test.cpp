@@ -309,8 +309,9 @@ TEST_CASE("a scuff finds a swing whatever the speed, the way of walking and the 
 }
 
 TEST_CASE("a dragged foot slides as far as it is told, under 30 % of the weight") {
-  for (const auto& [length, speed] : {std::pair{0.5, 0.5}, {0.05, 2.0}, {3.0, 0.4}, {1.0, 3.0}})
+  for (const auto& way : {std::array{0.5, 0.5}, {0.05, 2.0}, {3.0, 0.4}, {1.0, 3.0}})
     for (const bool stands : {false, true}) {
+      const double length = way[0], speed = way[1];
       CAPTURE(length);
       CAPTURE(stands);
       Once drag(3);
@@ -361,6 +362,31 @@ TEST_CASE("a walker drags a foot for its swing, and the sum of both feet stays")
     }
     CHECK(slid == doctest::Approx(0.4).epsilon(1e-3));
     CHECK(apart < 0.01 * 700); // but for its touch
+  }
+}
+
+TEST_CASE("a drag leaves the ground in time for the next landing, in short swings and long ones") {
+  for (const auto& [style, speed] : {std::pair{Style::kWalk, 1.4}, {Style::kSneak, 0.6}}) {
+    Once drag(6);
+    const Recording made = play({speed, 700, 0.4, style}, 14, [&](Gait& gait, double t) {
+      if (t == 0)
+        gait.walk(true);
+      if (drag(t))
+        gait.drag(0, 0.3, 0.5);
+    });
+    double ends = 0;
+    for (std::size_t n = made.at(6); n < made.samples.size(); ++n)
+      if (made.samples[n][0].heel_slip > 0 && made.samples[n][0].ball_slip > 0)
+        ends = static_cast<double>(n) / 48000;
+    REQUIRE(ends > 6);
+    double off = 0, down = 0;
+    for (const Event& e : made.events) {
+      if (e.foot == 0 && e.phase == Phase::kToeOff && e.t > ends && off == 0)
+        off = e.t;
+      if (e.foot == 0 && e.phase == Phase::kHeelDown && e.t > ends && down == 0)
+        down = e.t;
+    }
+    CHECK(down - off == doctest::Approx(0.05).epsilon(0.02));
   }
 }
 
