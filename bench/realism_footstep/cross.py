@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Fits recipes to one collection of recordings and judges them by another.
 
-    cross.py --render render_footstep [--approach 3] [--labels dirt highgrass snow concrete]
+    cross.py --render render_footstep [--minutes 3] [--labels dirt highgrass snow concrete]
 
 For the materials that both minetest-data and ardentryst have. Each fit starts from one neutral recipe
 that has seen nothing. All distances are energy distances of the 45 features, in units of the recordings'
@@ -11,15 +11,15 @@ fit has not seen."""
 import argparse
 import tempfile
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 
 import judge
+from aims import Aim
 from population import Population
 from recordings import recordings
 from steps import RATE, measure, render
-from tune import Aim, approach
+from tune import Fit
 
 NEUTRAL = """level 0.1
 [solid]
@@ -56,12 +56,14 @@ def neutral():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--render", required=True)
-    parser.add_argument("--approach", type=int, default=3)
+    parser.add_argument("--minutes", type=float, default=3, help="a fit")
     parser.add_argument("--labels", nargs="+", default=["dirt", "highgrass", "snow", "concrete"])
-    parser.add_argument("--steps", type=int, default=16)
-    parser.add_argument("--few", type=int, default=8)
+    parser.add_argument("--steps", type=int, default=24)
+    parser.add_argument("--few", type=int, default=9)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--rate", type=int, default=22050)
+    parser.add_argument("--speeds", type=float, nargs="+", default=[1.4])
+    parser.add_argument("--sigma", type=float, default=0.04)
     arguments = parser.parse_args()
     taken = recordings()
     vectors, _, _ = measure([r.sound() for r in taken])
@@ -81,7 +83,7 @@ def main():
                     path.write_text(neutral())
                 aim = Aim.of_label(label)
                 aim.also_near_recordings(label, fitted)
-                approach(copy, aim, SimpleNamespace(**vars(arguments)))
+                Fit(copy, aim, arguments).run()
                 before, after = (measure(render(arguments.render, path, 30, 11, rate=RATE))[0]
                                  for path in (start, copy))
             own = vectors[(labels == label) & (sources == fitted)]

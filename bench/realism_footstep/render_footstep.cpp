@@ -1,7 +1,10 @@
-// Renders single steps of one foot: render_footstep RECIPE OUT STEPS [SEED [SPEED [RATE]]]
+// Renders single steps of one foot:
+//   render_footstep RECIPE OUT STEPS [SEED [SPEED [RATE [shares]]]]
 // OUT gets 32-bit floats, the steps one after another, each from 10 ms before the heel lands for
-// one stride; the number of samples of a step is printed.
+// one stride. Printed: the number of samples of a step, then with `shares` a line for each section
+// of the recipe: its name and the energy of the same steps when it sounds alone, without the room.
 
+#include "bench/recipe_sections.hpp"
 #include "core/footstep/foot.hpp"
 #include "core/footstep/gait.hpp"
 
@@ -15,9 +18,73 @@
 
 using namespace tactus::footstep;
 
+namespace {
+
+struct Walk {
+  long steps = 1;
+  std::uint64_t seed = 1;
+  double speed = 1.4, rate = 44100;
+};
+
+struct Sound {
+  std::vector<float> samples;
+  std::vector<std::size_t> contacts; ///< samples at which the heel lands
+};
+
+std::size_t stride_samples(const Walk& walk) {
+  GroundReaction usual;
+  usual.set({walk.speed, 700, 0.4, false});
+  return static_cast<std::size_t>(usual.stride_s() * walk.rate);
+}
+
+std::size_t samples_before(const Walk& walk) { return static_cast<std::size_t>(0.01 * walk.rate); }
+
+Sound walked(const Recipe& recipe, const Walk& walk, bool room) {
+  const auto foot = std::make_unique<Foot>();
+  foot->prepare(walk.rate);
+  foot->seed(walk.seed);
+  if (!room)
+    foot->set_room(0);
+  foot->stand_on(1, recipe, 1, recipe, 0);
+  Gait gait;
+  gait.prepare(walk.rate);
+  gait.seed(walk.seed);
+  gait.set({walk.speed, 700, 0.4, false}, 0.04);
+  gait.walk(true);
+  Sound sound;
+  sound.samples.resize(samples_before(walk));
+  std::array<SoleState, Gait::kFeet> feet{};
+  while (static_cast<long>(sound.contacts.size()) <= walk.steps ||
+         sound.samples.size() < sound.contacts.back() + stride_samples(walk)) {
+    gait.next(feet);
+    if (feet[0].heel_landing > 0)
+      sound.contacts.push_back(sound.samples.size());
+    sound.samples.push_back(static_cast<float>(foot->next(feet[0]).heard));
+  }
+  return sound;
+}
+
+bool write(const Sound& sound, const Walk& walk, const char* path) {
+  const std::size_t length = stride_samples(walk);
+  std::ofstream out(path, std::ios::binary);
+  for (long k = 0; k < walk.steps; ++k) {
+    const std::size_t from = sound.contacts[static_cast<std::size_t>(k)] - samples_before(walk);
+    // What the next step of this foot sounds is cut off: a gap of varying length stays silent.
+    const std::size_t to = std::min(from + length, sound.contacts[static_cast<std::size_t>(k) + 1]);
+    std::vector<float> step(sound.samples.begin() + static_cast<long>(from),
+                            sound.samples.begin() + static_cast<long>(to));
+    step.resize(length);
+    out.write(reinterpret_cast<const char*>(step.data()),
+              static_cast<std::streamsize>(length * sizeof(float)));
+  }
+  return static_cast<bool>(out);
+}
+
+} // namespace
+
 int main(int count, char** words) {
   if (count < 4) {
-    std::fprintf(stderr, "render_footstep RECIPE OUT STEPS [SEED [SPEED [RATE]]]\n");
+    std::fprintf(stderr, "render_footstep RECIPE OUT STEPS [SEED [SPEED [RATE [shares]]]]\n");
     return 2;
   }
   std::ifstream file(words[1]);
@@ -27,46 +94,30 @@ int main(int count, char** words) {
     std::fprintf(stderr, "%s: %s\n", words[1], file ? error.c_str() : "cannot be read");
     return 1;
   }
-  const long steps = std::atol(words[3]);
-  const std::uint64_t seed = count > 4 ? std::strtoull(words[4], nullptr, 10) : 1;
-  const double speed = count > 5 ? std::atof(words[5]) : 1.4;
-  const double rate = count > 6 ? std::atof(words[6]) : 44100;
+  Walk walk;
+  walk.steps = std::atol(words[3]);
+  if (count > 4)
+    walk.seed = std::strtoull(words[4], nullptr, 10);
+  if (count > 5)
+    walk.speed = std::atof(words[5]);
+  if (count > 6)
+    walk.rate = std::atof(words[6]);
+  const bool shares = count > 7 && std::string(words[7]) == "shares";
 
-  const auto foot = std::make_unique<Foot>();
-  foot->prepare(rate);
-  foot->seed(seed);
-  foot->stand_on(1, recipe, 1, recipe, 0);
-  Gait gait;
-  gait.prepare(rate);
-  gait.seed(seed);
-  gait.set({speed, 700, 0.4}, 0.04);
-  gait.walk(true);
-  GroundReaction usual;
-  usual.set({speed, 700, 0.4});
-  const auto length = static_cast<std::size_t>(usual.stride_s() * rate);
-  const auto before = static_cast<std::size_t>(0.01 * rate);
-
-  std::vector<float> sound;
-  std::vector<std::size_t> contacts;
-  std::array<SoleState, Gait::kFeet> feet{};
-  sound.resize(before);
-  while (static_cast<long>(contacts.size()) <= steps || sound.size() < contacts.back() + length) {
-    gait.next(feet);
-    if (feet[0].heel_landing > 0)
-      contacts.push_back(sound.size());
-    sound.push_back(static_cast<float>(foot->next(feet[0]).heard));
-  }
-  std::ofstream out(words[2], std::ios::binary);
-  for (long k = 0; k < steps; ++k) {
-    const std::size_t from = contacts[static_cast<std::size_t>(k)] - before;
-    // What the next step of this foot sounds is cut off: a gap of varying length stays silent.
-    const std::size_t to = std::min(from + length, contacts[static_cast<std::size_t>(k) + 1]);
-    std::vector<float> step(sound.begin() + static_cast<long>(from),
-                            sound.begin() + static_cast<long>(to));
-    step.resize(length);
-    out.write(reinterpret_cast<const char*>(step.data()),
-              static_cast<std::streamsize>(length * sizeof(float)));
-  }
-  std::printf("%zu\n", length);
-  return out ? 0 : 1;
+  const bool written = write(walked(recipe, walk, true), walk, words[2]);
+  std::printf("%zu\n", stride_samples(walk));
+  if (shares)
+    for (const auto& section : tactus::bench::sounding_sections(text)) {
+      Recipe alone;
+      if (const std::string error = read_recipe(tactus::bench::only(text, section), alone);
+          !error.empty()) {
+        std::fprintf(stderr, "%s: %s\n", words[1], error.c_str());
+        return 1;
+      }
+      double energy = 0;
+      for (const float x : walked(alone, walk, false).samples)
+        energy += static_cast<double>(x) * static_cast<double>(x);
+      std::printf("%s %.6g\n", section.name.c_str(), energy);
+    }
+  return written ? 0 : 1;
 }

@@ -10,14 +10,20 @@ from features import features, to_rate
 RATE = 44100
 
 
-def render(program, recipe, count, seed=1, speed=1.4, rate=RATE):
-    """(count, samples) at 22.05 kHz: single steps of one foot."""
+def render(program, recipe, count, seed=1, speed=1.4, rate=RATE, shares=False):
+    """List of `count` single steps of one foot at 22.05 kHz; with `shares` also the energies of the
+    recipe's sections, each alone and without the room: [(name, energy)]."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "steps")
-        done = subprocess.run([program, recipe, out, str(count), str(seed), str(speed), str(rate)],
-                              check=True, capture_output=True, text=True, timeout=300)
-        steps = np.fromfile(out, np.float32).reshape(count, int(done.stdout))
-    return [to_rate(step, rate) for step in steps]
+        command = [program, recipe, out, str(count), str(seed), str(speed), str(rate)]
+        done = subprocess.run(command + ["shares"] * shares, check=True, capture_output=True, text=True,
+                              timeout=300)
+        length, *sections = done.stdout.splitlines()
+        steps = np.fromfile(out, np.float32).reshape(count, int(length))
+    steps = [to_rate(step, rate) for step in steps]
+    if not shares:
+        return steps
+    return steps, [(name, float(energy)) for name, energy in map(str.split, sections)]
 
 
 def measure(steps):

@@ -7,7 +7,6 @@ import pytest
 import targets
 from population import PLACES, Population
 from scipy.stats import norm
-from tune import Text
 
 RANDOM = numpy.random.RandomState(5)
 
@@ -62,12 +61,3 @@ def test_the_stand_in_has_the_tables_medians():
             median, low, high = (scaled(v) for v in figures[name])
             found = numpy.median(drawn[labels == label][:, place])
             assert found == pytest.approx(median, abs=max(0.6 * (high - low), 0.2)), name
-
-
-def test_a_recipe_survives_being_made_a_point(tmp_path):
-    path = tmp_path / "a.txt"
-    path.write_text("# mine\nlevel 1\n[grains]\ncount 40\nspread 0.7  # wide\n[room]\nlevel -12\n")
-    text = Text(path)
-    assert [key for _, key, *_ in text.numbers] == ["count", "spread", "level"]
-    again = text.at(text.point())
-    assert "count 40\n" in again and "# wide" in again and "level -12\n" in again

@@ -1,0 +1,99 @@
+"""Energy by time and band, contacts and decays of signals whose answers are known by hand."""
+import numpy
+import pytest
+from features import RATE
+from recorded_steps import BAND_EDGES_HZ, ENERGY_DB, LEVELS_DB, TWO_CONTACTS, WINDOW_EDGES_S
+from targets import MATERIALS
+from time_course import FLOOR, summary_of_contacts, time_course
+
+TIME = numpy.arange(RATE) / RATE
+FLOOR_OF_ALL = 10 * numpy.log10(20 * FLOOR)
+
+
+def burst(at, decay_s, hz, strength=1.0):
+    t = TIME - at
+    return strength * (t >= 0) * numpy.exp(-numpy.clip(t, 0, None) / decay_s) * numpy.sin(2 * numpy.pi * hz * t)
+
+
+def test_every_ground_has_its_three_tables():
+    for table in (TWO_CONTACTS, ENERGY_DB, LEVELS_DB):
+        assert list(table) == MATERIALS
+    for label in MATERIALS:
+        low, median, high = numpy.array(ENERGY_DB[label])
+        assert (low <= median).all() and (median <= high).all()
+        # Both tables tell the energy of a window: within what medians of sums and of parts differ by.
+        summed = 10 * numpy.log10((10 ** (LEVELS_DB[label] / 10)).sum(axis=1))
+        assert summed == pytest.approx(median, abs=9)
+
+
+def test_band_edges_are_those_of_the_tables_centres():
+    # Even on the mel scale: log(700 + f).
+    centres = numpy.sqrt((BAND_EDGES_HZ[1:] + 700) * (BAND_EDGES_HZ[:-1] + 700)) - 700
+    known = [127, 241, 371, 520, 689, 881, 1100, 1349, 1633, 1956, 2324, 2742, 3219, 3762, 4379, 5082, 5883,
+             6794, 7832, 9013]
+    assert centres == pytest.approx(known, abs=0.7)
+
+
+def test_a_steady_noise_puts_half_its_energy_into_the_windows_by_their_length():
+    noise = numpy.random.RandomState(2).randn(RATE) * (TIME > 0.1) * (TIME < 0.9)
+    course = time_course([noise])
+    length = numpy.diff(WINDOW_EDGES_S)
+    # Triangular bands from 75 to 9660 Hz hold half of a white noise's 11025 Hz up to there.
+    expected = 10 * numpy.log10(0.5 * length / 0.8 * (9660 - 75) / 11025)
+    assert course.energy_db[0, 2:] == pytest.approx(expected[2:], abs=1.2)
+    assert course.energy_db[0, :2] == pytest.approx(expected[:2], abs=2.5)  # few frames
+
+
+def test_a_tone_lies_in_its_band_and_a_later_one_in_its_window():
+    middle = (BAND_EDGES_HZ[1:] + BAND_EDGES_HZ[:-1]) / 2
+    sound = burst(0.1, 0.004, middle[6]) + burst(0.4, 0.004, middle[12])
+    levels = time_course([sound]).levels_db[0]
+    assert levels[0].argmax() == 6
+    assert levels[5].argmax() == 12
+    assert levels[3].max() < levels[0].max() - 30  # nothing between
+
+
+def test_two_contacts_are_found_with_their_interval_level_and_dip():
+    sound = burst(0.1, 0.006, 800) + burst(0.17, 0.006, 800, 10 ** (-9 / 20))
+    course = time_course([sound] * 3)
+    assert course.share_of_two == 100
+    interval, second, dip, first = course.contacts[0]
+    assert interval == pytest.approx(70, abs=1)
+    assert second == pytest.approx(-9, abs=0.3)
+    assert dip < -40
+    assert 0 <= first < 8
+    assert summary_of_contacts(course)[1] == pytest.approx((70, 70, 70), abs=1)
+
+
+def test_one_contact_is_one_contact():
+    course = time_course([burst(0.1, 0.02, 300)])
+    assert course.share_of_two == 0
+    assert not numpy.isfinite(course.contacts[0, :3]).any()
+    assert numpy.isnan(summary_of_contacts(course)[2]).all()
+
+
+def test_two_contacts_nearer_than_30_ms_or_20_db_lower_are_one():
+    near = burst(0.1, 0.003, 800) + burst(0.12, 0.003, 800)
+    low = burst(0.1, 0.006, 800) + burst(0.2, 0.006, 800, 10 ** (-26 / 20))
+    assert time_course([near, low]).share_of_two == 0
+
+
+def test_a_band_decays_by_20_db_in_its_own_time():
+    course = time_course([burst(0.1, 0.03, 200) + burst(0.1, 0.01, 5000)])
+    low, middle, high = course.decays_ms[0]
+    assert low == pytest.approx(1000 * 0.03 * numpy.log(10), rel=0.1)
+    assert high == pytest.approx(1000 * 0.01 * numpy.log(10), rel=0.2)
+
+
+def test_level_and_what_comes_before_do_not_count():
+    sound = burst(0.1, 0.01, 700) + burst(0.18, 0.01, 2000)
+    later = numpy.roll(sound, 2000)
+    # The frames' grid is 2.9 ms.
+    a, b = (time_course([s]).energy_db[0] for s in (sound, 0.01 * later))
+    assert a == pytest.approx(b, abs=0.5)
+
+
+def test_silence_has_no_contacts_and_no_energy():
+    course = time_course([numpy.zeros(RATE)])
+    assert course.energy_db[0] == pytest.approx(FLOOR_OF_ALL, abs=0.1)
+    assert course.share_of_two == 0
