@@ -14,7 +14,6 @@ import judge
 import recorded_steps
 import targets
 from ensemble import members
-from population import Population
 from recordings import recordings
 from steps import measure
 from time_course import summary_of_contacts, time_course
@@ -22,7 +21,7 @@ from time_course import summary_of_contacts, time_course
 # Weights of the parts of the cost; each part's mean square is about one when it is off by its tolerance.
 WEIGHTS = {"features": 2.0, "profile": 1.0, "time_band": 2.5, "energy": 1.5, "contacts": 1.5,
            "shares": 1.0, "levels": 1.0, "prior": 0.03}
-STAND_IN_WEIGHT, RECORDINGS_WEIGHT, ONE_COLLECTION_WEIGHT = 0.6, 0.05, 0.4
+STAND_IN_WEIGHT, RECORDINGS_WEIGHT = 0.6, 0.05
 # One walker in one pair of shoes varies less than seven collections do.
 OF_SPREAD = 0.85
 PROFILE_DB, TIME_BAND_DB = 3.0, 4.0
@@ -96,32 +95,32 @@ class Aim:
                    recorded_steps.ENERGY_DB[label], recorded_steps.TWO_CONTACTS[label], label)
 
     @classmethod
-    def of_sounds(cls, folder):
+    def of_folder(cls, folder):
         import soundfile
 
         from features import to_rate
         paths = sorted(p for p in Path(folder).iterdir() if p.suffix in (".wav", ".ogg", ".flac"))
         if len(paths) < 3:
             sys.exit(f"{folder}: at least three recordings are needed")
-        sounds = [to_rate(*soundfile.read(p)) for p in paths]
+        return cls.of_sounds([to_rate(*soundfile.read(p)) for p in paths])
+
+    @classmethod
+    def of_sounds(cls, sounds):
+        """The same figures, measured of sounds at 22.05 kHz."""
         _, named, profiles = measure(sounds)
         course = time_course(sounds)
         rows = {n: tuple(np.percentile(v, [50, 10, 90])) for n, v in named.items()}
         return cls(rows, profiles.mean(axis=0), slice(None), np.median(course.levels_db, axis=0),
                    np.percentile(course.energy_db, [10, 50, 90], axis=0), summary_of_contacts(course))
 
-    def also_near_recordings(self, label, source=None):
-        """Adds the distances to all 45 features of the stand-ins and of the installed recordings, or of
-        those of one source."""
-        taken = [r for r in recordings() if source in (None, r.source)]
+    def also_near_recordings(self, label):
+        """Adds the distances to all 45 features of the stand-ins and of the installed recordings."""
+        taken = recordings()
         if not taken:
             sys.exit("no recordings are installed: Debian's minetest-data and ardentryst")
         labels = np.array([r.label for r in taken])
         vectors, _, _ = measure([r.sound() for r in taken])
-        if source:
-            worlds = [Population(vectors, labels).sounds()]
-        else:
-            worlds = [w[:2] for w in members(vectors, labels, MEMBERS, of_error=DOUBT)]
+        worlds = [w[:2] for w in members(vectors, labels, MEMBERS, of_error=DOUBT)]
         drawn = np.vstack([v for v, _ in worlds])
         names = np.concatenate([n for _, n in worlds])
         white = judge.whitening(drawn, names)
@@ -137,8 +136,7 @@ class Aim:
         if (labels == label).sum() > 1:
             within = np.sqrt(np.mean([v[n == c].var(axis=0) for v, n in worlds
                                       for c in sorted(set(n))], axis=0))
-            weight = ONE_COLLECTION_WEIGHT if source else RECORDINGS_WEIGHT
-            self.near.append((weight, np.diag(1 / within), vectors[labels == label] / within))
+            self.near.append((RECORDINGS_WEIGHT, np.diag(1 / within), vectors[labels == label] / within))
 
     def parts(self, played):
         """{part: residuals}, and the 45 features of each step."""

@@ -4,10 +4,10 @@
     cross.py --render render_footstep [--minutes 3] [--labels dirt highgrass snow concrete]
 
 For the materials that both minetest-data and ardentryst have. Each fit starts from one neutral recipe
-that has seen nothing. All distances are energy distances of the 45 features, in units of the recordings'
-spread within a material: of the neutral recipe, of the recipe fitted to the first collection (and the
-tables), and of the first collection's own recordings, each to the recordings of the second, which the
-fit has not seen."""
+that has seen nothing and sees the recordings of one collection only: no table (they hold all collections),
+no stand-in. Two energy distances to the recordings of the second collection: of the 45 features, and of
+the 140 levels of band and time, both in units of the recordings' spread within a material; for the
+neutral recipe, the fitted one, and the first collection's own recordings."""
 import argparse
 import tempfile
 from pathlib import Path
@@ -16,41 +16,66 @@ import numpy as np
 
 import judge
 from aims import Aim
-from population import Population
 from recordings import recordings
-from steps import RATE, measure, render
+from second_judge import cells
+from steps import measure, render
 from tune import Fit
 
 NEUTRAL = """level 0.1
+radiation 60
+vary_frequency 0.1
+vary_decay 0.15
 [solid]
+modes 12
 frequency 150
-level 1
+ratio 1.3
+t60 0.07
+t60_tilt 0.5
+tilt 0.5
+place 0.3
+stiffness 1e8
+dissipation 0.5
+ball 1
+ball_mass 0.05
+patches 4
+unevenness 0.004
+vary_frequency 0.05
+vary_level 0.15
 [grains]
 count 100
-load 0.01
-release 0.001
-[rustle]
+attack 0.005
+decay 0.04
+exponent 1.5
+largest 100
 frequency 1500
-level 0.1
+spread 0.8
+quality 1
+length 0.003
+level 0.3
+ball 0.8
 load 0.01
-release 0.001
+release 0.003
+vary_level 0.2
+[rustle]
+attack 0.005
+decay 0.04
+frequency 1500
+spread 0.8
+quality 0.4
+level 0.05
+ball 0.8
+load 0.01
 [room]
-level -15
+level -12
+t60 0.35
+bright 3000
 """
-# Numbers that the search may change have to be written down.
-SPELT = {"solid": "modes 8\nratio 1.5\ndetune 0.05\nt60 0.1\nt60_tilt 0.5\ntilt 0.5\nplace 0.3\n"
-                  "stiffness 1e7\ndissipation 0.3\nball 0.6\n",
-         "grains": "attack 0.01\ndecay 0.05\nexponent 1.5\nlargest 100\nfrequency 1500\nspread 0.8\n"
-                   "quality 1\nlength 0.004\nlevel 0.3\nheel 1\nball 0.6\n",
-         "rustle": "attack 0.01\ndecay 0.05\nspread 0.9\nquality 0.5\nheel 1\nball 0.6\n",
-         "room": "t60 0.3\nbright 3000\n"}
 
 
-def neutral():
-    text = NEUTRAL
-    for section, lines in SPELT.items():
-        text = text.replace(f"[{section}]\n", f"[{section}]\n{lines}")
-    return text
+def within(vectors, labels):
+    """Standard deviation of sounds of one label, root mean square over labels."""
+    return np.sqrt(np.mean([vectors[labels == c].var(axis=0, ddof=1) for c in sorted(set(labels))],
+                           axis=0)) + 1e-9
 
 
 def main():
@@ -62,35 +87,44 @@ def main():
     parser.add_argument("--few", type=int, default=9)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--rate", type=int, default=22050)
-    parser.add_argument("--speeds", type=float, nargs="+", default=[1.4])
+    parser.add_argument("--speeds", type=float, nargs="+", default=[1.0, 1.4, 1.8])
     parser.add_argument("--sigma", type=float, default=0.04)
     arguments = parser.parse_args()
     taken = recordings()
-    vectors, _, _ = measure([r.sound() for r in taken])
+    sounds = [r.sound() for r in taken]
     labels, sources = (np.array([getattr(r, k) for r in taken]) for k in ("label", "source"))
-    within = Population(vectors, labels).within
+    heard = {"features": lambda s: measure(s)[0], "bands in time": cells}
+    real = {name: of(sounds) for name, of in heard.items()}
+    spread = {name: within(vectors, labels) for name, vectors in real.items()}
 
-    def distance(made, label, source):
-        real = vectors[(labels == label) & (sources == source)]
-        return judge.energy_distance(made / within, real / within)
+    def distances(made, label, source):
+        """One for each way to hear; made: {name: vectors}."""
+        return [judge.energy_distance(made[name] / spread[name],
+                                      real[name][(labels == label) & (sources == source)] / spread[name])
+                for name in heard]
 
     rows = []
     for label in arguments.labels:
         for fitted, other in (("minetest", "ardentryst"), ("ardentryst", "minetest")):
+            first = (labels == label) & (sources == fitted)
             with tempfile.TemporaryDirectory() as folder:
                 start, copy = Path(folder, "neutral.txt"), Path(folder, f"{label}.txt")
                 for path in (start, copy):
-                    path.write_text(neutral())
-                aim = Aim.of_label(label)
-                aim.also_near_recordings(label, fitted)
+                    path.write_text(NEUTRAL)
+                aim = Aim.of_sounds([sounds[i] for i in np.flatnonzero(first)])
                 Fit(copy, aim, arguments).run()
-                before, after = (measure(render(arguments.render, path, 30, 11, rate=RATE))[0]
-                                 for path in (start, copy))
-            own = vectors[(labels == label) & (sources == fitted)]
-            rows.append((label, fitted, other, distance(before, label, other),
-                         distance(after, label, other), distance(own, label, other)))
-    print("| material | fitted to | judged by | neutral | fitted | the first's recordings |")
-    print("|---|---|---|---|---|---|")
+                before, after = (
+                    [step for speed in arguments.speeds
+                     for step in render(arguments.render, path, 10, 11, speed)]
+                    for path in (start, copy))
+            figures = [distances({name: of(steps) for name, of in heard.items()}, label, other)
+                       for steps in (before, after)]
+            figures.append(distances({name: v[first] for name, v in real.items()}, label, other))
+            rows.append((label, fitted, other, *np.transpose(figures).ravel()))
+    print("| material | fitted to | judged by | "
+          + " | ".join(f"{name}: {whose}" for name in heard
+                       for whose in ("neutral", "fitted", "the first's recordings")) + " |")
+    print("|---" * 9 + "|")
     for label, fitted, other, *figures in rows:
         print(f"| {label} | {fitted} | {other} | " + " | ".join(f"{v:.1f}" for v in figures) + " |")
 

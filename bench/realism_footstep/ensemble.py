@@ -1,4 +1,7 @@
-"""Many stand-ins for recordings that nobody here has heard, to see how sure a figure is.
+"""Many stand-ins for recordings that nobody here has heard: an aid for fits, and no judge.
+
+They promise too much: of steps that they named right in 76 %, independent recordings had 63 %. A fit that
+comes near them all comes near what the tables say, and no more than that is claimed.
 
 population.py makes one stand-in: means from the tables, what the tables do not say from a regression
 over the recordings at hand, one Gaussian cloud a material. A member of the ensemble doubts all of that:
@@ -11,12 +14,15 @@ over the recordings at hand, one Gaussian cloud a material. A member of the ense
   counts for more than the material. Mean and spread of a material stay the tables'.
 
 The numbers below are set so that members resemble what is known of the eight collections as a whole:
-what_members_are() prints both. Our steps play no part in that."""
+this file prints both when it is run. Our steps play no part in that."""
 import numpy as np
 
 import judge
 import targets
 from population import KNOWN, PLACES, Population
+from recordings import recordings
+from steps import measure
+from validation import by_features, left_out
 
 COLLECTIONS = 8
 OF_COLLECTION = 0.55  # share of the variance within a material that is its collections'
@@ -103,16 +109,11 @@ def members(vectors, labels, count, first=1, of_error=OF_ERROR):
 
 def named_right(vectors, labels, groups):
     """Shares of sounds (first, among three) when each group in turn is left out."""
-    ranked = [[]] * len(labels)
-    for g in sorted(set(groups)):
-        out = groups == g
-        for i, r in zip(np.flatnonzero(out), judge.Classifier(vectors[~out], labels[~out]).ranked(
-                vectors[out])):
-            ranked[i] = r
-    return [np.mean([c in r[:k] for r, c in zip(ranked, labels)]) for k in (1, 3)]
+    ranked = left_out(by_features, vectors, labels, groups)
+    return [np.mean([r is not None and c in r[:k] for r, c in zip(ranked, labels)]) for k in (1, 3)]
 
 
-def left_out(vectors, labels, sources):
+def ratios_left_out(vectors, labels, sources):
     """Of sounds of a collection that the classifier has not heard: distance ratio, and told apart from
     the others, means over materials and collections."""
     ratios, told = [], []
@@ -126,19 +127,6 @@ def left_out(vectors, labels, sources):
     return [np.nanmean(ratios), np.nanmean(told)]
 
 
-def figures(made, worlds):
-    """(members, materials, 5): top-1, top-3, distance ratio, spread ratio, told apart."""
-    found = np.empty((len(worlds), len(made), 5))
-    for i, (vectors, labels, _) in enumerate(worlds):
-        classifier = judge.Classifier(vectors, labels)
-        for k, (label, sounds) in enumerate(made.items()):
-            ranked = classifier.ranked(sounds)
-            found[i, k] = (np.mean([r[0] == label for r in ranked]),
-                           np.mean([label in r[:3] for r in ranked]),
-                           *judge.compare(classifier, vectors, sounds, label))
-    return found
-
-
 def cell(values, share=False):
     """Mean and, in brackets, 10 to 90 % over the members."""
     low, high = np.nanpercentile(values, [10, 90])
@@ -148,20 +136,9 @@ def cell(values, share=False):
     return f"{mean:.2f} ({low:.2f}-{high:.2f})"
 
 
-def report(made, worlds):
-    """Lines of a table: a row a material, then their mean."""
-    found = figures(made, worlds)
-    heads = "top-1 %", "top-3 %", "distance ratio", "spread ratio", "told apart"
-    lines = ["| material | " + " | ".join(heads) + " |", "|---" * 6 + "|"]
-    rows = [(name, found[:, k]) for k, name in enumerate(made)]
-    for name, row in [*rows, ("mean", np.nanmean(found, axis=1))]:
-        lines.append(f"| {name} | " + " | ".join(cell(row[:, i], i < 2) for i in range(5)) + " |")
-    return lines
-
-
 def what_members_are(worlds):
     """Lines: what the members' own sounds get, beside what is known of the collections."""
-    got = np.array([named_right(v, n, np.arange(len(n))) + named_right(v, n, s) + left_out(v, n, s)
+    got = np.array([named_right(v, n, np.arange(len(n))) + named_right(v, n, s) + ratios_left_out(v, n, s)
                     for v, n, s in worlds])
     heads = ("left out one by one: top-1 %", "top-3 %", "by collection: top-1 %", "top-3 %",
              "distance ratio", "told apart")
@@ -169,3 +146,13 @@ def what_members_are(worlds):
     return ["| | " + " | ".join(heads) + " |", "|---" * 7 + "|",
             "| members | " + " | ".join(cell(got[:, i], i < 4) for i in range(6)) + " |",
             "| the collections | " + " | ".join(known) + " |"]
+
+
+def main():
+    taken = recordings()
+    vectors, _, _ = measure([r.sound() for r in taken])
+    print("\n".join(what_members_are(members(vectors, np.array([r.label for r in taken]), 20, first=101))))
+
+
+if __name__ == "__main__":
+    main()

@@ -8,10 +8,11 @@
                [--without SECTION...]     leaves out rustle, room, grains ... to hear what they are for
 
 Against the tables of targets.py: of 11 features how many medians lie within the recordings' 10 to 90 %,
-and how many dB the mean band profile is off. Against the recordings of Debian's minetest-data and
+and how many dB the mean band profile is off. Against those of recorded_steps.py: two contacts, energy by
+time, and a picture of time by band for each ground. Against the recordings of Debian's minetest-data and
 ardentryst, where they are installed: top-1, top-3, distance and spread ratio, told-apart share, with
-two controls that cheat; then among ensemble.py's stand-ins for unseen recordings; then what can be
-asked of steps among the public recordings. Writes realism.md and realism.csv."""
+two controls that cheat; then three judges and what they make of collections that they have not heard.
+Writes realism.md, realism.csv and a .png for each ground."""
 import argparse
 import csv
 import re
@@ -23,12 +24,16 @@ import numpy as np
 
 import judge
 import targets
+import second_judge
 from features import RATE, VECTOR
-from ensemble import members, report, what_members_are
 from population import Population
 from recordings import fetch, recordings
 from steps import RATE as RENDER_RATE
 from steps import measure, render
+from time_course import time_course
+from time_report import contact_lines, energy_lines, picture
+from validation import Recorded
+from validation import lines as validation_lines
 from walks import walked_steps
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -85,25 +90,6 @@ def against_recordings(measured, vectors, labels):
     return rows
 
 
-def public_labels(measured, vectors, named, labels, worlds):
-    """What can be asked of steps among the recordings at hand: how many of the 11 features of their own
-    medians lie outside the tables' 10 to 90 %, and how the classifier that knows only them judges
-    ensemble.py's sounds, whose medians are the tables'; then our steps."""
-    classifier = judge.Classifier(vectors, labels)
-    rows = {}
-    for label in sorted(set(labels) & set(measured), key=targets.MATERIALS.index):
-        outside = [n for n, (_, low, high) in zip(targets.NAMES, targets.FEATURES[label][1])
-                   if not low <= np.median(named[n][labels == label]) <= high]
-        mean = mean_of({i: judged(classifier, vectors, label, v[n == label])
-                        for i, (v, n, _) in enumerate(worlds)})
-        ours = judged(classifier, vectors, label, measured[label][0])
-        rows[label] = {"drawn1": mean["top1"], "drawn3": mean["top3"], "drawn_ratio": mean["ratio"],
-                       **ours, "outside": " ".join(outside)}
-    rows["mean"] = {key: float(np.nanmean([row[key] for row in rows.values()]))
-                    for key in next(iter(rows.values())) if key not in ("outside", "taken")}
-    return rows
-
-
 def most_out(measured, vectors, labels):
     """Rows of the features in which our medians differ most from the recordings' over all materials
     at once: a fault of the model rather than of a recipe. In units of the recordings' spread."""
@@ -116,7 +102,7 @@ def most_out(measured, vectors, labels):
             for i in order} | {"all 45": {"mean": off.mean(), "rms": np.sqrt((off ** 2).mean())}}
 
 
-SHARES = "top1", "top3", "drawn1", "drawn3"
+SHARES = "top1", "top3"
 
 
 def percent(x):
@@ -145,32 +131,24 @@ COLUMNS = {"top-1 %": "top1", "top-3 %": "top3", "distance ratio": "ratio",
            "taken for": "taken"}
 
 
-ALLOWED = {"drawn: top-1 %": "drawn1", "top-3 %": "drawn3", "distance ratio": "drawn_ratio",
-           "ours: top-1 %": "top1", "ours: top-3 %": "top3", "ours: ratio": "ratio",
-           "recordings outside the tables": "outside"}
-MEMBERS = 20
-
-
-def write_report(folder, tables, taken, measured):
+def write_report(folder, tables, taken, measured, courses):
     lines = ["| material | features within 10-90 % of recordings, of 11 | band profile, dB rms | outside |",
              "|---|---|---|---|"]
     lines += [f"| {m} | {n} | {db:.1f} | {rest} |" for m, n, db, rest in tables]
+    lines += ["", *contact_lines(courses), "", "Energy after the onset, dB of the whole, median (10, 90 %):",
+              "", *energy_lines(courses)]
     if taken:
-        vectors, named, _ = measure([r.sound() for r in taken])
-        labels = np.array([r.label for r in taken])
-        worlds = members(vectors, labels, MEMBERS, first=101)
-        real = judge.leave_one_out(vectors, labels)
-        first, three = (np.mean(list(judge.hits(real, labels, k).values())) for k in (1, 3))
-        lines += ["", f"{len(taken)} recordings; left out one by one they are named right in "
-                  f"{percent(first)} % (first) and {percent(three)} % (first three).", "",
+        sounds = [r.sound() for r in taken]
+        vectors = measure(sounds)[0]
+        labels, sources = (np.array([getattr(r, k) for r in taken]) for k in ("label", "source"))
+        recorded = Recorded(vectors, second_judge.cells(sounds), labels, sources)
+        cells = {m: c.levels_db.reshape(len(c.levels_db), -1) for m, c in courses.items()}
+        lines += ["", f"{len(taken)} recordings:", "",
                   *table(against_recordings(measured, vectors, labels), COLUMNS), "",
                   "Features most out over all materials, in units of the recordings' spread:", "",
                   *table(most_out(measured, vectors, labels), {"mean": "mean", "rms": "rms"}), "",
-                  f"Among the sounds of {MEMBERS} stand-ins (ensemble.py), mean and 10 to 90 % of them:", "",
-                  *report({m: made for m, (made, _, _) in measured.items()}, worlds), "",
-                  *what_members_are(worlds), "",
-                  "What the public labels allow:", "",
-                  *table(public_labels(measured, vectors, named, labels, worlds), ALLOWED)]
+                  "Three judges, and collections that they have not heard:", "",
+                  *validation_lines(recorded, {m: v for m, (v, _, _) in measured.items()}, cells)]
     else:
         lines += ["", "No recordings: install Debian's minetest-data and ardentryst."]
     text = "\n".join(lines) + "\n"
@@ -216,8 +194,12 @@ def main():
     arguments = parser.parse_args()
     root = fetch(arguments.fetch) if arguments.fetch and not recordings() else None
     arguments.out.mkdir(parents=True, exist_ok=True)
-    measured = {label: measure(played(arguments, label)) for label in targets.MATERIALS}
-    write_report(arguments.out, against_tables(measured), recordings(root), measured)
+    measured, courses = {}, {}
+    for label in targets.MATERIALS:
+        steps = played(arguments, label)
+        measured[label], courses[label] = measure(steps), time_course(steps)
+        picture(label, courses[label], steps, arguments.out / f"{label}.png")
+    write_report(arguments.out, against_tables(measured), recordings(root), measured, courses)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ from searched import RecipeText
 from steps import render
 
 warnings.filterwarnings("ignore")
-REACH, POINTS_PER_NUMBER = 0.06, 3
+REACH, POINTS_PER_NUMBER = 0.06, 2
 DAMPINGS = (2.0, 6.0, 18.0)
 # A candidate for the file is judged by so many times the steps of a search point, from another seed.
 CONFIRM, CONFIRM_SEED = 2, 1
@@ -103,26 +103,26 @@ class Fit:
         return "\n".join(lines) + "\n"
 
     def approach(self, minutes):
-        """Gauss-Newton steps. Many points around the present one, each of a few steps on the ground,
-        tell by linear regression how every residual depends on every number; a damped least-squares
-        solution within the bounds goes where that says; the best of several dampings is kept."""
+        """Gauss-Newton steps. Many points around the present one, each of a few steps on the ground and
+        all of the same random draws, tell by linear regression how every residual depends on every
+        number; many steps at the present point tell how large they are. A damped least-squares solution
+        within the bounds goes where that says; the best of several dampings is kept."""
         size = len(self.point)
         random = np.random.RandomState(self.arguments.seed)
         reach, turn = REACH, 0
         while self.minutes() < minutes and reach > REACH / 5:
             turn += 1
             points = np.clip(self.point + reach * random.randn(POINTS_PER_NUMBER * size, size), 0, 1)
-            found = np.array([self.residuals(at, self.arguments.few, 1000 * turn + i)
-                              for i, at in enumerate(points)])
-            moved = points - self.point
-            centre, here = moved.mean(axis=0), found.mean(axis=0)
+            found = np.array([self.residuals(at, self.arguments.few, 1000 * turn) for at in points])
+            moved = points - points.mean(axis=0)
             ridge = 0.02 * len(points) * reach ** 2
-            slopes = np.linalg.solve((moved - centre).T @ (moved - centre) + ridge * np.eye(size),
-                                     (moved - centre).T @ (found - here)).T
+            slopes = np.linalg.solve(moved.T @ moved + ridge * np.eye(size),
+                                     moved.T @ (found - found.mean(axis=0))).T
+            here = self.residuals(self.point, CONFIRM * self.arguments.steps, 1000 * turn)
             tried = []
             for damping in DAMPINGS:
                 move = lsq_linear(np.vstack([slopes, damping * np.eye(size)]),
-                                  np.concatenate([slopes @ centre - here, np.zeros(size)]),
+                                  np.concatenate([-here, np.zeros(size)]),
                                   (np.maximum(-self.point, -0.3) - 1e-9,
                                    np.minimum(1 - self.point, 0.3) + 1e-9)).x
                 there = np.clip(self.point + move, 0, 1)
@@ -179,7 +179,7 @@ def main():
         label = arguments.label or path.stem
         if not arguments.sounds and label not in targets.FEATURES:
             sys.exit(f"{label}: known are {', '.join(targets.MATERIALS)}; or give --sounds FOLDER")
-        aim = Aim.of_sounds(arguments.sounds) if arguments.sounds else Aim.of_label(label)
+        aim = Aim.of_folder(arguments.sounds) if arguments.sounds else Aim.of_label(label)
         if arguments.recordings:
             aim.also_near_recordings(label)
         Fit(path, aim, arguments).run()
