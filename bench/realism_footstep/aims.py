@@ -44,7 +44,7 @@ QUIETEST_DB, LEVEL_DEVIATION_DB, LEVEL_TOLERANCE_DB = -10, (1.0, 3.0), 1.5
 
 @dataclass
 class Played:
-    """Steps that a recipe played: for each speed a list, and energies of the sections over all."""
+    """Steps that a recipe played: for each speed a list, and energies of the sections."""
     by_speed: list
     sections: list  # (name, energy)
 

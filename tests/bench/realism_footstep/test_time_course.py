@@ -97,3 +97,29 @@ def test_silence_has_no_contacts_and_no_energy():
     course = time_course([numpy.zeros(RATE)])
     assert course.energy_db[0] == pytest.approx(FLOOR_OF_ALL, abs=0.1)
     assert course.share_of_two == 0
+
+
+def test_the_onset_is_26_db_below_the_loudest_moment():
+    # Rises by 0.6 dB a millisecond until 0.3 s, then falls at once.
+    rising = numpy.sin(2 * numpy.pi * 900 * TIME) * (TIME < 0.3) * 10 ** ((TIME - 0.3) * 600 / 20)
+    course = time_course([rising])
+    assert course.contacts[0, 3] == pytest.approx(26 / 0.6, abs=4)
+
+
+def test_the_second_contact_is_the_highest_of_those_that_follow():
+    sound = (burst(0.1, 0.006, 800) + burst(0.15, 0.006, 800, 10 ** (-12 / 20))
+             + burst(0.22, 0.006, 800, 10 ** (-3 / 20)))
+    interval, second, _, _ = time_course([sound]).contacts[0]
+    assert interval == pytest.approx(120, abs=1)
+    assert second == pytest.approx(-3, abs=0.3)
+
+
+def test_a_dip_lies_under_the_higher_contact_whichever_it_is():
+    tone = 0.03 * numpy.sin(2 * numpy.pi * 500 * TIME) * (TIME > 0.05) * (TIME < 0.3)
+    falling = tone + burst(0.1, 0.006, 800, 2) + burst(0.19, 0.006, 800)
+    growing = tone + burst(0.1, 0.006, 800) + burst(0.19, 0.006, 800, 2)
+    dips = [time_course([sound]).contacts[0, 2] for sound in (falling, growing)]
+    assert dips[0] == pytest.approx(dips[1], abs=0.5)
+    # A decaying burst has 2^2 / 4 * 6 ms of energy, all or most of it under the window's peak, 2 / 8 ms.
+    lowest = 10 * numpy.log10((0.03 ** 2 / 2) / (0.006 * 2 / 0.008))
+    assert lowest < dips[0] < lowest + 4
