@@ -26,6 +26,16 @@ def test_a_recipe_survives_being_made_a_point():
     assert "# wide" in again and "level -12\n" in again
 
 
+def test_a_point_outside_the_bounds_stays_inside_and_patches_are_whole():
+    recipe = RecipeText(RECIPE)
+    low, high = recipe.at(recipe.start * 0 - 1), recipe.at(recipe.start * 0 + 2)
+    assert "patches 1\n" in low and "count 3\n" in low and "level -40\n" in low
+    assert "patches 8\n" in high and "count 3e+03\n" in high and "level 0\n" in high
+    point = recipe.start.copy()
+    point[0] = (3.7 - 1) / (8 - 1)
+    assert "patches 4\n" in recipe.at(point)
+
+
 def test_every_number_searched_has_bounds_around_its_prior():
     for number in TABLE:
         assert number.low < number.high and number.deviation > 0, number

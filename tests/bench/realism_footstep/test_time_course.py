@@ -62,7 +62,10 @@ def test_two_contacts_are_found_with_their_interval_level_and_dip():
     assert second == pytest.approx(-9, abs=0.3)
     assert dip < -40
     assert 0 <= first < 8
-    assert summary_of_contacts(course)[1] == pytest.approx((70, 70, 70), abs=1)
+    summary = summary_of_contacts(course)
+    assert summary[1] == pytest.approx((70, 70, 70), abs=1)
+    assert summary[2] == pytest.approx((second,) * 3) and summary[3] == pytest.approx(dip)
+    assert summary[4] == pytest.approx((first, first))
 
 
 def test_one_contact_is_one_contact():
