@@ -88,6 +88,15 @@ def scaled(number, value):
     return np.log(value) if number.scale == "log" else value
 
 
+def rounded(value):
+    """Three digits, as one writes them: 0.0123, 1700, 6.45e9."""
+    text = f"{value:.3g}"
+    if "e" not in text:
+        return text
+    digits, exponent = text.split("e")
+    return f"{float(text):.0f}" if 0 < int(exponent) < 5 else f"{digits}e{int(exponent)}"
+
+
 class RecipeText:
     """A recipe's lines and its searched numbers as a point in the unit cube, one coordinate a number."""
 
@@ -129,7 +138,7 @@ class RecipeText:
             if number.key == "patches":
                 value = round(value)
             comment = lines[row].partition("#")[2]
-            lines[row] = f"{number.key} {value:.3g}" + (f"  #{comment}" if comment else "")
+            lines[row] = f"{number.key} {rounded(value)}" + (f"  #{comment}" if comment else "")
         return "\n".join(lines) + "\n"
 
     def beyond_prior(self, point):

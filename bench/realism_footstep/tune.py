@@ -31,7 +31,7 @@ REACH, POINTS_PER_NUMBER = 0.06, 2
 DAMPINGS = (2.0, 6.0, 18.0)
 # A candidate for the file is judged by so many times the steps of a search point, from another seed.
 CONFIRM, CONFIRM_SEED = 2, 1
-APPROACH_SHARE = 0.7  # of the time
+APPROACH_SHARE = 0.9  # of the time
 # Rendered at 22.05 kHz, cells of time and band lie within 1.6 dB rms of rendering at 44.1 kHz, but for
 # grounds with a centroid above this.
 BRIGHT_HZ = 4000

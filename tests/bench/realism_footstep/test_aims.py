@@ -3,7 +3,7 @@ import numpy
 import pytest
 from aims import Aim, Played, shares_of
 from features import RATE
-from searched import TABLE, RecipeText
+from searched import TABLE, RecipeText, rounded
 from targets import MATERIALS
 
 TIME = numpy.arange(RATE) / RATE
@@ -30,10 +30,15 @@ def test_a_point_outside_the_bounds_stays_inside_and_patches_are_whole():
     recipe = RecipeText(RECIPE)
     low, high = recipe.at(recipe.start * 0 - 1), recipe.at(recipe.start * 0 + 2)
     assert "patches 1\n" in low and "count 3\n" in low and "level -40\n" in low
-    assert "patches 8\n" in high and "count 3e+03\n" in high and "level 0\n" in high
+    assert "patches 8\n" in high and "count 3000\n" in high and "level 0\n" in high
     point = recipe.start.copy()
     point[0] = (3.7 - 1) / (8 - 1)
     assert "patches 4\n" in recipe.at(point)
+
+
+def test_numbers_are_written_with_three_digits():
+    written = [rounded(v) for v in (0.012345, 1.7e3, 1234.5, 6.4512e9, 0, 1.23456e-5, 99960)]
+    assert written == ["0.0123", "1700", "1230", "6.45e9", "0", "1.23e-5", "1e5"]
 
 
 def test_every_number_searched_has_bounds_around_its_prior():
@@ -70,7 +75,7 @@ def test_a_ground_without_its_section_costs_and_a_slope_leads_back():
     assert good["shares"] == 0
     assert 10 < quiet["shares"] < quieter["shares"]
     assert cost("wood", [("impact", 0.9), ("rustle", 0.1)])["shares"] > 5
-    assert cost("gravel", [("grains", 0.93), ("rustle", 0.07)])["shares"] == 0
+    assert cost("gravel", [("grains", 0.95), ("rustle", 0.05)])["shares"] == 0
     assert cost("creak", [("impact", 0.9), ("friction", 0.1)])["shares"] > 1
 
 
