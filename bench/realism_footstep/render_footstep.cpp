@@ -33,7 +33,7 @@ struct Sound {
 
 std::size_t stride_samples(const Walk& walk) {
   GroundReaction usual;
-  usual.set({walk.speed, 700, 0.4, false});
+  usual.set({walk.speed, 700, 0.4});
   return static_cast<std::size_t>(usual.stride_s() * walk.rate);
 }
 
@@ -49,7 +49,7 @@ Sound walked(const Recipe& recipe, const Walk& walk, bool room) {
   Gait gait;
   gait.prepare(walk.rate);
   gait.seed(walk.seed);
-  gait.set({walk.speed, 700, 0.4, false}, 0.04);
+  gait.set({walk.speed, 700, 0.4}, 0.04);
   gait.walk(true);
   Sound sound;
   sound.samples.resize(samples_before(walk));
