@@ -169,6 +169,20 @@ TEST_CASE("forces grow over speed as published: walking from 1.2, running to 2.5
   const double jog = highest(reaction_of(Style::kRun, 2), 0.2, 0.8) / 700;
   CHECK(jog / (1.2 + 1.3 * 0.5 / 4.5) > 1.4);
   CHECK(jog / (1.2 + 1.3 * 0.5 / 4.5) < 1.7);
+  // And loading rates, peak over the time to it, from 8 to 30 body weights a second.
+  const auto rate = [](Style style, double speed) {
+    const GroundReaction reaction = reaction_of(style, speed);
+    double best = 0, at = 0;
+    for (double x = 0.1; x < 0.6; x += 1e-3)
+      if (reaction.force(x) > best) {
+        best = reaction.force(x);
+        at = x;
+      }
+    return best / 700 / (at * reaction.stance_s());
+  };
+  CHECK(rate(Style::kWalk, 1.5) == doctest::Approx(8).epsilon(0.1));
+  for (const double speed : {3.0, 4.5, 6.0})
+    CHECK(rate(Style::kRun, speed) == doctest::Approx(8 + 22 * (speed - 1.5) / 4.5).epsilon(0.25));
 }
 
 TEST_CASE("feet land as fast as published: by energy, above the body's fall, growing over speed") {
