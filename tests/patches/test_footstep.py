@@ -4,7 +4,7 @@ import sys
 
 import numpy
 import pytest
-from harness import Patch
+from harness import Patch, stage_folder
 from harness.struck_reference import closed_form_bar
 
 RATE = 48000
@@ -440,6 +440,19 @@ def test_each_foot_has_its_own_ground():
     assert centroid(result["sound_2"]) > 3 * centroid(result["sound"])
     told = [atoms for _, atoms in result.logs["info"] if atoms[0] == "surface"]
     assert told == [["surface", "left", "wood", "wood", 0], ["surface", "right", "dryleaves", "dryleaves", 0]]
+
+
+def test_each_button_of_the_help_moves_the_walker():
+    patch = Patch(opens=stage_folder() / "footstep~-help.pd")
+    patch.log("messages", patch.obj("r", "footstep-help"))
+    for i, name in enumerate(("jump", "scuff", "drag", "turn")):
+        patch.send(100 + 10 * i, f"footstep-ui-{name}", "bang")
+    for i in range(5):
+        patch.send(200 + 10 * i, "footstep-ui-gait", i)
+    told = [" ".join(str(a if isinstance(a, str) else round(a, 3)) for a in atoms) for _, atoms in patch.render(.5).logs["messages"]]
+    for wanted in ("jump 0.3", "scuff", "drag", "turn", "gait walk", "gait run", "gait sneak", "gait upstairs",
+                   "gait downstairs"):
+        assert wanted in told, told
 
 
 def test_on_the_map_one_walks_to_another_ground_by_a_click():
