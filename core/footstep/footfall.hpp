@@ -28,9 +28,9 @@ public:
   Track heel_share{1};              ///< of the load
   Track heel_slip{0}, ball_slip{0}; ///< m/s along the ground, 0 at the end
   std::array<Impact, 2> impacts{};
-  double heel_up_s = -1; ///< negative: the heel does not leave before the rest
-  bool borrows = false;  ///< its load is taken from the other foot, which carries the body
-  bool stays = false;    ///< keeps its last load; else the foot leaves the ground at the end
+  double heel_up_s = -1;      ///< negative: the heel does not leave before the rest
+  bool unloads_other = false; ///< its load is taken from the other foot, which carries the body
+  bool stays = false;         ///< keeps its last load; else the foot leaves the ground at the end
 
   /// To be called once before it is played: where it begins loaded, that is no sudden change.
   void start() noexcept;

@@ -36,7 +36,7 @@ void Gait::reset() noexcept {
   turn_rad_ = jump_m_ = 0;
   lands_ = false;
   swings_ = {};
-  lent_ = {};
+  unloaded_ = {};
   for (auto& foot : footfalls_)
     for (Footfall& footfall : foot)
       footfall.end();
@@ -58,6 +58,22 @@ bool Gait::standing() const noexcept {
   return std::all_of(footfalls_.begin(), footfalls_.end(), [](const auto& foot) {
     return std::any_of(foot.begin(), foot.end(), [](const Footfall& one) { return one.settled(); });
   });
+}
+
+bool Gait::both_stay() const noexcept {
+  return std::all_of(footfalls_.begin(), footfalls_.end(), [](const auto& foot) {
+    return std::any_of(foot.begin(), foot.end(),
+                       [](const Footfall& one) { return one.under_way() && one.stays; });
+  });
+}
+
+/// Feet that stand leave the ground.
+void Gait::lift_feet() noexcept {
+  for (auto& foot : footfalls_)
+    for (Footfall& one : foot)
+      if (one.under_way() && one.stays)
+        one = lift(one.load.at(one.time_s()));
+  state_ = State::kAir;
 }
 
 /// A free place, else the oldest's.
@@ -97,19 +113,14 @@ void Gait::begin_step(std::size_t foot) noexcept {
 void Gait::step(std::size_t foot) noexcept {
   if (foot >= kFeet)
     return;
-  if (state_ == State::kStanding) {
-    for (auto& feet : footfalls_)
-      for (Footfall& one : feet)
-        if (one.under_way() && one.stays)
-          one = lift(one.load.at(one.time_s()));
-    state_ = State::kAir;
-  }
+  if (state_ == State::kStanding)
+    lift_feet();
   begin_step(foot);
 }
 
 void Gait::turn(double angle_rad, std::size_t foot) noexcept {
   turn_rad_ = std::isfinite(angle_rad) ? std::min(std::abs(angle_rad), std::numbers::pi) : 0;
-  if (!wants_to_walk_ && state_ != State::kHalting)
+  if (!walk_requested_ && state_ != State::kHalting)
     step(foot);
 }
 
@@ -148,12 +159,12 @@ void Gait::begin_jump() noexcept {
 }
 
 /// What feet in the air begin with.
-void Gait::leave_the_air() noexcept {
+void Gait::start_from_air() noexcept {
   if (jump_m_ > 0) {
     for (std::size_t foot = 0; foot < kFeet; ++foot)
       play(foot, stand(reaction_.weight_n()));
     state_ = State::kStanding;
-  } else if (wants_to_walk_) {
+  } else if (walk_requested_) {
     state_ = State::kWalking;
     until_s_ = 0;
     steps_ = 0;
@@ -200,7 +211,7 @@ void Gait::begin_swings() noexcept {
             std::min(swing.length_m, walker_.speed_m_per_s * reaction_.stride_s());
         made = footstep::drag(length, drag_speed(length, left), weight_n);
       }
-      made.borrows = true;
+      made.unloads_other = true;
       play(foot, made);
     }
     swing = {};
@@ -209,11 +220,11 @@ void Gait::begin_swings() noexcept {
 
 void Gait::decide() noexcept {
   if (state_ == State::kAir)
-    leave_the_air();
+    start_from_air();
   switch (state_) {
   case State::kWalking:
     if (until_s_ <= 0) {
-      if (!wants_to_walk_ || jump_m_ > 0) {
+      if (!walk_requested_ || jump_m_ > 0) {
         if (begun_)
           begin_halt();
         else
@@ -247,7 +258,11 @@ void Gait::decide() noexcept {
     }
     break;
   case State::kStanding:
-    if (!(wants_to_walk_ || jump_m_ > 0) || !standing())
+    if (!both_stay()) { // steps on command have taken the place of one
+      lift_feet();
+      break;
+    }
+    if (!(walk_requested_ || jump_m_ > 0) || !standing())
       break;
     if (jump_m_ > 0) {
       begin_jump();
@@ -271,22 +286,22 @@ void Gait::next(std::array<SoleState, kFeet>& feet) noexcept {
   decide();
   begin_swings();
   until_s_ -= step_s_;
-  std::array<double, kFeet> borrowed{};
+  std::array<double, kFeet> taken_n{};
   for (std::size_t i = 0; i < kFeet; ++i)
     for (Footfall& footfall : footfalls_[i]) {
       footfall.advance(step_s_, feet[i]);
-      if (footfall.under_way() && footfall.borrows)
-        borrowed[1 - i] += footfall.force_n();
+      if (footfall.under_way() && footfall.unloads_other)
+        taken_n[1 - i] += footfall.force_n();
     }
   for (std::size_t i = 0; i < kFeet; ++i)
-    lend(i, borrowed[i], feet[i]);
+    unload(i, taken_n[i], feet[i]);
 }
 
 /// What a foot of a walker bears while it scuffs or drags, the other one does not.
-void Gait::lend(std::size_t foot, double force_n, SoleState& sole) noexcept {
+void Gait::unload(std::size_t foot, double force_n, SoleState& sole) noexcept {
   const double whole = sole.heel_n + sole.ball_n;
   const double part = force_n > 0 && whole > 0 ? std::min(force_n / whole, 1.0) : 0;
-  const double before = std::exchange(lent_[foot], part);
+  const double before = std::exchange(unloaded_[foot], part);
   if (part == 0 && before == 0)
     return;
   // The difference of (1 - part) force between two samples.

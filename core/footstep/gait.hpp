@@ -30,8 +30,8 @@ public:
   /// Both feet in the air; a walker begins anew with a contact of the first foot.
   void reset() noexcept;
   /// Walks on, or halts: one more step, softer, and the other foot beside it.
-  void walk(bool on) noexcept { wants_to_walk_ = on; }
-  [[nodiscard]] bool walking() const noexcept { return wants_to_walk_; }
+  void walk(bool on) noexcept { walk_requested_ = on; }
+  [[nodiscard]] bool walking() const noexcept { return walk_requested_; }
   /// One step of that foot now, whatever else goes on. A foot that is on the ground lands once more
   /// beside it: up to kOverlap landings of one foot are under way at once, and one more ends the
   /// oldest.
@@ -64,19 +64,21 @@ private:
   void begin_step(std::size_t foot) noexcept;
   void begin_halt() noexcept;
   void begin_jump() noexcept;
-  void leave_the_air() noexcept;
+  void start_from_air() noexcept;
   void begin_swings() noexcept;
-  void lend(std::size_t foot, double force_n, SoleState& sole) noexcept;
+  void unload(std::size_t foot, double force_n, SoleState& sole) noexcept;
   void decide() noexcept;
   [[nodiscard]] bool on_ground(std::size_t foot) const noexcept;
   [[nodiscard]] bool standing() const noexcept;
+  [[nodiscard]] bool both_stay() const noexcept;
+  void lift_feet() noexcept;
   [[nodiscard]] double varied(double times) noexcept;
   [[nodiscard]] double swing_s() const noexcept;
 
   Walker walker_;
   GroundReaction reaction_; ///< of that walker
   double variation_ = 0.04, step_s_ = 1.0 / 48000;
-  bool wants_to_walk_ = false;
+  bool walk_requested_ = false;
   State state_ = State::kAir;
   double until_s_ = 0; ///< until the next contact, or the end of what is under way
   std::size_t next_foot_ = 0;
@@ -86,7 +88,7 @@ private:
   Footfall closing_, landing_;       ///< what comes at the end of until_s_
   bool lands_ = false;
   std::array<Swing, kFeet> swings_{};
-  std::array<double, kFeet> lent_{}; ///< part of its load that a foot does not bear just now
+  std::array<double, kFeet> unloaded_{}; ///< part of its load that a foot does not bear just now
   Random random_;
   std::array<std::array<Footfall, kOverlap>, kFeet> footfalls_{};
 };

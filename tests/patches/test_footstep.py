@@ -449,7 +449,8 @@ def test_each_button_of_the_help_moves_the_walker():
         patch.send(100 + 10 * i, f"footstep-ui-{name}", "bang")
     for i in range(5):
         patch.send(200 + 10 * i, "footstep-ui-gait", i)
-    told = [" ".join(str(a if isinstance(a, str) else round(a, 3)) for a in atoms) for _, atoms in patch.render(.5).logs["messages"]]
+    told = [" ".join(str(a if isinstance(a, str) else round(a, 3)) for a in atoms)
+            for _, atoms in patch.render(.5).logs["messages"]]
     for wanted in ("jump 0.3", "scuff", "drag", "turn", "gait walk", "gait run", "gait sneak", "gait upstairs",
                    "gait downstairs"):
         assert wanted in told, told
