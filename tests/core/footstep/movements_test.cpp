@@ -36,6 +36,10 @@ TEST_CASE("who halts closes the step, stands on both feet, and sets off again") 
     const auto last = between(3, 9);
     REQUIRE(last.size() == 2);
     CHECK(last[0].foot != last[1].foot);
+    double apart = 1; // of heel and ball of the closing foot: it is put down nearly flat
+    for (const Event& e : made.of(ball_first ? Phase::kHeelDown : Phase::kBallDown, last[1].t))
+      apart = std::min(apart, e.t - last[1].t);
+    CHECK(apart < 0.1);
     const double usual = between(0, 3).back().speed;
     CHECK(last[0].speed < 0.9 * usual);
     CHECK(last[1].speed < 0.9 * last[0].speed);
@@ -213,6 +217,10 @@ TEST_CASE("a reset takes both feet off the ground and forgets what was to come")
   gait.walk(false);
   for (int n = 0; n < 10000; ++n)
     gait.next(feet);
+  gait.turn(1, 0);
+  gait.jump(0.3);
+  gait.scuff(0);
+  gait.drag(1, 1, 1);
   gait.reset();
   bool any = false;
   for (int n = 0; n < 40000; ++n) {

@@ -92,6 +92,17 @@ TEST_CASE("a scuff finds a swing whatever the speed, the way of walking and the 
           slid += sole.ball_slip / 8000;
           loaded = loaded || (sole.ball_slip > 0 && sole.ball_n > 10 && sole.heel_n == 0);
         }
+        double ends = 0, down = 0; // it is over before the foot comes down
+        for (std::size_t n = made.at(moment); n < made.samples.size() && down == 0; ++n) {
+          const SoleState& sole = made.samples[n][0];
+          if (sole.ball_slip > 0 && sole.ball_n < 0.15 * 700 && sole.heel_n == 0)
+            ends = static_cast<double>(n) / 8000;
+          if (ends > 0 && (sole.heel_landing > 0 || (sole.ball_landing > 0 && ends > 0 &&
+                                                     static_cast<double>(n) / 8000 > ends + 0.01)))
+            down = static_cast<double>(n) / 8000;
+        }
+        if (style != Style::kDownstairs) // its ball lands first and slides, too
+          CHECK(down - ends > 0.04);
         CHECK(loaded);
         CHECK(slid > 0.02);
       }
