@@ -16,17 +16,20 @@ import targets
 from ensemble import members
 from recordings import recordings
 from steps import measure
-from time_course import summary_of_contacts, time_course
+from time_course import bursts, summary_of_contacts, time_course
 
 # Weights of the parts of the cost; each part's mean square is about one when it is off by its tolerance.
 WEIGHTS = {"features": 2.0, "profile": 1.0, "time_band": 2.5, "energy": 1.5, "contacts": 1.5,
-           "shares": 1.0, "levels": 1.0, "prior": 0.03}
+           "bursts": 1.5, "shares": 1.0, "levels": 1.0, "prior": 0.03}
 STAND_IN_WEIGHT, RECORDINGS_WEIGHT = 0.6, 0.05
 # One walker in one pair of shoes varies less than seven collections do.
 OF_SPREAD = 0.85
 PROFILE_DB, TIME_BAND_DB = 3.0, 4.0
 MEMBERS, DOUBT, MAX_NEAR, MATERIALS_APART = 12, 0.6, 160, 2.5
 
+# What creaks: number of bursts in a step, median and 10 %; the highest under the step's peak in its band,
+# dB; energy of their time over the time before, dB (recordings of November 2026: 2 to 6, -9, -1.4).
+BURSTS = {"creak": (4, 2, -9.0, -1.4)}
 # Shares of the sections' energies that a ground must have: kind, at least or at most, at any speed. Five
 # to ten per cent more or less than tests ask for, since a few steps tell a share so nearly only.
 GRAINY = ("gravel", "sand", "dryleaves", "underbrush")
@@ -86,6 +89,7 @@ class Aim:
         self.contacts = contacts
         self.min_share = MIN_SHARE.get(label, {})
         self.max_rustle = MAX_RUSTLE_HARD if label in HARD else MAX_RUSTLE
+        self.bursts = BURSTS.get(label)
         self.has_label = label is not None
         self.near = []  # (weight, matrix, vectors by the matrix)
 
@@ -148,6 +152,8 @@ class Aim:
         parts = {"features": self._features(named), "profile": np.clip(profile, -5, 5),
                  "time_band": self._time_band(course), "energy": self._energy(course),
                  "contacts": self._contacts(course)}
+        if self.bursts:
+            parts["bursts"] = self._bursts(steps)
         parts = {name: r / np.sqrt(max(1, len(r))) for name, r in parts.items()}
         if self.has_label:
             parts["shares"] = self._shares(played.sections)
@@ -217,6 +223,15 @@ class Aim:
                  *(np.log((a + 2) / (b + 2)) / 0.35 for a, b in zip(decays, real[5]))]
         # No second contact to measure where the recordings have one is as far off as it goes.
         return np.clip(np.nan_to_num(found, nan=3.0), -3, 3)
+
+    def _bursts(self, steps):
+        number, fewest, highest, late = self.bursts
+        numbers, levels, energies = bursts(steps).T
+        # Means, since medians of numbers have no slope.
+        found = [np.log((numbers.mean() + 1) / (number + 1)) / 0.25,
+                 max(0, fewest - np.percentile(numbers, 10)), (np.median(levels) - highest) / 3,
+                 (np.median(energies) - late) / 3]
+        return np.clip(found, -4, 4)
 
     def _shares(self, sections):
         """A section's energy over that of all others, so that an inaudible one has a slope, too."""

@@ -31,6 +31,8 @@ DECAY_S, DECAY_DB = 0.004, 20
 DECAY_BANDS = [butter(2, [low / (RATE / 2), high / (RATE / 2)], "band", output="sos")
                for low, high in ((60, 400), (400, 2000), (2000, 9500))]
 ENVELOPE_HOP = 8  # samples
+BURST_BAND = butter(2, [1000 / (RATE / 2), 4000 / (RATE / 2)], "band", output="sos")
+BURST_FROM_S, BURST_TO_S, BURST_PROMINENCE_DB, BURST_APART_S, BURST_BELOW_DB = 0.12, 0.45, 6, 0.015, 22
 CONTACT_NAMES = ("interval_ms", "second_db", "dip_db", "first_ms")
 
 
@@ -148,3 +150,25 @@ def summary_of_contacts(course):
         return tuple(np.percentile(values, shares)) if len(values) else (np.nan,) * len(shares)
     return (course.share_of_two, at(0, 10, 50, 90), at(1, 10, 50, 90), at(2, 50)[0], at(3, 50, 90),
             tuple(np.median(course.decays_ms, axis=0)))
+
+
+def bursts(sounds):
+    """Of each sound's bursts at 1 to 4 kHz from 0.12 to 0.45 s after the onset, as a creak has them: their
+    number; the highest under the step's peak in that band, dB; energy of that time over the time before,
+    dB. (n, 3). A burst stands 6 dB above its surroundings, 15 ms from the next, at most 22 dB under the
+    peak."""
+    found = []
+    for sound in sounds:
+        x = trim(sound)[None]
+        onset = _onsets(x)[0]
+        power = _envelope(sosfiltfilt(BURST_BAND, x, axis=1), DECAY_S)[0]
+        rate = RATE / ENVELOPE_HOP
+        first, last = (min(int((onset + t) * rate), len(power)) for t in (BURST_FROM_S, BURST_TO_S))
+        level = 10 * np.log10(power.clip(1e-12))
+        peaks = find_peaks(level, height=level.max() - BURST_BELOW_DB, prominence=BURST_PROMINENCE_DB,
+                           distance=max(1, int(BURST_APART_S * rate)))[0]
+        number = np.sum((peaks >= first) & (peaks < last))
+        highest = level[first:last].max() - level.max() if last > first else -60
+        energy = 10 * np.log10((power[first:last].sum() + 1e-12) / (power[:first].sum() + 1e-12))
+        found.append((number, max(highest, -60), max(energy, -60)))
+    return np.array(found)

@@ -4,7 +4,7 @@ import pytest
 from features import RATE
 from recorded_steps import BAND_EDGES_HZ, ENERGY_DB, LEVELS_DB, TWO_CONTACTS, WINDOW_EDGES_S
 from targets import MATERIALS
-from time_course import FLOOR, summary_of_contacts, time_course
+from time_course import FLOOR, bursts, summary_of_contacts, time_course
 
 TIME = numpy.arange(RATE) / RATE
 FLOOR_OF_ALL = 10 * numpy.log10(20 * FLOOR)
@@ -126,3 +126,20 @@ def test_a_dip_lies_under_the_higher_contact_whichever_it_is():
     # A decaying burst has 2^2 / 4 * 6 ms of energy, all or most of it under the window's peak, 2 / 8 ms.
     lowest = 10 * numpy.log10((0.03 ** 2 / 2) / (0.006 * 2 / 0.008))
     assert lowest < dips[0] < lowest + 4
+
+
+def test_bursts_are_counted_in_their_band_and_time():
+    step = burst(0.1, 0.01, 300, 3) + burst(0.1, 0.005, 2000)
+    creak = sum(burst(0.1 + t, 0.005, 2000, 10 ** (-9 / 20)) for t in (0.2, 0.24, 0.28, 0.32))
+    early = burst(0.17, 0.005, 2000)
+    low = sum(burst(0.1 + t, 0.02, 300, 0.7) for t in (0.2, 0.24, 0.28))
+    numbers, highest, late = bursts([step, step + creak, step + early, step + low]).T
+    assert list(numbers) == [0, 4, 0, 0]
+    assert highest[1] == pytest.approx(-9, abs=0.5)
+    assert late[1] == pytest.approx(10 * numpy.log10(4) - 9, abs=0.7)
+    assert late[0] < -20 and late[2] < -20
+
+
+def test_a_steady_tone_is_no_burst():
+    step = burst(0.1, 0.005, 2000) + 0.3 * numpy.sin(2 * numpy.pi * 2000 * TIME) * (TIME > 0.1) * (TIME < 0.8)
+    assert bursts([step])[0, 0] == 0
