@@ -124,8 +124,10 @@ Steps walk(const Recipe& recipe, const Walk& how) {
   return steps;
 }
 
-/// The recipe's text with another number for a key before the first section.
+/// The recipe's text with another number for a key before the first section, which stands below
+/// `level` if it is new.
 std::string with(const std::string& text, const std::string& key, double value) {
+  const bool is_new = text.find('\n' + key + ' ') > text.find("\n[");
   std::istringstream lines(text);
   std::ostringstream out;
   char number[32];
@@ -133,13 +135,14 @@ std::string with(const std::string& text, const std::string& key, double value) 
   bool written = false;
   for (std::string line; std::getline(lines, line);) {
     const std::string first = line.substr(0, line.find(' '));
-    if (!written && !line.empty() && (first == key || line[0] == '[')) {
-      out << key << ' ' << number << (line[0] == '[' ? "\n\n" : "\n");
-      written = true;
-      if (first == key)
-        continue;
+    if (written || first != (is_new ? "level" : key)) {
+      out << line << '\n';
+      continue;
     }
-    out << line << '\n';
+    if (is_new)
+      out << line << '\n';
+    out << key << ' ' << number << '\n';
+    written = true;
   }
   return out.str();
 }
