@@ -22,7 +22,7 @@ double rounded(double x) noexcept {
   return std::copysign(kKnee + (1 - kKnee) * over / (1 + over), x);
 }
 
-constexpr double kFullScale = 2; // Pa at gain 1
+constexpr double kFullScale = 2;                      // Pa at gain 1
 constexpr double kGainTime = 0.01, kFadeTime = 0.005; // s
 
 /// False unless all words are finite numbers.

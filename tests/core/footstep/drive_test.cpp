@@ -270,7 +270,8 @@ TEST_CASE("each actuator plays what is under it, and a common share of the whole
     }
     return std::pair(heel, ball);
   };
-  const auto [heel, none] = drives(0, 0.2, 0);
+  const auto alone = drives(0, 0.2, 0);
+  const std::vector<double>&heel = alone.first, &none = alone.second;
   CHECK(*std::max_element(heel.begin(), heel.end()) > 0.15);
   CHECK(std::all_of(none.begin(), none.end(), [](double x) { return x == 0; }));
   const auto [of_heel, of_ball] = drives(0.4, 0.2, 0.1);

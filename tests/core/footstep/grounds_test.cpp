@@ -194,8 +194,10 @@ bool one_of(const std::string& name, std::initializer_list<const char*> names) {
 } // namespace
 
 TEST_CASE("what sounds is what happens: contacts on floors, friction in boards, grains, bubbles") {
-  for (auto& [name, recipe] : grounds())
+  for (const auto& ground : grounds())
     for (const double speed : kSanitized ? std::vector{1.4} : std::vector{0.8, 1.4, 1.8}) {
+      const std::string& name = ground.first;
+      const Recipe& recipe = ground.second;
       CAPTURE(name);
       CAPTURE(speed);
       Recipe played = recipe;
@@ -232,8 +234,10 @@ TEST_CASE("what sounds is what happens: contacts on floors, friction in boards, 
 }
 
 TEST_CASE("no step of any ground is lost, however slowly one walks") {
-  for (const auto& [name, recipe] : grounds())
+  for (const auto& ground : grounds())
     for (const double speed : {0.3, 0.5, 1.4, 2.5}) {
+      const std::string& name = ground.first;
+      const Recipe& recipe = ground.second;
       CAPTURE(name);
       CAPTURE(speed);
       const Walked walked = walk(recipe, {speed});
@@ -244,9 +248,11 @@ TEST_CASE("no step of any ground is lost, however slowly one walks") {
 }
 
 TEST_CASE("nothing within walking reaches the knee of the output, running hardly ever") {
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const std::string& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
-    const auto loudest = [&recipe = recipe](const Walk& how) {
+    const auto loudest = [&recipe](const Walk& how) {
       double most = 0;
       for (const auto& step : walk(recipe, how).steps)
         for (const double x : step)
@@ -261,7 +267,9 @@ TEST_CASE("nothing within walking reaches the knee of the output, running hardly
 }
 
 TEST_CASE("a shoe decides the sound of a hard floor and hardly that of a soft one") {
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const std::string& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
     const Walked soft = walk(recipe, {1.4, 700, 0}), hard = walk(recipe, {1.4, 700, 1});
     const double ratio = centroid(hard) / centroid(soft);
@@ -278,7 +286,9 @@ TEST_CASE("a shoe decides the sound of a hard floor and hardly that of a soft on
 }
 
 TEST_CASE("a heavier walker is louder, and longer in snow, gravel and leaves") {
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const std::string& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
     const Walked light = walk(recipe, {1.4, 300}), heavy = walk(recipe, {1.4, 1200});
     CHECK(median_level(heavy) > median_level(light) + 2);
@@ -288,7 +298,9 @@ TEST_CASE("a heavier walker is louder, and longer in snow, gravel and leaves") {
 }
 
 TEST_CASE("steps grow louder with the walking speed by 3 to 9 dB for twice the speed") {
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const std::string& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
     const double octaves = std::log2(2.0 / 0.7);
     const double growth =
@@ -299,7 +311,9 @@ TEST_CASE("steps grow louder with the walking speed by 3 to 9 dB for twice the s
 }
 
 TEST_CASE("both actuators are moved by what lands on them, alike on solid ground") {
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const std::string& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
     const Walked walked = walk(recipe, {});
     CHECK(walked.heel_drive > 0.05);
