@@ -249,11 +249,11 @@ std::array<double, 8> Footstep::next(const std::array<double, 4>& in) noexcept {
 void Footstep::fade(std::array<double, 8>& out) noexcept {
   const double part =
       0.5 - 0.5 * std::cos(std::numbers::pi * std::max(fade_.left, 0.0) / fade_.whole);
-  const double most_drive = std::min(value_[kLimit] / value_[kSensitivity], 1.0);
+  const double max_drive = std::min(value_[kLimit] / value_[kSensitivity], 1.0);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const double most = i % 4 == 0 ? 1 : most_drive;
+    const double bound = i % 4 == 0 ? 1 : max_drive;
     if (i % 4 != 3)
-      out[i] = std::clamp(out[i] + part * fade_.from[i], -most, most);
+      out[i] = std::clamp(out[i] + part * fade_.from[i], -bound, bound);
   }
   fade_.left -= 1;
 }
