@@ -83,6 +83,34 @@ void forty_walkers(benchmark::State& state) {
 }
 BENCHMARK(forty_walkers);
 
+/// As a patch runs them: one object after the other, 64 samples each.
+void forty_walkers_in_blocks(benchmark::State& state) {
+  constexpr int kBlock = 64;
+  std::vector<Walker48k> crowd;
+  for (std::uint64_t i = 0; i < 40; ++i)
+    crowd.emplace_back(i, kTwelveModes);
+  for (auto _ : state)
+    for (Walker48k& walker : crowd)
+      for (int n = 0; n < kBlock; ++n)
+        benchmark::DoNotOptimize(walker.next());
+  count(state, kBlock * static_cast<double>(state.iterations()));
+}
+BENCHMARK(forty_walkers_in_blocks);
+
+void gait_of_two_feet(benchmark::State& state) {
+  Gait gait;
+  gait.prepare(kRate);
+  gait.walk(true);
+  std::array<SoleState, Gait::kFeet> feet{};
+  for (auto _ : state)
+    for (int n = 0; n < 4800; ++n) {
+      gait.next(feet);
+      benchmark::DoNotOptimize(feet);
+    }
+  count(state, 4800.0 * static_cast<double>(state.iterations()));
+}
+BENCHMARK(gait_of_two_feet);
+
 void one_foot_in_silence(benchmark::State& state) {
   Walker48k walker(1, kTwelveModes);
   walker.gait.walk(false);
