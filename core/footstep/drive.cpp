@@ -12,6 +12,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kLowEdgeHz = 50, kHighEdgeHz = 500;
 constexpr double kRingsOut = 2;   // s, of band and equaliser: 60 dB take a tenth of that
 constexpr double kConstantHz = 2; // the elliptic band alone keeps a hundredth of a constant
+constexpr double kNothing = 1e-30;
 
 /// A pair of poles and of zeros of the analogue low-pass with its -3 dB point at 1.
 struct Pair {
@@ -23,11 +24,12 @@ constexpr Pair kSixth[] = {{1.4894312106482, 0.96546939876, 0.155186248211},
 constexpr Pair kFourth[] = {{1.7623797270747, 0.939222969904, 0.36237114833},
                             {4.0303539170657, 0.543396254387, 1.1481767612}};
 
-double ran(double& s1, double& s2, double b0, double b1, double b2, double a1, double a2,
-           double x) noexcept {
-  const double y = b0 * x + s1;
-  s1 = b1 * x - a1 * y + s2;
-  s2 = b2 * x - a2 * y;
+/// A biquad section, transposed direct form II.
+template <class Section, class State, class Signal>
+Signal filtered(const Section& c, State& state, Signal x) noexcept {
+  const Signal y = c.b0 * x + state.s1;
+  state.s1 = c.b1 * x - c.a1 * y + state.s2;
+  state.s2 = c.b2 * x - c.a2 * y;
   return y;
 }
 
@@ -51,16 +53,19 @@ void HapticBand::prepare(double sample_rate) noexcept {
                              p.pole_over_q, p.pole_squared);
 }
 
-double HapticBand::next(double x) noexcept {
+HeelBall HapticBand::next(HeelBall x) noexcept {
   constant_ += follow_ * (x - constant_);
   x -= constant_;
-  for (std::size_t i = 0; i < kSections; ++i) {
-    const Section& c = section_[i];
-    x = ran(state_[i].s1, state_[i].s2, c.b0, c.b1, c.b2, c.a1, c.a2, x);
-  }
+  for (std::size_t i = 0; i < kSections; ++i)
+    x = filtered(section_[i], state_[i], x);
   // Long tails end before they become denormal.
-  if (std::abs(x) < 1e-30 && std::abs(state_[0].s1) < 1e-30 && std::abs(constant_) < 1e-30)
-    reset();
+  for (std::size_t side = 0; side < 2; ++side)
+    if (std::abs(x[side]) < kNothing && std::abs(state_[0].s1[side]) < kNothing &&
+        std::abs(constant_[side]) < kNothing) {
+      constant_[side] = 0;
+      for (State& state : state_)
+        state.s1[side] = state.s2[side] = 0;
+    }
   return x;
 }
 
@@ -121,10 +126,8 @@ void DriveEqualiser::work_out() noexcept {
 }
 
 double DriveEqualiser::next(double x) noexcept {
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Section& c = section_[i];
-    x = ran(state_[i].s1, state_[i].s2, c.b0, c.b1, c.b2, c.a1, c.a2, x);
-  }
+  for (std::size_t i = 0; i < count_; ++i)
+    x = filtered(section_[i], state_[i], x);
   return x;
 }
 
@@ -141,14 +144,13 @@ double PeakLimit::next(double x, double limit) noexcept {
 }
 
 void Drive::Channel::reset() noexcept {
-  band.reset();
   equaliser.reset();
   limit.reset();
   std::fill(line.begin(), line.end(), 0.0);
 }
 
 double Drive::Channel::next(double x, std::size_t at, std::size_t delay) noexcept {
-  x = equaliser.next(band.next(x));
+  x = equaliser.next(x);
   if (line.empty())
     return x;
   line[at] = x;
@@ -159,8 +161,8 @@ void Drive::prepare(double sample_rate) {
   const bool changed = sample_rate != sample_rate_ || channel_[0].line.empty();
   sample_rate_ = sample_rate;
   rest_ = static_cast<std::size_t>((kRingsOut + kLongestDelay) * sample_rate);
+  band_.prepare(sample_rate);
   for (Channel& channel : channel_) {
-    channel.band.prepare(sample_rate);
     channel.equaliser.prepare(sample_rate);
     channel.limit.prepare(sample_rate);
     if (changed)
@@ -175,6 +177,7 @@ void Drive::set(const Settings& settings) noexcept {
   settings_ = settings;
   settings_.sensitivity_g = std::max(settings.sensitivity_g, 1e-3);
   settings_.common = std::clamp(settings.common, 0.0, 1.0);
+  limit_ = settings_.limit_g / settings_.sensitivity_g;
   delay_ = static_cast<std::size_t>(
       std::lround(std::clamp(settings.delay_s, 0.0, kLongestDelay) * sample_rate_));
 }
@@ -184,15 +187,18 @@ bool Drive::equalise(std::span<const double> table) noexcept {
 }
 
 void Drive::reset() noexcept {
+  band_.reset();
   for (Channel& channel : channel_)
     channel.reset();
-  share_ = 1;
+  last_heel_n_ = last_total_n_ = 1;
 }
 
 Drive::Pair Drive::next(double heel_felt, double ball_felt, double heel_n, double ball_n) noexcept {
   const double total = heel_n + ball_n;
-  if (total > 0)
-    share_ = std::clamp(heel_n / total, 0.0, 1.0);
+  if (total > 0) {
+    last_heel_n_ = heel_n;
+    last_total_n_ = total;
+  }
   if (heel_felt != 0 || ball_felt != 0) {
     still_ = 0;
   } else if (++still_ > rest_) {
@@ -200,20 +206,26 @@ Drive::Pair Drive::next(double heel_felt, double ball_felt, double heel_n, doubl
     if (resting_)
       return {};
     resting_ = true;
-    const double share = share_;
+    const double last_heel_n = last_heel_n_, last_total_n = last_total_n_;
     reset();
-    share_ = share;
+    last_heel_n_ = last_heel_n;
+    last_total_n_ = last_total_n;
     return {};
   }
   resting_ = false;
   const double own = settings_.gain * (1 - settings_.common);
-  const double common = settings_.gain * settings_.common * (heel_felt + ball_felt);
-  const double heel = channel_[0].next(own * heel_felt + common * share_, at_, delay_);
-  const double ball = channel_[1].next(own * ball_felt + common * (1 - share_), at_, delay_);
+  HeelBall moved{own * heel_felt, own * ball_felt};
+  if (settings_.common > 0) {
+    const double common = settings_.gain * settings_.common * (heel_felt + ball_felt);
+    const double share = std::clamp(last_heel_n_ / last_total_n_, 0.0, 1.0);
+    moved += HeelBall{common * share, common * (1 - share)};
+  }
+  moved = band_.next(moved);
+  const double heel = channel_[0].next(moved[0], at_, delay_);
+  const double ball = channel_[1].next(moved[1], at_, delay_);
   if (!channel_[0].line.empty() && ++at_ == channel_[0].line.size())
     at_ = 0;
-  const double limit = settings_.limit_g / settings_.sensitivity_g;
-  return {channel_[0].limit.next(heel, limit), channel_[1].limit.next(ball, limit)};
+  return {channel_[0].limit.next(heel, limit_), channel_[1].limit.next(ball, limit_)};
 }
 
 } // namespace tactus::footstep

@@ -7,6 +7,9 @@
 
 namespace tactus::footstep {
 
+/// Signals under heel [0] and ball [1]: one operation works on both.
+using HeelBall [[gnu::vector_size(2 * sizeof(double))]] = double;
+
 /// Band of the recoil actuators under a sandal, 50 to 500 Hz (-3 dB): elliptic, fourth order below
 /// (0.1 dB ripple, 40 dB) and sixth above (0.1 dB, 60 dB), bilinear with both edges in place. White
 /// noise leaves it with less than -37 dB of its power outside 40 to 600 Hz; its delay at 200 Hz is
@@ -16,9 +19,9 @@ public:
   void prepare(double sample_rate) noexcept;
   void reset() noexcept {
     state_ = {};
-    constant_ = 0;
+    constant_ = HeelBall{};
   }
-  double next(double x) noexcept;
+  HeelBall next(HeelBall x) noexcept;
 
 private:
   static constexpr std::size_t kSections = 5;
@@ -26,11 +29,12 @@ private:
     double b0 = 0, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
   };
   struct State {
-    double s1 = 0, s2 = 0;
+    HeelBall s1{}, s2{};
   };
   std::array<Section, kSections> section_{};
   std::array<State, kSections> state_{};
-  double constant_ = 0, follow_ = 0; ///< what is constant is taken away before
+  HeelBall constant_{}; ///< taken away before
+  double follow_ = 0;
 };
 
 /// Undoes an actuator's response: peaking filters an octave or so wide, at most 16.
@@ -99,7 +103,6 @@ public:
 private:
   /// To one actuator.
   struct Channel {
-    HapticBand band;
     DriveEqualiser equaliser;
     PeakLimit limit;
     std::vector<double> line;
@@ -107,7 +110,9 @@ private:
     double next(double x, std::size_t at, std::size_t delay) noexcept;
   };
   Settings settings_;
-  double sample_rate_ = 48000, share_ = 1;
+  double sample_rate_ = 48000, limit_ = 1;
+  double last_heel_n_ = 1, last_total_n_ = 1; ///< when the foot last bore a load
+  HapticBand band_;
   std::array<Channel, 2> channel_; ///< heel, ball
   std::size_t at_ = 0, delay_ = 0;
   std::size_t still_ = 0, rest_ = 48000; ///< samples without motion; after so many nothing is left

@@ -15,13 +15,30 @@ void Footfall::start() noexcept {
   heel_is_up_ = false;
   landed_ = {};
   time_s_ = 0;
+  impacts_end_s_ = 0;
+  for (const Impact& impact : impacts)
+    impacts_end_s_ =
+        std::max(impacts_end_s_, impact.at_s + std::max(Landing::kImpactTime, impact.bell_s));
+  load_piece_ = share_piece_ = heel_slip_piece_ = ball_slip_piece_ = 0;
   heel_n_ = load.at(0) * heel_share.at(0);
   ball_n_ = load.at(0) - heel_n_;
 }
 
-void Footfall::advance(double step_s, SoleState& sole) noexcept {
-  if (!under_way_)
-    return;
+double Footfall::Impact::force(double since_s) const noexcept {
+  if (!(since_s > 0) || !(speed_m_per_s > 0))
+    return 0;
+  double force = 0;
+  if (since_s < Landing::kImpactTime)
+    force = peak_n * std::sin(std::numbers::pi * since_s / Landing::kImpactTime);
+  if (bell_n > 0 && since_s < bell_s) {
+    const double sine = std::sin(std::numbers::pi * since_s / bell_s);
+    force += bell_n * sine * sine;
+  }
+  return force;
+}
+
+/// Tells of the parts of the sole that land in this sample.
+void Footfall::land(SoleState& sole) noexcept {
   for (std::size_t i = 0; i < impacts.size(); ++i) {
     const Impact& impact = impacts[i];
     if (landed_[i] || !(impact.speed_m_per_s > 0) || time_s_ < impact.at_s)
@@ -30,23 +47,21 @@ void Footfall::advance(double step_s, SoleState& sole) noexcept {
     double& landing = impact.heel ? sole.heel_landing : sole.ball_landing;
     landing = std::max(landing, impact.speed_m_per_s);
   }
+}
+
+void Footfall::advance(double step_s, SoleState& sole) noexcept {
+  if (!under_way_)
+    return;
+  const bool impacts_under_way = time_s_ < impacts_end_s_;
+  if (impacts_under_way)
+    land(sole);
   time_s_ += step_s;
-  const double whole = load.at(time_s_);
-  double heel = whole * std::clamp(heel_share.at(time_s_), 0.0, 1.0);
+  const double whole = load.at(time_s_, load_piece_);
+  double heel = whole * std::clamp(heel_share.at(time_s_, share_piece_), 0.0, 1.0);
   double ball = whole - heel;
-  for (const Impact& impact : impacts) {
-    const double since = time_s_ - impact.at_s;
-    if (!(since > 0) || !(impact.speed_m_per_s > 0))
-      continue;
-    double force = 0;
-    if (since < Landing::kImpactTime)
-      force = impact.peak_n * std::sin(std::numbers::pi * since / Landing::kImpactTime);
-    if (impact.bell_n > 0 && since < impact.bell_s) {
-      const double sine = std::sin(std::numbers::pi * since / impact.bell_s);
-      force += impact.bell_n * sine * sine;
-    }
-    (impact.heel ? heel : ball) += force;
-  }
+  if (impacts_under_way)
+    for (const Impact& impact : impacts)
+      (impact.heel ? heel : ball) += impact.force(time_s_ - impact.at_s);
   const bool ends = !stays && time_s_ >= load.duration_s();
   if (ends)
     heel = ball = 0;
@@ -57,9 +72,9 @@ void Footfall::advance(double step_s, SoleState& sole) noexcept {
   heel_n_ = heel;
   ball_n_ = ball;
   if (time_s_ < heel_slip.duration_s())
-    sole.heel_slip = std::max(sole.heel_slip, heel_slip.at(time_s_));
+    sole.heel_slip = std::max(sole.heel_slip, heel_slip.at(time_s_, heel_slip_piece_));
   if (time_s_ < ball_slip.duration_s())
-    sole.ball_slip = std::max(sole.ball_slip, ball_slip.at(time_s_));
+    sole.ball_slip = std::max(sole.ball_slip, ball_slip.at(time_s_, ball_slip_piece_));
   if (!heel_is_up_ && heel_up_s >= 0 && time_s_ >= heel_up_s) {
     heel_is_up_ = true;
     sole.heel_up = true;

@@ -21,7 +21,8 @@ public:
     double at_s = 0;
     double speed_m_per_s = 0; ///< 0: nothing lands
     double peak_n = 0, bell_n = 0, bell_s = GroundReaction::kTransientTime;
-    [[nodiscard]] double impulse() const noexcept; ///< N s
+    [[nodiscard]] double impulse() const noexcept;             ///< N s
+    [[nodiscard]] double force(double since_s) const noexcept; ///< N, so long after at_s
   };
 
   Track load{0};                    ///< N, without impacts
@@ -46,9 +47,13 @@ public:
   void end() noexcept { under_way_ = false; }
 
 private:
+  void land(SoleState& sole) noexcept;
+
   bool under_way_ = false, heel_is_up_ = false;
   std::array<bool, 2> landed_{};
   double time_s_ = 0, heel_n_ = 0, ball_n_ = 0;
+  double impacts_end_s_ = 0; ///< from then on no part lands and no impact bears a force
+  std::size_t load_piece_ = 0, share_piece_ = 0, heel_slip_piece_ = 0, ball_slip_piece_ = 0;
 };
 
 } // namespace tactus::footstep

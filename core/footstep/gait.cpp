@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -85,6 +86,8 @@ Footfall& Gait::play(std::size_t foot, const Footfall& footfall) noexcept {
                                               : a.under_way() && a.time_s() < b.time_s();
       });
   place = footfall;
+  in_use_[foot] =
+      std::max(in_use_[foot], static_cast<std::size_t>(std::distance(all.data(), &place)) + 1);
   return place;
 }
 
@@ -282,17 +285,22 @@ void Gait::decide() noexcept {
 }
 
 void Gait::next(std::array<SoleState, kFeet>& feet) noexcept {
-  feet = {};
+  for (SoleState& foot : feet)
+    foot = {};
   decide();
   begin_swings();
   until_s_ -= step_s_;
   std::array<double, kFeet> taken_n{};
-  for (std::size_t i = 0; i < kFeet; ++i)
-    for (Footfall& footfall : footfalls_[i]) {
+  for (std::size_t i = 0; i < kFeet; ++i) {
+    for (std::size_t k = 0; k < in_use_[i]; ++k) {
+      Footfall& footfall = footfalls_[i][k];
       footfall.advance(step_s_, feet[i]);
       if (footfall.under_way() && footfall.unloads_other)
         taken_n[1 - i] += footfall.force_n();
     }
+    while (in_use_[i] > 0 && !footfalls_[i][in_use_[i] - 1].under_way())
+      --in_use_[i];
+  }
   for (std::size_t i = 0; i < kFeet; ++i)
     unload(i, taken_n[i], feet[i]);
 }

@@ -91,6 +91,7 @@ private:
   std::array<double, kFeet> unloaded_{}; ///< part of its load that a foot does not bear just now
   Random random_;
   std::array<std::array<Footfall, kOverlap>, kFeet> footfalls_{};
+  std::array<std::size_t, kFeet> in_use_{}; ///< by foot: no footfall from there on is under way
 };
 
 } // namespace tactus::footstep

@@ -36,29 +36,21 @@ Track Track::scaled(double by, double times) const noexcept {
   return made;
 }
 
-double Track::at(double time_s) const noexcept {
-  if (!(time_s > 0))
-    return initial_;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Piece& piece = pieces_[i];
-    if (time_s >= piece.end_s)
-      continue;
-    double value = piece.to;
-    const double left = (piece.end_s - time_s) / piece.duration_s;
-    if (piece.from != piece.to) {
-      const bool rises = piece.to > piece.from;
-      const double sine = std::sin(0.5 * kPi * (rises ? 1 - left : left));
-      const double part = sine * (piece.sine_share + (1 - piece.sine_share) * sine);
-      value = rises ? piece.from + (piece.to - piece.from) * part
-                    : piece.to + (piece.from - piece.to) * part;
-    }
-    if (piece.hump != 0) {
-      const double sine = std::sin(kPi * left);
-      value += piece.hump * sine * sine;
-    }
-    return value;
+double Track::value(const Piece& piece, double time_s) noexcept {
+  double value = piece.to;
+  const double left = (piece.end_s - time_s) / piece.duration_s;
+  if (piece.from != piece.to) {
+    const bool rises = piece.to > piece.from;
+    const double sine = std::sin(0.5 * kPi * (rises ? 1 - left : left));
+    const double part = sine * (piece.sine_share + (1 - piece.sine_share) * sine);
+    value = rises ? piece.from + (piece.to - piece.from) * part
+                  : piece.to + (piece.from - piece.to) * part;
   }
-  return last_;
+  if (piece.hump != 0) {
+    const double sine = std::sin(kPi * left);
+    value += piece.hump * sine * sine;
+  }
+  return value;
 }
 
 double Track::integral() const noexcept {

@@ -27,7 +27,19 @@ public:
   [[nodiscard]] Track scaled(double by, double times) const noexcept;
 
   /// At a time; before the first piece its beginning, after the last its end.
-  [[nodiscard]] double at(double time_s) const noexcept;
+  [[nodiscard]] double at(double time_s) const noexcept {
+    std::size_t piece = 0;
+    return at(time_s, piece);
+  }
+  /// The same for times that never fall from call to call: `piece`, 0 at first, is the one in which
+  /// the last time was.
+  [[nodiscard]] double at(double time_s, std::size_t& piece) const noexcept {
+    if (!(time_s > 0))
+      return initial_;
+    while (piece < count_ && time_s >= pieces_[piece].end_s)
+      ++piece;
+    return piece < count_ ? value(pieces_[piece], time_s) : last_;
+  }
   /// From the first piece's begin to the last one's end, s.
   [[nodiscard]] double duration_s() const noexcept { return end_; }
   /// Integral over all pieces, exact.
@@ -37,6 +49,8 @@ private:
   struct Piece {
     double end_s, duration_s, from, to, sine_share, hump;
   };
+  [[nodiscard]] static double value(const Piece& piece, double time_s) noexcept;
+
   std::array<Piece, kMaxPieces> pieces_{};
   std::size_t count_ = 0;
   double initial_ = 0, last_ = 0, end_ = 0;

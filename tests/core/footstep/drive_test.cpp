@@ -31,7 +31,7 @@ std::vector<double> impulse_of_band(double rate) {
   band.prepare(rate);
   std::vector<double> impulse(static_cast<std::size_t>(rate));
   for (std::size_t n = 0; n < impulse.size(); ++n)
-    impulse[n] = band.next(n == 0 ? 1 : 0);
+    impulse[n] = band.next({n == 0 ? 1.0 : 0.0, 0})[0];
   return impulse;
 }
 
