@@ -67,6 +67,9 @@ public:
   virtual ~BodyKernel() = default;
   /// A step of a body that nothing touches.
   virtual void ring(const ModesView&) const noexcept = 0;
+  /// The same, and dots() of the ear's arrays and the state after it.
+  virtual double ring_heard(const ModesView&, const double* ear_real,
+                            const double* ear_imaginary) const noexcept = 0;
   /// Foresight from the state alone.
   [[nodiscard]] virtual Foresight foresee(const ModesView&, const PlaceView&) const noexcept = 0;
   /// Samples with one exciter on the body that is near; no outer forces. Returns how many: it ends

@@ -251,6 +251,16 @@ public:
   void ring(const ModesView& m) const noexcept override {
     over(m.padded, [&](std::size_t i, std::size_t) { store(m, i, turned(m, i)); });
   }
+  double ring_heard(const ModesView& m, const double* ear_real,
+                    const double* ear_imaginary) const noexcept override {
+    V sums[kRegisters] = {};
+    over(m.padded, [&](std::size_t i, std::size_t r) {
+      const State z = turned(m, i);
+      store(m, i, z);
+      sums[r] += load(ear_real + i) * z.real + load(ear_imaginary + i) * z.imaginary;
+    });
+    return across(sums);
+  }
   Foresight foresee(const ModesView& m, const PlaceView& place) const noexcept override {
     return foreseen(m, place);
   }

@@ -87,6 +87,7 @@ void TouchedBody::set_ear(std::size_t ear, std::span<const double> shape) noexce
 }
 
 void TouchedBody::work_out_ear(std::size_t ear) noexcept {
+  heard_known_ = false;
   for (std::size_t i = 0; i < body_.max_modes(); ++i) {
     ear_real_[ear][i] = ear_shape_[ear][i] * body_.per_root_mass(i);
     ear_imaginary_[ear][i] = -ear_real_[ear][i] * body_.slowing[i];
@@ -344,6 +345,8 @@ double TouchedBody::surface_velocity(std::size_t slot) const noexcept {
 }
 
 double TouchedBody::hear(std::size_t ear) const noexcept {
+  if (ear == 0 && heard_known_)
+    return heard_m_per_s_;
   return sounds_ ? kernel_->dots(ear_real_[ear].data(), body_.real.data(),
                                  ear_imaginary_[ear].data(), body_.imaginary.data(), body_.padded())
                  : 0.0;

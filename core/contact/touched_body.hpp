@@ -153,6 +153,12 @@ private:
   void couple(const Group& group) noexcept;
   void touch_in_place() noexcept;
   void ring(std::size_t first, std::size_t end) noexcept;
+  void ring_alone() noexcept;
+  /// True where look_around() would find what it found before: everything sleeps.
+  [[nodiscard]] bool all_sleep() const noexcept {
+    return near_ == 0 && order_.empty() && lone_awake_.empty() && !lone_touch() &&
+           !awake_changed_ && range_known_ && one_range_ && level_ == least_level_;
+  }
 
   // Several islands (touched_islands.cpp).
   void divide_in_use() noexcept;
@@ -195,7 +201,7 @@ private:
   [[nodiscard]] bool steady(std::size_t exciter) const noexcept;
   void look_back() noexcept;
   /// The modes have changed otherwise than by the steps.
-  void forget_foresight() noexcept { foreseen_ = islands_foreseen_ = false; }
+  void forget_foresight() noexcept { foreseen_ = islands_foreseen_ = heard_known_ = false; }
   void focus(std::size_t exciter) noexcept;
   struct PlaceArrays;
   [[nodiscard]] static PlaceView look_from(const ModesView& modes, const double* shape,
@@ -236,7 +242,9 @@ private:
   PlaceMemory place_memory_; ///< of the one exciter that is near
   PlaceView place_view_{};
   Foresight foresight_;
-  bool foreseen_ = false; ///< foresight_ is of the state as it is
+  bool foreseen_ = false;    ///< foresight_ is of the state as it is
+  double heard_m_per_s_ = 0; ///< at the first ear, if heard_known_
+  bool heard_known_ = false;
   bool has_outer_ = false, sounds_ = false, unsorted_ = true, tied_ = false, moved_ = false;
   bool coupled_ = false; ///< the system's coupling or place_view_ are those of close_
   std::array<double, kLevels> step_s_{}; ///< length of a step, by level

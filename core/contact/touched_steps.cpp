@@ -265,6 +265,16 @@ void TouchedBody::ring(std::size_t first, std::size_t end) noexcept {
     kernel_->ring(view(0, first, end));
 }
 
+/// A sample of a body that nothing touches, and what is heard of it.
+void TouchedBody::ring_alone() noexcept {
+  forget_foresight();
+  if (has_outer_ || ear_real_.empty())
+    return ring(0, body_.padded());
+  heard_m_per_s_ = kernel_->ring_heard(view(0, 0, body_.padded()), ear_real_[0].data(),
+                                       ear_imaginary_[0].data());
+  heard_known_ = true;
+}
+
 /// The contacts of the one island, on its range of modes.
 void TouchedBody::touch_in_place() noexcept {
   sounds_ = true;
@@ -386,16 +396,18 @@ void TouchedBody::step() noexcept {
     look_for_difference();
   if (unsorted_)
     sort();
-  look_around();
+  heard_known_ = false;
+  if (clock_ % kTidyEvery != 0 && all_sleep())
+    quiet_ = 0;
+  else
+    look_around();
   ++clock_;
-  if (!in_place_) {
+  if (!in_place_)
     touch_islands();
-  } else if (near_ > 0) {
+  else if (near_ > 0)
     touch_in_place();
-  } else if (sounds_) {
-    forget_foresight();
-    ring(0, body_.padded());
-  }
+  else if (sounds_)
+    ring_alone();
   if (has_outer_) {
     outer_.clear();
     has_outer_ = false;
@@ -422,6 +434,7 @@ void TouchedBody::look_back() noexcept {
   if (!sane)
     return reset();
   if (clock_ % kTidyEvery == 0 && sounds_) {
+    heard_known_ = false;
     if (!body_.tidy())
       reset();
     else if (near_ == 0 && !lone_touch())

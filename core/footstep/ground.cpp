@@ -97,6 +97,7 @@ void Ground::set(const Recipe& recipe, double shoe) noexcept {
 
 void Ground::set_weight(double weight_n) noexcept {
   weight_ = weight_n > 0 ? std::min(weight_n / kReferenceWeight, kHeaviest) : 0;
+  root_weight_ = std::sqrt(std::max(weight_, kLightest));
 }
 
 void Ground::new_place() noexcept {
@@ -118,7 +119,7 @@ void Ground::new_place() noexcept {
     boards_.choose_place(friction);
   }
   // A heavier body sinks in deeper, for longer.
-  const double deeper = std::sqrt(std::max(weight_, kLightest));
+  const double deeper = root_weight_;
   for (std::size_t i = 0; i < recipe_.clouds; ++i) {
     const Scatter& scatter = recipe_.cloud[i].scatter;
     const particle::CloudSettings& settings = recipe_.cloud[i].settings;
@@ -182,7 +183,7 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
     const auto power = [&](double slope_now, double slid) {
       return ((slope_now > 0 ? from.load * slope_now : -from.release * slope_now) +
               from.slide * slid) /
-             std::sqrt(std::max(weight_, kLightest)); // as landings: ~ sqrt(m)
+             root_weight_; // as landings: ~ sqrt(m)
     };
     const double heel_power = power(heel_slope, heel_load * std::abs(sole.heel_slip));
     const double ball_power = power(ball_slope, ball_load * std::abs(sole.ball_slip));

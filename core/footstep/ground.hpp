@@ -52,6 +52,7 @@ private:
 
   Recipe recipe_;
   double sample_rate_ = 48000, shoe_ = 0.4, weight_ = 1; ///< in reference weights
+  double root_weight_ = 1; ///< of what is no lighter than the lightest
   Random random_;
   std::array<double, kMaxModes> detune_{};
   std::array<StruckFloor, kRegions> floor_;

@@ -33,7 +33,7 @@ void Cloud::set(const CloudSettings& settings) noexcept {
   settings_.length_s = held(settings.length_s, 1e-5, 2);
   settings_.rise = held(settings.rise, 0, 1);
   settings_.level = held(settings.level, 0, 1e4);
-  store_.set(sample_rate_, settings.attack_s, settings_.decay_s * decay_factor_);
+  set_store();
   energies_.set(settings.exponent, settings.largest);
   normal_ = 1 / std::sqrt(energies_.mean() * std::max(settings_.count, 1e-3));
   tune_rustle();
@@ -48,8 +48,13 @@ void Cloud::vary(double frequency, double decay, double level) noexcept {
   frequency_factor_ = held(frequency, 0.1, 10);
   decay_factor_ = held(decay, 0.1, 10);
   level_factor_ = held(level, 0, 100);
-  store_.set(sample_rate_, settings_.attack_s, settings_.decay_s * decay_factor_);
+  set_store();
   tune_rustle();
+}
+
+void Cloud::set_store() noexcept {
+  store_.set(sample_rate_, settings_.attack_s, settings_.decay_s * decay_factor_);
+  root_decay_ = std::sqrt(store_.decay_s());
 }
 
 void Cloud::reset() noexcept {
@@ -91,7 +96,7 @@ double Cloud::next(double power) noexcept {
     const double expected = settings_.count * energy / (store_.decay_s() * sample_rate_);
     clock_.advance(expected, random_, [this](double) { event(); });
   } else if (!store_.empty()) {
-    rustle = settings_.level * level_factor_ * std::min(energy, 1e6) / std::sqrt(store_.decay_s()) *
+    rustle = settings_.level * level_factor_ * std::min(energy, 1e6) / root_decay_ *
              rustle_.next(random_);
   }
   // What another kind has left rings out.

@@ -34,23 +34,26 @@ void Rustle::reset() noexcept {
 }
 
 double Rustle::next(Random& random) noexcept {
-  double sum = 0;
-  for (std::size_t i = 0; i < kBands; ++i) {
-    std::uint32_t n = noise_[i]; // xorshift32, Marsaglia 2003
-    if (n == 0)
+  if (noise_[0] == 0)
+    for (std::uint32_t& n : noise_)
       n = static_cast<std::uint32_t>(random.next() >> 32) | 1U;
+  std::array<double, kBands> y;
+  for (std::size_t i = 0; i < kBands; ++i) {
+    std::uint32_t n = noise_[i]; // xorshift32, Marsaglia 2003: never 0 again
     n ^= n << 13;
     n ^= n >> 17;
     n ^= n << 5;
     noise_[i] = n;
     const double x = static_cast<double>(static_cast<std::int32_t>(n));
-    const double y = gain_[i] * (x - x2_[i]) - a1_[i] * y1_[i] - a2_[i] * y2_[i];
+    y[i] = gain_[i] * (x - x2_[i]) - a1_[i] * y1_[i] - a2_[i] * y2_[i];
     x2_[i] = x1_[i];
     x1_[i] = x;
     y2_[i] = y1_[i];
-    y1_[i] = y;
-    sum += y;
+    y1_[i] = y[i];
   }
+  double sum = 0;
+  for (const double band : y)
+    sum += band;
   return sum;
 }
 
