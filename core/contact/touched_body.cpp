@@ -113,6 +113,7 @@ void TouchedBody::keep_places() noexcept {
     work_out_place(i);
   for (std::size_t ear = 0; ear < ear_shape_.size(); ++ear)
     work_out_ear(ear);
+  whole_ = view(0, 0, body_.padded());
   sounding_ = 0;
   for (std::size_t i = 0; i < body_.modes(); ++i)
     sounding_ += body_.per_root_mass(i) > 0;

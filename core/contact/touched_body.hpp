@@ -243,6 +243,7 @@ private:
   PlaceView place_view_{};
   Foresight foresight_;
   bool foreseen_ = false;    ///< foresight_ is of the state as it is
+  ModesView whole_{};        ///< all modes in steps of a sample
   double heard_m_per_s_ = 0; ///< at the first ear, if heard_known_
   bool heard_known_ = false;
   bool has_outer_ = false, sounds_ = false, unsorted_ = true, tied_ = false, moved_ = false;

@@ -270,8 +270,7 @@ void TouchedBody::ring_alone() noexcept {
   forget_foresight();
   if (has_outer_ || ear_real_.empty())
     return ring(0, body_.padded());
-  heard_m_per_s_ = kernel_->ring_heard(view(0, 0, body_.padded()), ear_real_[0].data(),
-                                       ear_imaginary_[0].data());
+  heard_m_per_s_ = kernel_->ring_heard(whole_, ear_real_[0].data(), ear_imaginary_[0].data());
   heard_known_ = true;
 }
 

@@ -74,6 +74,8 @@ Foot::Stand* Foot::take(std::uint64_t id, const Recipe& recipe, const Stand* kee
     }
   }
   Stand* const chosen = &stands_[best];
+  if (chosen->id == 0)
+    in_use_[used_++] = chosen;
   chosen->ground.reset();
   chosen->ground.set(recipe, shoe_);
   chosen->recipe = recipe;
@@ -133,9 +135,8 @@ void Foot::furnish() noexcept {
 
 Foot::Out Foot::next(const SoleState& sole) noexcept {
   double heel_felt = 0, ball_felt = 0, heard = 0, to_room = 0;
-  for (Stand& stand : stands_) {
-    if (stand.id == 0)
-      continue;
+  for (std::size_t i = 0; i < used_; ++i) {
+    Stand& stand = *in_use_[i];
     const bool current = &stand == a_ || &stand == b_;
     if (stand.part != stand.wanted) {
       stand.part += (current ? glide_ : leave_) * (stand.wanted - stand.part);
@@ -143,8 +144,10 @@ Foot::Out Foot::next(const SoleState& sole) noexcept {
         stand.part = stand.wanted;
     }
     if (stand.part == 0 && stand.wanted == 0) {
-      if (!current)
+      if (!current) {
         stand.id = 0;
+        in_use_[i--] = in_use_[--used_];
+      }
       continue;
     }
     // Nothing steps on a ground that is left: it only rings out.

@@ -53,6 +53,8 @@ private:
   Stand* take(std::uint64_t id, const Recipe& recipe, const Stand* keep) noexcept;
 
   std::array<Stand, kGrounds> stands_;
+  std::array<Stand*, kGrounds> in_use_{}; ///< those with an id
+  std::size_t used_ = 0;
   Stand *a_ = nullptr, *b_ = nullptr;
   double mix_ = 0, weight_n_ = 700, shoe_ = 0.4, glide_ = 0.001, leave_ = 0.0001;
   double room_factor_ = 1;

@@ -33,7 +33,7 @@ void Room::prepare(double sample_rate) {
     if (lines_[i].kept.size() != length) {
       lines_[i].kept.assign(length, 0.0);
       lines_[i].at = 0;
-      lines_[i].low = 0;
+      low_[i] = 0;
       left_ = 0;
     }
   }
@@ -47,10 +47,9 @@ void Room::set(const Settings& settings) noexcept {
       2 * std::numbers::pi * held(settings.bright_hz, 100, 0.45 * sample_rate_) / sample_rate_;
   double mean = 0; // of the gains' squares
   for (std::size_t i = 0; i < kLines; ++i) {
-    Line& line = lines_[i];
-    line.gain = std::pow(10.0, -3 * kDelays[i] / t60);
-    line.pole = pole_for(line.gain, w);
-    mean += line.gain * line.gain / kLines;
+    gain_[i] = std::pow(10.0, -3 * kDelays[i] / t60);
+    pole_[i] = pole_for(gain_[i], w);
+    mean += gain_[i] * gain_[i] / kLines;
   }
   // An impulse spreads over the lines; each round through them leaves `mean` of its energy, so that
   // mean + mean^2 + ... comes out.
@@ -61,10 +60,9 @@ void Room::set(const Settings& settings) noexcept {
 }
 
 void Room::reset() noexcept {
-  for (Line& line : lines_) {
+  for (Line& line : lines_)
     std::fill(line.kept.begin(), line.kept.end(), 0.0);
-    line.low = 0;
-  }
+  low_ = {};
   left_ = 0;
 }
 
@@ -77,15 +75,16 @@ double Room::next(double direct) noexcept {
     return 0;
   else
     --left_;
-  std::array<double, kLines> v{};
-  double out = 0;
+  std::array<double, kLines> v;
+  for (std::size_t i = 0; i < kLines; ++i)
+    v[i] = lines_[i].kept[lines_[i].at];
   for (std::size_t i = 0; i < kLines; ++i) {
-    Line& line = lines_[i];
-    const double arrived = line.gain * line.kept[line.at];
-    line.low = arrived + line.pole * (line.low - arrived);
-    v[i] = line.low;
-    out += i % 3 == 1 ? -v[i] : v[i];
+    const double arrived = gain_[i] * v[i];
+    v[i] = low_[i] = arrived + pole_[i] * (low_[i] - arrived);
   }
+  double out = 0;
+  for (std::size_t i = 0; i < kLines; ++i)
+    out += i % 3 == 1 ? -v[i] : v[i];
   // Hadamard's matrix of order 8, orthogonal once divided by the square root of 8.
   for (std::size_t half = 1; half < kLines; half *= 2)
     for (std::size_t i = 0; i < kLines; ++i)

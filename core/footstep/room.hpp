@@ -36,7 +36,6 @@ private:
   struct Line {
     std::vector<double> kept;
     std::size_t at = 0;
-    double gain = 0, pole = 0, low = 0;
   };
 
   Settings settings_;
@@ -44,6 +43,7 @@ private:
   double level_ = 0;
   long ring_ = 0, left_ = 0; ///< samples until 90 dB are lost: of a sound, of what still sounds
   std::array<Line, kLines> lines_;
+  std::array<double, kLines> gain_{}, pole_{}, low_{}; ///< of each line's filter
 };
 
 } // namespace tactus::footstep

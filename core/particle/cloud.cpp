@@ -55,6 +55,7 @@ void Cloud::vary(double frequency, double decay, double level) noexcept {
 void Cloud::set_store() noexcept {
   store_.set(sample_rate_, settings_.attack_s, settings_.decay_s * decay_factor_);
   root_decay_ = std::sqrt(store_.decay_s());
+  expected_ = settings_.count / (store_.decay_s() * sample_rate_);
 }
 
 void Cloud::reset() noexcept {
@@ -93,8 +94,7 @@ double Cloud::next(double power) noexcept {
   impulse_ = impulse_squared_ = 0;
   double rustle = 0;
   if (settings_.kind != CloudSettings::Kind::kRustle) {
-    const double expected = settings_.count * energy / (store_.decay_s() * sample_rate_);
-    clock_.advance(expected, random_, [this](double) { event(); });
+    clock_.advance(expected_ * energy, random_, [this](double) { event(); });
   } else if (!store_.empty()) {
     rustle = settings_.level * level_factor_ * std::min(energy, 1e6) / root_decay_ *
              rustle_.next(random_);

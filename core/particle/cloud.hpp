@@ -67,6 +67,7 @@ private:
   double sample_rate_ = 48000;
   double frequency_factor_ = 1, decay_factor_ = 1, level_factor_ = 1;
   double root_decay_ = 1;                    ///< of the store's decay time, s^(1/2)
+  double expected_ = 0;                      ///< events in a sample for an energy of 1
   double normal_ = 1;                        ///< sets events of mean energy to strength 1
   double impulse_ = 0, impulse_squared_ = 0; ///< of the last sample
   std::uint64_t events_ = 0;

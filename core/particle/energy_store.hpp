@@ -16,9 +16,11 @@ public:
   void set(double sample_rate, double attack_s, double decay_s) noexcept {
     attack_s_ = std::clamp(attack_s, 1e-5, 60.0);
     decay_s_ = std::clamp(decay_s, 1e-5, 60.0);
-    step_s_ = 1 / sample_rate;
-    kept_ = std::exp(-step_s_ / decay_s_);
-    pending_kept_ = std::exp(-step_s_ / attack_s_);
+    const double step_s = 1 / sample_rate;
+    kept_ = std::exp(-step_s / decay_s_);
+    pending_kept_ = std::exp(-step_s / attack_s_);
+    arriving_ = (1 - pending_kept_) * sample_rate;
+    taken_up_ = decay_s_ * (1 - kept_);
   }
 
   void reset() noexcept { energy_ = pending_ = 0; }
@@ -30,10 +32,9 @@ public:
   /// 0..1e6; what is no number is none.
   double advance(double power) noexcept {
     power = power > 0 ? std::min(power, 1e6) : 0;
-    const double arriving = pending_ * (1 - pending_kept_);
+    power += pending_ * arriving_;
     pending_ *= pending_kept_;
-    const double total = power + arriving / step_s_;
-    energy_ = energy_ * kept_ + total * decay_s_ * (1 - kept_);
+    energy_ = energy_ * kept_ + power * taken_up_;
     if (energy_ + pending_ < kNothing)
       energy_ = pending_ = 0;
     return energy_;
@@ -46,8 +47,10 @@ public:
 private:
   static constexpr double kNothing = 1e-9; ///< below, the store is empty: no endless tail
 
-  double attack_s_ = 0.01, decay_s_ = 0.1, step_s_ = 1.0 / 48000;
+  double attack_s_ = 0.01, decay_s_ = 0.1;
   double kept_ = 0, pending_kept_ = 0;
+  double arriving_ = 0; ///< mean power of what arrives in a sample, for the energy pending, 1/s
+  double taken_up_ = 0; ///< energy at the end of a sample for a power in it, s
   double energy_ = 0, pending_ = 0;
 };
 
