@@ -92,19 +92,19 @@ void Cloud::event() noexcept {
 double Cloud::next(double power) noexcept {
   const double energy = store_.advance(power);
   impulse_ = impulse_squared_ = 0;
-  double rustle = 0;
+  double sound = 0;
   if (settings_.kind != CloudSettings::Kind::kRustle) {
     clock_.advance(expected_ * energy, random_, [this](double) { event(); });
   } else if (!store_.empty()) {
-    rustle = settings_.level * level_factor_ * std::min(energy, 1e6) / root_decay_ *
-             rustle_.next(random_);
+    sound = settings_.level * level_factor_ * std::min(energy, 1e6) / root_decay_ *
+            rustle_.next(random_);
   }
   // What another kind has left rings out.
-  return rustle + bubbles_.next() + grains_.next();
-}
-
-bool Cloud::silent() const noexcept {
-  return store_.empty() && grains_.sounding() == 0 && bubbles_.sounding() == 0;
+  if (bubbles_.sounding() > 0)
+    sound += bubbles_.next();
+  if (grains_.sounding() > 0)
+    sound += grains_.next();
+  return sound;
 }
 
 } // namespace tactus::particle

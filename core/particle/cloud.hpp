@@ -54,7 +54,9 @@ public:
   /// The sum of their squares: the strength, squared, of many that come from all sides.
   [[nodiscard]] double impulse_squared() const noexcept { return impulse_squared_; }
   /// Nothing sounds and nothing will before more energy comes.
-  [[nodiscard]] bool silent() const noexcept;
+  [[nodiscard]] bool silent() const noexcept {
+    return store_.empty() && grains_.sounding() == 0 && bubbles_.sounding() == 0;
+  }
   [[nodiscard]] double energy() const noexcept { return store_.energy(); }
   [[nodiscard]] std::uint64_t events() const noexcept { return events_; }
 
