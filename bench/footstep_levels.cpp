@@ -8,8 +8,7 @@
 // --calibrate writes `level`, `felt` and `felt_ball` of each recipe of a known name so that a walk
 // of 1.4 m/s under 700 N in shoe 0.4 has the level of the table below and the median peaks of its
 // drives are 0.4 under the heel and 3 dB less under the ball.
-#include "core/footstep/foot.hpp"
-#include "core/footstep/gait.hpp"
+#include "bench/walking_foot.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,7 +18,6 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <memory>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -28,6 +26,7 @@
 namespace {
 
 using namespace tactus::footstep;
+using tactus::bench::Walk;
 
 constexpr double kRate = 48000, kSeconds = 30, kFullScale = 2, kKnee = 0.7, kWantedDrive = 0.4,
                  kBallDrive = 0.7;
@@ -59,11 +58,6 @@ private:
   std::array<double, 6> state_{};
 };
 
-struct Walk {
-  double speed = 1.4, weight = 700, shoe = 0.4;
-  bool run = false;
-};
-
 /// Of each step.
 struct Steps {
   std::vector<double> level_db, peak, heel_drive, ball_drive, centroid;
@@ -77,28 +71,15 @@ double quantile(std::vector<double> values, double q) {
 }
 
 Steps walk(const Recipe& recipe, const Walk& how) {
-  const auto foot = std::make_unique<Foot>();
-  Gait gait;
-  foot->prepare(kRate);
-  foot->seed(3);
-  foot->set_room(0);
-  foot->set_shoe(how.shoe);
-  foot->set_weight(how.weight);
-  foot->stand_on(1, recipe, 1, recipe, 0);
-  foot->drive().set({1, 3, 1e6, 0, 0});
-  gait.prepare(kRate);
-  gait.seed(3);
-  gait.set({how.speed, how.weight, how.shoe, how.run ? Style::kRun : Style::kWalk}, 0.04);
-  gait.walk(true);
-  std::array<SoleState, Gait::kFeet> soles{};
+  tactus::bench::WalkingFoot foot(recipe, how, kRate, 3);
   WeightA weight;
   const double kept = std::exp(-1 / (0.125 * kRate));
   double power = 0, highest = 0, peak = 0, heel = 0, ball = 0, slope = 0, energy = 0, before = 0;
   Steps steps;
   bool begun = false;
   for (double n = 0; n < kSeconds * kRate; ++n) {
-    gait.next(soles);
-    if (soles[0].heel_landing > 0) {
+    const Foot::Out out = foot.next();
+    if (foot.heel_lands()) {
       if (begun && peak > 0) {
         steps.level_db.push_back(10 * std::log10(highest / 4e-10));
         steps.peak.push_back(peak);
@@ -110,7 +91,6 @@ Steps walk(const Recipe& recipe, const Walk& how) {
       begun = true;
       highest = peak = heel = ball = slope = energy = 0;
     }
-    const Foot::Out out = foot->next(soles[0]);
     const double a = weight.next(out.heard);
     power = kept * power + (1 - kept) * a * a;
     highest = std::max(highest, power);
@@ -183,7 +163,7 @@ void print(const std::filesystem::path& path) {
   std::printf("%-11s", path.stem().c_str());
   for (const double speed : {0.5, 0.8, 1.4, 1.8, 2.5})
     std::printf(" %5.1f", level({speed}));
-  std::printf("  %5.1f", level({3.5, 700, 0.4, true}));
+  std::printf("  %5.1f", level({3.5, 700, 0.4, Style::kRun}));
   std::printf("  %+5.1f %+5.1f", level({1.4, 300}) - quantile(usual.level_db, 0.5),
               level({1.4, 1200}) - quantile(usual.level_db, 0.5));
   const Steps soft = walk(recipe, {1.4, 700, 0}), hard = walk(recipe, {1.4, 700, 1});
@@ -195,7 +175,8 @@ void print(const std::filesystem::path& path) {
     quietest = std::min(quietest, quantile(steps.level_db, 0) - quantile(steps.level_db, 0.5));
   }
   std::printf("  %5.1f", quietest);
-  const Steps heavy = walk(recipe, {2.5, 1200, 1}), run = walk(recipe, {3.5, 700, 0.4, true});
+  const Steps heavy = walk(recipe, {2.5, 1200, 1}),
+              run = walk(recipe, {3.5, 700, 0.4, Style::kRun});
   double over = 0;
   for (const double p : run.peak)
     over += p > kKnee * kFullScale ? 100.0 / static_cast<double>(run.peak.size()) : 0;

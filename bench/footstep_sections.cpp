@@ -9,8 +9,7 @@
 // alone; the friction's and the modes' sounds may add up or cancel. Bands and times count that lie
 // within 40 dB of the whole; a section is heard when one of the three changes by 1 dB or more.
 #include "bench/recipe_sections.hpp"
-#include "core/footstep/foot.hpp"
-#include "core/footstep/gait.hpp"
+#include "bench/walking_foot.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +19,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
 #include <numbers>
 #include <span>
 #include <string>
@@ -90,25 +88,13 @@ Energy walk(const std::string& text, double speed, double seconds) {
     std::fprintf(stderr, "%s\n", complaint.c_str());
     std::exit(1);
   }
-  const auto foot = std::make_unique<Foot>();
-  Gait gait;
-  foot->prepare(kRate);
-  foot->seed(3);
-  foot->set_room(0);
-  foot->set_shoe(0.4);
-  foot->set_weight(700);
-  foot->stand_on(1, recipe, 1, recipe, 0);
-  gait.prepare(kRate);
-  gait.seed(3);
-  gait.set({speed, 700, 0.4}, 0.04);
-  gait.walk(true);
-  std::array<SoleState, Gait::kFeet> soles{};
+  tactus::bench::WalkingFoot foot(recipe, {speed}, kRate, 3);
   Energy heard;
   for (double n = 0; n < seconds * kRate; ++n) {
-    gait.next(soles);
-    if (soles[0].heel_landing > 0)
+    const double sound = foot.next().heard;
+    if (foot.heel_lands())
       heard.contact();
-    heard.add(foot->next(soles[0]).heard);
+    heard.add(sound);
   }
   return heard;
 }

@@ -20,8 +20,7 @@ using namespace tactus::footstep;
 
 namespace {
 
-const std::filesystem::path kSurfaces =
-    std::filesystem::path(__FILE__).parent_path() / "../../../data/surfaces";
+const std::filesystem::path kSurfaces = TACTUS_SURFACES;
 
 constexpr const char* kMaterials[] = {"wood",     "creak",  "underbrush", "snow",      "frozensnow",
                                       "sand",     "gravel", "metal",      "highgrass", "dryleaves",
