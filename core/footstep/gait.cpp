@@ -171,7 +171,6 @@ void Gait::start_from_air() noexcept {
     state_ = State::kWalking;
     until_s_ = 0;
     steps_ = 0;
-    begun_ = false;
   }
 }
 
@@ -228,14 +227,10 @@ void Gait::decide() noexcept {
   case State::kWalking:
     if (until_s_ <= 0) {
       if (!walk_requested_ || jump_m_ > 0) {
-        if (begun_)
-          begin_halt();
-        else
-          state_ = State::kAir;
+        begin_halt();
         break;
       }
       begin_step(next_foot_);
-      begun_ = true;
       steps_ = std::min(steps_ + 1, 2);
       const double half_stride = 0.5 * reaction_.stride_s();
       until_s_ += half_stride * std::max(0.2, 1 + variation_ * random_.normal());
@@ -275,7 +270,6 @@ void Gait::decide() noexcept {
       replace(next_foot_, pair.feet[1]);
       until_s_ = pair.then_s;
       steps_ = 0;
-      begun_ = true;
       state_ = State::kWalking;
     }
     break;

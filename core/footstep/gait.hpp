@@ -82,8 +82,7 @@ private:
   State state_ = State::kAir;
   double until_s_ = 0; ///< until the next contact, or the end of what is under way
   std::size_t next_foot_ = 0;
-  int steps_ = 0;      ///< since setting off, as far as they differ
-  bool begun_ = false; ///< a foot has come down or pushed off since the feet were in the air
+  int steps_ = 0;                    ///< since setting off, as far as they differ
   double turn_rad_ = 0, jump_m_ = 0; ///< what is still to be done
   Footfall closing_, landing_;       ///< what comes at the end of until_s_
   bool lands_ = false;

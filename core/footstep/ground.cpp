@@ -61,7 +61,7 @@ void Ground::reset() noexcept {
     p.heel.reset();
   }
   radiation_ = load_ = 0;
-  heel_down_ = false;
+  heel_down_ = has_place_ = false;
   silent_ = true;
 }
 
@@ -100,7 +100,18 @@ void Ground::set_weight(double weight_n) noexcept {
   root_weight_ = std::sqrt(std::max(weight_, kLightest));
 }
 
+/// Where floors and boards are touched, for a step whose landing was on another ground.
+void Ground::choose_places() noexcept {
+  has_place_ = true;
+  if (recipe_.solid.present)
+    for (StruckFloor& floor : floor_)
+      floor.choose_places(recipe_.solid);
+  if (recipe_.friction.present)
+    boards_.choose_place(recipe_.friction);
+}
+
 void Ground::new_place() noexcept {
+  has_place_ = true;
   const double all_frequency = drawn(recipe_.vary_frequency, random_);
   const double all_decay = drawn(recipe_.vary_decay, random_);
   if (const SolidRecipe& solid = recipe_.solid; solid.present) {
@@ -143,6 +154,8 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
   // The first landing of a step; a heel that lands twice without leaving begins another.
   if (((heel_lands || ball_lands) && load_ <= 0) || (heel_lands && heel_down_))
     new_place();
+  else if (!has_place_) // a ground that comes under a foot which is already down
+    choose_places();
   heel_down_ = heel_lands || (heel_down_ && load > 0);
   load_ = load;
   const auto slope = [](double newton_per_s) {

@@ -49,6 +49,7 @@ private:
   };
   static constexpr std::size_t kRegions = 2; ///< heel and ball
   void new_place() noexcept;
+  void choose_places() noexcept;
 
   Recipe recipe_;
   double sample_rate_ = 48000, shoe_ = 0.4, weight_ = 1; ///< in reference weights
@@ -63,6 +64,7 @@ private:
   double radiation_ = 0, radiation_gain_ = 0;
   double load_ = 0;        ///< of the last sample, in reference weights
   bool heel_down_ = false; ///< the heel has landed since the foot was last in the air
+  bool has_place_ = false; ///< one has been drawn since the last reset
   bool silent_ = true;
 };
 

@@ -13,7 +13,6 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kGravity = 9.81;          // m/s^2
 constexpr double kMaxTransient = 0.6;      // weights
 constexpr double kUsualSpeed = 1.4;        // m/s
-constexpr double kMinDuration = 1e-3;      // s, so that nothing divides by zero
 constexpr double kShareShape = 0.8;        // the heel's share is 1/2 at 63 % of its fall
 constexpr double kContactSlip = 0.2 / 1.4; // of the walking speed: 3 mm in 30 ms at 1.4 m/s
 constexpr double kMaxWalk = 2.5, kMinWalk = 0.3, kMaxRun = 8, kMinRun = 1.5; // m/s
@@ -146,7 +145,7 @@ void GroundReaction::set(const Walker& walker) noexcept {
   const double walking_cadence = std::clamp(100 + 27.8 * (speed - 1), 70.0, 145.0); // steps / min
   const auto times = [this](double steps_a_minute, double duty) {
     stride_s_ = 2 * 60 / steps_a_minute;
-    stance_s_ = std::max(kMinDuration, duty * stride_s_);
+    stance_s_ = duty * stride_s_;
   };
   transient_ = 0;
   contact_slip_ = kContactSlip * speed;

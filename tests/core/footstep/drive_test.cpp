@@ -31,7 +31,7 @@ std::vector<double> impulse_of_band(double rate) {
   band.prepare(rate);
   std::vector<double> impulse(static_cast<std::size_t>(rate));
   for (std::size_t n = 0; n < impulse.size(); ++n)
-    impulse[n] = band.next({n == 0 ? 1.0 : 0.0, 0})[0];
+    impulse[n] = band.next(HeelBall{n == 0 ? 1.0 : 0.0, 0})[0];
   return impulse;
 }
 
@@ -88,6 +88,16 @@ TEST_CASE("three g are never exceeded, for any sensitivity and however loud the 
     CHECK(worst * sensitivity <= 3 + 1e-12);
     CHECK(worst * sensitivity > 2.9);
   }
+}
+
+TEST_CASE("an actuator of 3 g at full drive is limited to that if nothing else is said") {
+  Drive drive;
+  drive.prepare(48000);
+  double largest = 0;
+  for (int n = 0; n < 9600; ++n)
+    largest = std::max(largest, drive.next(100 * std::sin(0.02 * n), 0, 1, 0).heel);
+  CHECK(largest <= 1);
+  CHECK(largest > 0.99);
 }
 
 TEST_CASE(

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -69,6 +70,29 @@ TEST_CASE("who halts closes the step, stands on both feet, and sets off again") 
       carried += made.total(n) / 48000;
     CHECK(carried == doctest::Approx(0.7 * 700).epsilon(2e-3));
   }
+}
+
+TEST_CASE("a standing foot leaves the ground in 150 ms: its load sinks, its heel goes first") {
+  Footfall foot = lift(350);
+  double heel_up = 0, toe_off = 0, impulse = 0, late_heel = 0, before = 350;
+  for (int n = 1; n <= 9600 && toe_off == 0; ++n) {
+    SoleState sole;
+    foot.advance(1.0 / 48000, sole);
+    const double force = sole.heel_n + sole.ball_n, t = n / 48000.0;
+    CHECK(force <= before);
+    before = force;
+    impulse += force / 48000;
+    if (sole.heel_up)
+      heel_up = t;
+    if (sole.toe_off)
+      toe_off = t;
+    if (t > 0.1 + 1e-9)
+      late_heel = std::max(late_heel, sole.heel_n);
+  }
+  CHECK(std::abs(toe_off - 0.15) < 1e-4);
+  CHECK(std::abs(heel_up - 0.08) < 1e-4);
+  CHECK(late_heel < 1e-9);
+  CHECK(std::abs(impulse - 350 * 0.15 / 2) < 0.01); // half a cosine
 }
 
 TEST_CASE("a jump is ballistic: the push-off gives v = sqrt(2 g h), the landing takes it") {
