@@ -125,3 +125,65 @@ TEST_CASE("an exciter that sleeps wakes for messages and for what its neighbours
     CHECK(body->force(0) != 0);
   }
 }
+
+TEST_CASE("what is heard of a ringing body follows whatever changes it between two samples") {
+  TouchedBody body(2, 2);
+  body.prepare(48000);
+  const std::array modes{Mode{400, 0.5, 0.25}, Mode{900, 0.3, 0.25}};
+  const auto ring = [&] {
+    body.reset();
+    body.set_modes(modes);
+    body.set_ear(0, std::array{1.0, 0.5});
+    for (std::size_t i = 0; i < 2; ++i) {
+      body.set_impact(i, {1e6, 1.5, 0.2}, 0.01);
+      body.throw_mass(i, 5, 0);
+    }
+    body.set_modal_velocity(0, 0.1);
+    for (int n = 0; n < 100; ++n)
+      body.step();
+  };
+  ring();
+  const double usual = body.hear();
+  CHECK(std::abs(usual) > 1e-3);
+  body.set_ear(0, std::array{2.0, 1.0});
+  CHECK(body.hear() == approx(2 * usual));
+  ring();
+  body.knock_body(0, 0.01); // J / m of each mode, heard by 1 and 0.5
+  CHECK(body.hear() == approx(usual + 0.04 * 1.5));
+  ring();
+  body.set_modal_velocity(1, 0.2);
+  CHECK(body.hear() == approx(usual + 0.1));
+  ring();
+  body.set_modes(std::array{Mode{400, 0.5, 0.25}, Mode{900, 0.3, 1.0}}); // the second is at rest
+  CHECK(body.hear() == approx(usual));
+  body.set_modes(std::array{Mode{400, 0.5, 1.0}, Mode{900, 0.3, 0.25}}); // same energy
+  CHECK(std::abs(body.hear()) < 0.9 * std::abs(usual));
+  ring();
+  body.reset();
+  CHECK(body.hear() == 0);
+}
+
+TEST_CASE("a body at whose ears nobody listens in every sample sounds the same") {
+  const auto make = [](std::size_t ears) {
+    auto body = std::make_unique<TouchedBody>(3, 2, ears);
+    body->prepare(48000);
+    body->set_modes(std::array{Mode{300, 0.2, 0.1}, Mode{700, 0.1, 0.1}, Mode{1900, 0.1, 0.2}});
+    for (std::size_t i = 0; i < 2; ++i) {
+      body->set_impact(i, {1e7, 1.5, 0.3}, 0.02);
+      body->throw_mass(i, 0.002 + 0.1 * static_cast<double>(i), 0.5);
+    }
+    return body;
+  };
+  // Ear 0 of the one, heard each sample; ear 1 of the other, of the same shape, heard at times.
+  const auto one = make(1), other = make(2);
+  double largest = 0;
+  for (int n = 0; n < 24000; ++n) {
+    one->step();
+    other->step();
+    largest = std::max(largest, std::abs(one->hear()));
+    if (n % 3 == 0)
+      REQUIRE(other->hear(1) == one->hear());
+  }
+  CHECK(largest > 1e-2);
+  CHECK(one->exciter(1).blows > 0);
+}
