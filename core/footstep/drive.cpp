@@ -151,7 +151,7 @@ void Drive::Channel::reset() noexcept {
 
 double Drive::Channel::next(double x, std::size_t at, std::size_t delay) noexcept {
   x = equaliser.next(x);
-  if (line.empty())
+  if (delay == 0 || line.empty())
     return x;
   line[at] = x;
   return line[at >= delay ? at - delay : at + line.size() - delay];
@@ -178,8 +178,12 @@ void Drive::set(const Settings& settings) noexcept {
   settings_.sensitivity_g = std::max(settings.sensitivity_g, 1e-3);
   settings_.common = std::clamp(settings.common, 0.0, 1.0);
   limit_ = settings_.limit_g / settings_.sensitivity_g;
-  delay_ = static_cast<std::size_t>(
+  const auto delay = static_cast<std::size_t>(
       std::lround(std::clamp(settings.delay_s, 0.0, kLongestDelay) * sample_rate_));
+  if (delay_ == 0 && delay > 0) // without a delay nothing is written into the lines
+    for (Channel& channel : channel_)
+      std::fill(channel.line.begin(), channel.line.end(), 0.0);
+  delay_ = delay;
 }
 
 bool Drive::equalise(std::span<const double> table) noexcept {

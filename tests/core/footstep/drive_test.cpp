@@ -220,6 +220,25 @@ TEST_CASE("under the ball alone the drive is what it is under the heel alone, at
   }
 }
 
+TEST_CASE("a delay that is switched on begins with silence, not with what was played long ago") {
+  Drive drive;
+  drive.prepare(48000);
+  const auto play = [&](double delay_s, double amplitude, int samples) {
+    drive.set({.gain = 1, .delay_s = delay_s});
+    double largest = 0;
+    for (int n = 0; n < samples; ++n) {
+      const Drive::Pair out = drive.next(amplitude * std::sin(0.03 * n), 0, 1, 0);
+      largest = std::max(largest, std::abs(out.heel));
+    }
+    return largest;
+  };
+  CHECK(play(0.1, 0.5, 24000) > 0.1);
+  play(0, 0, 24000); // band and equaliser ring out
+  CHECK(play(0.1, 0, 9600) < 1e-6);
+  CHECK(play(0.1, 0.5, 4800) < 1e-6);
+  CHECK(play(0.1, 0.5, 4800) > 0.1);
+}
+
 TEST_CASE("a drive falls silent once band and delay have rung out, and wakes as it was") {
   Drive drive, fresh;
   for (Drive* one : {&drive, &fresh}) {
