@@ -191,6 +191,17 @@ TEST_CASE("four grounds sound at once; a fifth takes the place of the one left f
   CHECK(std::abs(tread(*foot, 5000, {}).back().heard) > 0);
 }
 
+TEST_CASE("a ground that has faded away is given up without a gap in the others") {
+  const Recipe none = silence(), rustle = noise();
+  const auto foot = new_foot();
+  foot->stand_on(1, none, 1, none, 0);
+  tread(*foot, 100);
+  foot->stand_on(2, rustle, 2, rustle, 0);
+  tread(*foot, 4800);
+  for (int n = 0; n < 48000 * 5; ++n) // the first is inaudible after 3.5 s
+    REQUIRE(foot->next(loaded()).heard != 0);
+}
+
 TEST_CASE("a foot's sound is the ground's and the room's answer to it, as strong as both say") {
   const std::string room = "[room]\nlevel -6\nt60 0.2\nbright 3000\n";
   const auto out = [&](double factor) {
