@@ -231,7 +231,9 @@ TEST_CASE("what sounds is what happens: contacts on floors, friction in boards, 
               std::min(part, least[name].try_emplace(kind, 1).first->second);
         }
     }
-    for (auto& [name, share] : mean) {
+    for (auto& ground : mean) { // clang 14 captures no structured bindings
+      const std::string& name = ground.first;
+      auto& share = ground.second;
       CAPTURE(name);
       CAPTURE(speed);
       const auto carries = [&](const char* kind, double part) {
@@ -261,7 +263,9 @@ TEST_CASE("what sounds is what happens: contacts on floors, friction in boards, 
 TEST_CASE("no step of any ground is lost, however slowly one walks") {
   for (const double speed : {0.3, 0.5, 1.4, 2.5}) {
     const Soles soles = soles_of({speed});
-    for (const auto& [name, recipe] : grounds()) {
+    for (const auto& ground : grounds()) {
+      const auto& name = ground.first;
+      const Recipe& recipe = ground.second;
       CAPTURE(name);
       CAPTURE(speed);
       const std::vector<Sound> steps = walk(recipe, soles);
@@ -276,11 +280,13 @@ TEST_CASE("nothing within walking reaches the knee of the output, running hardly
           doctest::skip(kSanitized)) {
   const Soles hard = soles_of({2.5, 1200, 1}), heavy = soles_of({2.5, 1200, 0.4}),
               run = soles_of({3.5, 700, 0.4, Style::kRun}, 30), usual = soles_of({});
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const auto& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
-    const auto loudest = [&ground = recipe](const Soles& soles) {
+    const auto loudest = [&recipe](const Soles& soles) {
       double most = 0;
-      for (const Sound& step : walk(ground, soles))
+      for (const Sound& step : walk(recipe, soles))
         for (const double x : step)
           most = std::max(most, std::abs(x) / kFullScale);
       return most;
@@ -295,7 +301,9 @@ TEST_CASE("nothing within walking reaches the knee of the output, running hardly
 TEST_CASE("a shoe decides the sound of a hard floor and hardly that of a soft one" *
           doctest::skip(kSanitized)) {
   const Soles in_soft = soles_of({1.4, 700, 0}), in_hard = soles_of({1.4, 700, 1});
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const auto& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
     const std::vector<Sound> soft = walk(recipe, in_soft), hard = walk(recipe, in_hard);
     const double ratio = centroid(hard) / centroid(soft);
@@ -314,7 +322,9 @@ TEST_CASE("a shoe decides the sound of a hard floor and hardly that of a soft on
 TEST_CASE("a heavier walker is louder, and longer in snow, gravel and leaves" *
           doctest::skip(kSanitized)) {
   const Soles of_light = soles_of({1.4, 300}), of_heavy = soles_of({1.4, 1200});
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const auto& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
     const std::vector<Sound> light = walk(recipe, of_light), heavy = walk(recipe, of_heavy);
     CHECK(median_level(heavy) > median_level(light) + 2);
@@ -327,7 +337,9 @@ TEST_CASE("steps grow louder with the walking speed by 3 to 9 dB for twice the s
           doctest::skip(kSanitized)) {
   const Soles fast = soles_of({2.0}), slow = soles_of({0.7});
   const double octaves = std::log2(2.0 / 0.7);
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const auto& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
     const double growth =
         (median_level(walk(recipe, fast)) - median_level(walk(recipe, slow))) / octaves;
@@ -338,7 +350,9 @@ TEST_CASE("steps grow louder with the walking speed by 3 to 9 dB for twice the s
 
 TEST_CASE("both actuators are moved by what lands on them, alike on solid ground" *
           doctest::skip(kSanitized)) {
-  for (const auto& [name, recipe] : grounds()) {
+  for (const auto& ground : grounds()) {
+    const auto& name = ground.first;
+    const Recipe& recipe = ground.second;
     CAPTURE(name);
     tactus::bench::WalkingFoot foot(recipe, {}, kRate, 5);
     std::vector<double> heel, ball; // highest of each step
