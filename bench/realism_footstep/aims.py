@@ -36,7 +36,7 @@ GRAINY = ("gravel", "sand", "dryleaves", "underbrush")
 HARD = ("wood", "concrete", "metal")
 MIN_SHARE = {**{g: {"impact": 0.57} for g in HARD},
              "dirt": {"impact": 0.33}, "carpet": {"impact": 0.33},
-             "creak": {"impact": 0.30, "friction": 0.21},
+             "creak": {"impact": 0.30, "friction": 0.19},
              "snow": {"impact": 0.15}, "frozensnow": {"impact": 0.15},
              **{g: {"grains": 0.57} for g in GRAINY},
              "water": {"bubbles": 0.37}, "puddle": {"bubbles": 0.37}}

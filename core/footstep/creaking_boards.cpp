@@ -9,11 +9,11 @@
 namespace tactus::footstep {
 namespace {
 
-constexpr double kReferenceShift = 10; // reference weights a second
-constexpr double kWobbleTime = 0.02;   // s
-constexpr double kRest = 0.06;         // s without sound after which the boards rest
-constexpr double kInaudible = 1e-6;    // of the loudest
-constexpr double kLeastLoad = 0.01;    // reference weights; less presses nothing together
+constexpr double kReferenceRate = 10; // reference weights a second
+constexpr double kWobbleTime = 0.02;  // s
+constexpr double kRest = 0.06;        // s without sound after which the boards rest
+constexpr double kInaudible = 1e-6;   // of the loudest
+constexpr double kLeastLoad = 0.01;   // reference weights; less presses nothing together
 
 } // namespace
 
@@ -59,13 +59,13 @@ void CreakingBoards::choose_place(const FrictionRecipe& friction) noexcept {
   speed_factor_ = drawn(friction.scatter.level, random_);
 }
 
-double CreakingBoards::next(const FrictionRecipe& friction, double load, double shift) noexcept {
+double CreakingBoards::next(const FrictionRecipe& friction, double load, double bending) noexcept {
   if (load > kLeastLoad) {
     wobble_ =
         wobble_kept_ * wobble_ + std::sqrt(1 - wobble_kept_ * wobble_kept_) * random_.normal();
     const double uneven = std::max(0.0, 1 + friction.wobble * wobble_);
     body_.rub(0, (friction.pressed_n + friction.load_n * load) * uneven,
-              friction.slip_m_per_s * speed_factor_ * shift / kReferenceShift * uneven);
+              friction.slip_m_per_s * speed_factor_ * bending / kReferenceRate * uneven);
     active_ = true;
     quiet_ = 0;
   } else if (active_) {

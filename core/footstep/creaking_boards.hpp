@@ -9,8 +9,8 @@
 
 namespace tactus::footstep {
 
-/// Boards that rub in a joint while the load moves over them: stick and slip whose normal force is
-/// the foot's and whose drive is the bending of the floor.
+/// Boards that rub in a joint while a load comes to them and moves over them: stick and slip whose
+/// normal force is the foot's and whose drive is the bending of the floor.
 ///
 /// A joint of stiffness K = m (2 pi f)^2 pressed by N slips each time that the bending at a speed v
 /// has stretched it by 2 (mu_s - mu_d) N / K: 1/v times that is the time between two bursts.
@@ -29,9 +29,9 @@ public:
   /// Draws how the modes take part in the joint, and how fast it bends.
   void choose_place(const FrictionRecipe& friction) noexcept;
 
-  /// Velocity that is heard, m/s, one sample on. load: on the floor, in reference weights; shift:
-  /// of it from heel to ball, reference weights a second, negative while the floor springs back.
-  double next(const FrictionRecipe& friction, double load, double shift) noexcept;
+  /// Velocity that is heard, m/s, one sample on. load: on the floor, in reference weights; bending:
+  /// rate of the load that bends it, reference weights a second, negative while it springs back.
+  double next(const FrictionRecipe& friction, double load, double bending) noexcept;
   [[nodiscard]] bool active() const noexcept { return active_; }
 
 private:

@@ -14,7 +14,8 @@ constexpr std::size_t kHeel = 0, kBall = 1;
 constexpr double kUsualLanding = 0.5; // m/s
 // What no walker does is no step: landings and slopes beyond these count as these.
 constexpr double kHardestLanding = 4, kSteepest = 200; // m/s, reference weights a second
-constexpr double kSpringBack = 0.15;
+// Of the load's own rise and fall, what bends the boards before the joint is free.
+constexpr double kBending = 0.8, kSpringBack = 0.2;
 constexpr double kLightest = 1e-3, kHeaviest = 20; // reference weights
 
 /// What a landing puts into particles, times `heel` or `ball`. A cloud of energy E has events at a
@@ -180,12 +181,13 @@ Ground::Sound Ground::next(const SoleState& sole) noexcept {
   }
   if (recipe_.friction.present) {
     const double share = load > 0 ? std::clamp(heel_load / load, 0.0, 1.0) : 0;
-    // Load times the rate of the ball's share of it: the floor bends as the load moves over it.
-    // Under a load that leaves it springs back, most of the way only after the joint is free.
-    const double leaving = std::min(heel_slope + ball_slope, 0.0);
-    const double shift =
-        share * ball_slope - (1 - share) * heel_slope + kSpringBack * (1 - share) * leaving;
-    const double creak = recipe_.friction.level * boards_.next(recipe_.friction, load, shift);
+    // The floor bends as load comes to it and as the load moves over it, from heel to ball: load
+    // times the rate of the ball's share. Under a load that leaves it springs back, most of the way
+    // only after the joint is free.
+    const double change = heel_slope + ball_slope;
+    const double bending = share * ball_slope - (1 - share) * heel_slope +
+                           (change > 0 ? kBending : kSpringBack) * change;
+    const double creak = recipe_.friction.level * boards_.next(recipe_.friction, load, bending);
     felt[kHeel] += share * creak;
     felt[kBall] += (1 - share) * creak;
     silent = silent && !boards_.active();

@@ -198,7 +198,7 @@ void GroundReaction::set(const Walker& walker) noexcept {
     const Shape shape = between(kWalkShapes, speed);
     times(walking_cadence, shape.duty);
     heel_ = {0, 0.5 * pace, kHeelWalking};
-    ball_ = {0.12, 0.3 * pace, kFoot};
+    ball_ = {0.11, 0.3 * pace, kFoot};
     transient_ = kMaxTransient * shoe;
     set_walk(shape);
     break;

@@ -113,7 +113,7 @@ TEST_CASE("a gait without variation keeps the times and speeds of its walker") {
       for (std::size_t k = 0; k < 4; ++k) {
         const double begin = static_cast<double>(k) * stride + (foot ? stride / 2 : 0);
         CHECK(e.heel[k] == doctest::Approx(begin).epsilon(1e-9).scale(3 / kRate / 1e-9));
-        CHECK(std::abs(e.ball[k] - e.heel[k] - (run ? .04 : .12) * stance) < 2 / kRate);
+        CHECK(std::abs(e.ball[k] - e.heel[k] - (run ? .04 : .11) * stance) < 2 / kRate);
         CHECK(std::abs(e.heel_up[k] - e.heel[k] - .62 * stance) < 2 / kRate);
         CHECK(std::abs(e.toe_off[k] - e.heel[k] - stance) < 2 / kRate);
         const double softer = k > 0 ? 1 : foot == 0 ? .75 : .9; // the first two
