@@ -35,7 +35,7 @@ constexpr double kRate = 48000, kSeconds = 30, kFullScale = 2, kKnee = 0.7, kWan
 /// covering; which ground is louder than which is our ear's judgement, good to some 5 dB.
 const std::map<std::string, double> kUsualLevel{
     {"wood", 54},     {"creak", 58},  {"underbrush", 62}, {"snow", 58},      {"frozensnow", 53},
-    {"sand", 56},     {"gravel", 62}, {"metal", 54},      {"highgrass", 49}, {"dryleaves", 61},
+    {"sand", 56},     {"gravel", 61}, {"metal", 54},      {"highgrass", 49}, {"dryleaves", 61},
     {"concrete", 48}, {"dirt", 54},   {"puddle", 60},     {"water", 61},     {"carpet", 49}};
 
 /// A-weighting from its poles at 20.6 (twice), 107.7, 737.9 and 12194 Hz (twice), bilinear, 0 dB at

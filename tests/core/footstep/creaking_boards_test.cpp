@@ -118,6 +118,16 @@ TEST_CASE("a floor springs back under a load that leaves, by a small part of wha
   CHECK(part < 0.28);
 }
 
+TEST_CASE("a load that comes bends boards as one that moves does, by most of it") {
+  const double moves = slip_interval("slip 0.1\n", loaded(350, 350, -700, 700));
+  const double heel = slip_interval("slip 0.1\n", loaded(700, 0, 700, 0));
+  const double ball = slip_interval("slip 0.1\n", loaded(0, 700, 0, 700));
+  MESSAGE("bends by " << moves / heel << " of the load that comes");
+  CHECK(moves / heel > 0.7);
+  CHECK(moves / heel < 0.9);
+  CHECK(ball == test::approx(heel).epsilon(0.02)); // wherever it comes
+}
+
 TEST_CASE("a joint that nobody loads, or no load that moves, does not creak") {
   const auto power = [](double weights, double shift, double level) {
     const auto ground = ground_of("radiation 1\nfelt 1\n[friction]\nwobble 0\nlevel " +
