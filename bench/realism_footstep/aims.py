@@ -20,7 +20,7 @@ from time_course import bursts, summary_of_contacts, time_course
 
 # Weights of the parts of the cost; each part's mean square is about one when it is off by its tolerance.
 WEIGHTS = {"features": 2.0, "profile": 1.0, "time_band": 2.5, "energy": 1.5, "contacts": 1.5,
-           "bursts": 1.5, "shares": 1.0, "levels": 1.0, "prior": 0.03}
+           "bursts": 3.0, "shares": 1.0, "levels": 1.0, "prior": 0.03}
 STAND_IN_WEIGHT, RECORDINGS_WEIGHT = 0.6, 0.05
 # One walker in one pair of shoes varies less than seven collections do.
 OF_SPREAD = 0.85
@@ -36,7 +36,7 @@ GRAINY = ("gravel", "sand", "dryleaves", "underbrush")
 HARD = ("wood", "concrete", "metal")
 MIN_SHARE = {**{g: {"impact": 0.57} for g in HARD},
              "dirt": {"impact": 0.33}, "carpet": {"impact": 0.33},
-             "creak": {"impact": 0.30, "friction": 0.19},
+             "creak": {"impact": 0.30, "friction": 0.2},
              "snow": {"impact": 0.15}, "frozensnow": {"impact": 0.15},
              **{g: {"grains": 0.57} for g in GRAINY},
              "water": {"bubbles": 0.37}, "puddle": {"bubbles": 0.37}}
