@@ -34,9 +34,9 @@ constexpr double kRate = 48000, kSeconds = 30, kFullScale = 2, kKnee = 0.7, kWan
 /// dB(A) of a step in hard rubber at 1.4 m/s. Walking noise in a room is 50 to 75 dB(A) by floor
 /// covering; which ground is louder than which is our ear's judgement, good to some 5 dB.
 const std::map<std::string, double> kUsualLevel{
-    {"wood", 54},     {"creak", 58},  {"underbrush", 62}, {"snow", 58},      {"frozensnow", 53},
-    {"sand", 56},     {"gravel", 61}, {"metal", 54},      {"highgrass", 49}, {"dryleaves", 61},
-    {"concrete", 48}, {"dirt", 54},   {"puddle", 60},     {"water", 61},     {"carpet", 49}};
+    {"wood", 54},     {"creak", 58},  {"underbrush", 62}, {"snow", 58},      {"frozensnow", 50},
+    {"sand", 56},     {"gravel", 60}, {"metal", 52.5},    {"highgrass", 48}, {"dryleaves", 61},
+    {"concrete", 47}, {"dirt", 53},   {"puddle", 60},     {"water", 61},     {"carpet", 49}};
 
 /// A-weighting from its poles at 20.6 (twice), 107.7, 737.9 and 12194 Hz (twice), bilinear, 0 dB at
 /// 1 kHz.
