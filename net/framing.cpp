@@ -1,0 +1,196 @@
+#include "net/framing.hpp"
+
+#include "net/fudi.hpp"
+#include "net/osc.hpp"
+
+namespace tactus::net {
+namespace {
+
+constexpr std::uint8_t kEnd = 0xC0, kEscape = 0xDB, kEscapedEnd = 0xDC, kEscapedEscape = 0xDD;
+constexpr std::string_view kTooLong = "a packet is longer than 65536 bytes";
+
+} // namespace
+
+void FrameReader::begin_frame() noexcept {
+  size_ = 0;
+  in_frame_ = discarding_ = escaping_ = false;
+  length_ = 0;
+  length_bytes_ = 0;
+  discarded_ = 0;
+}
+
+FrameReader::Outcome FrameReader::bad(std::string_view reason) noexcept {
+  reason_ = reason;
+  return Outcome::kBad;
+}
+
+FrameReader::Outcome FrameReader::broken(std::string_view reason) noexcept {
+  reason_ = reason;
+  broken_ = true;
+  in_frame_ = false;
+  return Outcome::kBroken;
+}
+
+/// False when the packet is full.
+bool FrameReader::keep(std::uint8_t byte) noexcept {
+  if (size_ == packet_.size())
+    return false;
+  packet_[size_++] = byte;
+  return true;
+}
+
+FrameReader::Outcome FrameReader::decode_packet(Message& message) noexcept {
+  const std::string_view reason = decode_osc({packet_.data(), size_}, message);
+  begin_frame();
+  return reason.empty() ? Outcome::kMessage : bad(reason);
+}
+
+/// RFC 1055; an END that ends nothing separates.
+FrameReader::Outcome FrameReader::take_slip(std::uint8_t byte, Message& message) noexcept {
+  if (byte == kEnd) {
+    const bool complete = size_ > 0 && !discarding_ && !escaping_;
+    const bool cut = escaping_ && !discarding_;
+    if (complete)
+      return decode_packet(message);
+    begin_frame();
+    return cut ? bad("an escape at the end of a SLIP frame") : Outcome::kNeedMore;
+  }
+  in_frame_ = true;
+  if (discarding_)
+    return Outcome::kNeedMore;
+  if (escaping_) {
+    escaping_ = false;
+    if (byte != kEscapedEnd && byte != kEscapedEscape) {
+      discarding_ = true;
+      return bad("an unknown SLIP escape");
+    }
+    byte = byte == kEscapedEnd ? kEnd : kEscape;
+  } else if (byte == kEscape) {
+    escaping_ = true;
+    return Outcome::kNeedMore;
+  }
+  if (keep(byte))
+    return Outcome::kNeedMore;
+  discarding_ = true;
+  return bad(kTooLong);
+}
+
+FrameReader::Outcome FrameReader::take_length(std::uint8_t byte, Message& message) noexcept {
+  if (length_bytes_ < 4) {
+    in_frame_ = true;
+    length_ = length_ << 8 | byte;
+    if (++length_bytes_ < 4)
+      return Outcome::kNeedMore;
+    if (length_ > 0x7fffffffu)
+      return broken("a packet's length is negative");
+    if (length_ == 0) {
+      begin_frame();
+      return bad("a packet is empty");
+    }
+    discarding_ = length_ > kMaxPacket;
+    return discarding_ ? bad(kTooLong) : Outcome::kNeedMore;
+  }
+  if (discarding_) {
+    if (++discarded_ == length_)
+      begin_frame();
+    return Outcome::kNeedMore;
+  }
+  static_cast<void>(keep(byte)); // it fits: length_ is bounded
+  return size_ == length_ ? decode_packet(message) : Outcome::kNeedMore;
+}
+
+FrameReader::Outcome FrameReader::take_text(std::uint8_t byte, Message& message) noexcept {
+  const bool blank = byte == ' ' || byte == '\t' || byte == '\n' || byte == '\r';
+  if (!in_frame_ && blank)
+    return Outcome::kNeedMore;
+  if (byte == ';' && !escaping_) {
+    if (discarding_) {
+      begin_frame();
+      return Outcome::kNeedMore;
+    }
+    bool found = false;
+    const std::string_view reason =
+        decode_fudi({reinterpret_cast<char*>(packet_.data()), size_}, message, found);
+    begin_frame();
+    if (!reason.empty())
+      return bad(reason);
+    return found ? Outcome::kMessage : Outcome::kNeedMore;
+  }
+  in_frame_ = true;
+  escaping_ = byte == '\\' && !escaping_;
+  if (discarding_ || keep(byte))
+    return Outcome::kNeedMore;
+  discarding_ = true;
+  return bad(kTooLong);
+}
+
+FrameReader::Outcome FrameReader::next(std::span<const std::uint8_t>& input,
+                                       Message& message) noexcept {
+  if (broken_)
+    return Outcome::kBroken;
+  while (!input.empty()) {
+    const std::uint8_t byte = input.front();
+    input = input.subspan(1);
+    if (!framing_) {
+      if (byte == kEnd)
+        framing_ = Framing::kSlip;
+      else if (byte == 0)
+        framing_ = Framing::kLength;
+      else if (byte >= 0x20 && byte < 0x7f)
+        framing_ = Framing::kFudi;
+      else
+        return broken("the first byte begins no known framing: expected 0xC0 (SLIP), 0x00 (a "
+                      "length) or text");
+    }
+    Outcome outcome = Outcome::kNeedMore;
+    switch (*framing_) {
+    case Framing::kSlip:
+      outcome = take_slip(byte, message);
+      break;
+    case Framing::kLength:
+      outcome = take_length(byte, message);
+      break;
+    case Framing::kFudi:
+      outcome = take_text(byte, message);
+      break;
+    }
+    if (outcome != Outcome::kNeedMore)
+      return outcome;
+  }
+  return Outcome::kNeedMore;
+}
+
+std::size_t encode_frame(Framing framing, const Message& message,
+                         std::span<std::uint8_t> out) noexcept {
+  if (framing == Framing::kFudi)
+    return encode_fudi(message, {reinterpret_cast<char*>(out.data()), out.size()});
+  std::array<std::uint8_t, kMaxSent> packet;
+  const std::size_t size = encode_osc(message, packet);
+  if (size == 0)
+    return 0;
+  std::size_t written = 0;
+  const auto put = [&](std::uint8_t byte) {
+    if (written < out.size())
+      out[written] = byte;
+    ++written;
+  };
+  if (framing == Framing::kLength)
+    for (int shift = 24; shift >= 0; shift -= 8)
+      put(static_cast<std::uint8_t>(size >> shift));
+  else
+    put(kEnd);
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::uint8_t byte = packet[i];
+    if (framing == Framing::kSlip && (byte == kEnd || byte == kEscape)) {
+      put(kEscape);
+      put(byte == kEnd ? kEscapedEnd : kEscapedEscape);
+    } else {
+      put(byte);
+    }
+  }
+  if (framing == Framing::kSlip)
+    put(kEnd);
+  return written <= out.size() ? written : 0;
+}
+
+} // namespace tactus::net

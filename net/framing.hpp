@@ -1,0 +1,70 @@
+#pragma once
+
+#include "net/message.hpp"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace tactus::net {
+
+/// How messages are told apart on a stream; a connection's first byte chooses.
+enum class Framing : std::uint8_t {
+  kSlip,   ///< 0xC0: OSC packets by RFC 1055, an END on both sides, as OSC 1.1 has it
+  kLength, ///< 0x00: OSC packets behind their length in 4 bytes, big-endian, as OSC 1.0 has it
+  kFudi,   ///< a printable byte: text, messages ended by a semicolon
+};
+
+/// An OSC packet or a message of text may have this many bytes.
+inline constexpr std::size_t kMaxPacket = 65536;
+
+/// Cuts a stream of bytes into messages. Allocates nothing; costs a bounded time a byte.
+class FrameReader {
+public:
+  enum class Outcome {
+    kNeedMore, ///< the input is used up
+    kMessage,
+    kBad,    ///< a packet that is dropped; reason() says why; the next one is read as usual
+    kBroken, ///< the stream has no frames any more: reason(); nothing else will come
+  };
+
+  /// Consumes input up to the end of the next frame. The message's strings are valid until the next
+  /// call.
+  [[nodiscard]] Outcome next(std::span<const std::uint8_t>& input, Message& message) noexcept;
+  /// One sentence after kBad and kBroken.
+  [[nodiscard]] std::string_view reason() const noexcept { return reason_; }
+  /// Nothing before the first byte.
+  [[nodiscard]] std::optional<Framing> framing() const noexcept { return framing_; }
+  /// A frame has begun and is not complete.
+  [[nodiscard]] bool in_frame() const noexcept { return in_frame_; }
+
+private:
+  [[nodiscard]] Outcome take_slip(std::uint8_t byte, Message& message) noexcept;
+  [[nodiscard]] Outcome take_length(std::uint8_t byte, Message& message) noexcept;
+  [[nodiscard]] Outcome take_text(std::uint8_t byte, Message& message) noexcept;
+  [[nodiscard]] Outcome decode_packet(Message& message) noexcept;
+  [[nodiscard]] Outcome bad(std::string_view reason) noexcept;
+  [[nodiscard]] Outcome broken(std::string_view reason) noexcept;
+  [[nodiscard]] bool keep(std::uint8_t byte) noexcept;
+  void begin_frame() noexcept;
+
+  std::optional<Framing> framing_{};
+  std::array<std::uint8_t, kMaxPacket> packet_{};
+  std::size_t size_ = 0;
+  bool in_frame_ = false, discarding_ = false, escaping_ = false, broken_ = false;
+  std::uint32_t length_ = 0; ///< of the packet, kLength
+  int length_bytes_ = 0;     ///< that have come
+  std::uint32_t discarded_ = 0;
+  std::string_view reason_{};
+};
+
+/// A frame of the longest message the protocol sends fits.
+inline constexpr std::size_t kMaxSent = 2048;
+
+/// Writes a message with its framing; returns the bytes written, 0 when they do not fit or the
+/// packet is longer than kMaxSent.
+[[nodiscard]] std::size_t encode_frame(Framing framing, const Message& message,
+                                       std::span<std::uint8_t> out) noexcept;
+
+} // namespace tactus::net

@@ -1,0 +1,80 @@
+#pragma once
+
+#include "net/address.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace tactus::net {
+
+/// One argument of a message: a 32-bit integer, a 32-bit float or a string.
+struct Argument {
+  enum class Type : char { kInteger = 'i', kFloat = 'f', kString = 's' };
+  Type type = Type::kInteger;
+  double number = 0; ///< of kInteger and kFloat, exact
+  std::string_view text{};
+  friend bool operator==(const Argument&, const Argument&) = default;
+};
+
+/// One message of the protocol, whatever its framing. Strings are views into the bytes it was
+/// decoded from, or into what its maker keeps. Has a fixed capacity and allocates nothing.
+class Message {
+public:
+  static constexpr std::size_t kMaxArguments = 16;
+
+  Message() = default;
+  explicit Message(Address address) noexcept : address_(address) {}
+
+  /// For kUnknown: the name that came, for the answer.
+  Message(Address address, std::string_view unknown_name) noexcept
+      : address_(address), unknown_name_(unknown_name) {}
+
+  [[nodiscard]] Address address() const noexcept { return address_; }
+  /// As in "cp/begin", or the unknown name that came.
+  [[nodiscard]] std::string_view name() const noexcept {
+    return address_ == Address::kUnknown ? unknown_name_ : name_of(address_);
+  }
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] const Argument& operator[](std::size_t i) const noexcept { return arguments_[i]; }
+
+  /// What does not fit is left out; false then.
+  bool add(const Argument& argument) noexcept {
+    if (size_ == kMaxArguments)
+      return false;
+    arguments_[size_++] = argument;
+    return true;
+  }
+  Message& integer(std::int32_t value) noexcept {
+    add({Argument::Type::kInteger, static_cast<double>(value), {}});
+    return *this;
+  }
+  /// Rounded to the wire's 32 bits.
+  Message& real(double value) noexcept {
+    add({Argument::Type::kFloat, static_cast<double>(static_cast<float>(value)), {}});
+    return *this;
+  }
+  Message& string(std::string_view text) noexcept {
+    add({Argument::Type::kString, 0, text});
+    return *this;
+  }
+
+  /// Reading by position. Pd sends every number as a float: a float that is a whole number of 32
+  /// bits is an integer too, and an integer is a number. Nothing when there is no such argument or
+  /// it is of another type.
+  [[nodiscard]] std::optional<std::int32_t> integer_at(std::size_t i) const noexcept;
+  [[nodiscard]] std::optional<double> number_at(std::size_t i) const noexcept;
+  [[nodiscard]] std::optional<std::string_view> string_at(std::size_t i) const noexcept;
+
+  friend bool operator==(const Message& a, const Message& b) noexcept;
+
+private:
+  Address address_ = Address::kUnknown;
+  std::string_view unknown_name_{};
+  std::array<Argument, kMaxArguments> arguments_{};
+  std::size_t size_ = 0;
+};
+
+} // namespace tactus::net
