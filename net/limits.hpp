@@ -1,0 +1,90 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+/// What one client may do, and what the server remembers to hold it to that. Times in s by any one
+/// clock.
+namespace tactus::net {
+
+inline constexpr int kProtocol = 1;
+inline constexpr int kPort = 7770;
+inline constexpr std::size_t kMaxClients = 8;
+inline constexpr std::size_t kMaxControlPoints = 4096;
+inline constexpr std::size_t kMaxName = 64;
+
+/// Force ends when its client has been silent for this long: it falls from kHold_s on.
+inline constexpr double kSilence_s = 0.5;
+inline constexpr double kRamp_s = 0.05;
+inline constexpr double kHold_s = kSilence_s - kRamp_s;
+inline constexpr double kPingInterval_s = 0.25;
+/// A client that was silent for this long is shown out.
+inline constexpr double kTimeout_s = 5;
+/// A frame that has not been completed for this long ends its connection.
+inline constexpr double kFrameTimeout_s = 2;
+/// How far a sequence number may go back and be merely old.
+inline constexpr int kSequenceWindow = 1000;
+
+/// So many events a second, and so many at once, as a leaky bucket.
+class RateLimit {
+public:
+  explicit RateLimit(double per_second) noexcept : per_second_(per_second), left_(per_second) {}
+  [[nodiscard]] bool allow(double now_s) noexcept {
+    left_ = std::min(per_second_, left_ + std::max(0.0, now_s - last_s_) * per_second_);
+    last_s_ = std::max(last_s_, now_s);
+    if (left_ < 1)
+      return false;
+    left_ -= 1;
+    return true;
+  }
+
+private:
+  double per_second_, left_, last_s_ = 0;
+};
+
+/// True at the 20th event within a second.
+class BadPackets {
+public:
+  static constexpr std::size_t kMax = 20;
+  [[nodiscard]] bool add(double now_s) noexcept {
+    times_s_[next_++ % kMax] = now_s;
+    return next_ >= kMax && now_s - times_s_[next_ % kMax] < 1;
+  }
+
+private:
+  std::array<double, kMax> times_s_{};
+  std::size_t next_ = 0;
+};
+
+/// When the controlling client was last heard in time. After a silence a single burst does not
+/// count, since a network may deliver what it held back long after its sender has gone: life is
+/// taken up again when messages have been coming for kReturn_s.
+class Liveness {
+public:
+  static constexpr double kReturn_s = 0.1;
+
+  void start(double now_s) noexcept {
+    heard_s_ = alive_s_ = now_s;
+    lost_ = false;
+  }
+  void hear(double now_s) noexcept {
+    if (now_s - heard_s_ > kHold_s) {
+      lost_ = true;
+      returning_s_ = now_s;
+    }
+    heard_s_ = now_s;
+    if (lost_ && now_s - returning_s_ >= kReturn_s)
+      lost_ = false;
+    if (!lost_)
+      alive_s_ = now_s;
+  }
+  /// The servo's heartbeat.
+  [[nodiscard]] double alive_s() const noexcept { return alive_s_; }
+
+private:
+  double heard_s_ = 0, alive_s_ = 0, returning_s_ = 0;
+  bool lost_ = false;
+};
+
+} // namespace tactus::net

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tactus::net {
+
+/// What waits to be sent to one client. Events are kept up to the capacity; samples of a stream are
+/// left out while more than kStreamLimit bytes wait, since an old position is worth nothing.
+class OutQueue {
+public:
+  static constexpr std::size_t kCapacity = 1u << 20, kStreamLimit = 1u << 14;
+
+  /// False when it does not fit: the client does not read.
+  [[nodiscard]] bool add_event(std::span<const std::uint8_t> bytes);
+  /// False when the sample was left out.
+  bool add_sample(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] std::size_t size() const noexcept { return end_ - begin_; }
+  /// The next bytes to send, together.
+  [[nodiscard]] std::span<const std::uint8_t> front() const noexcept;
+  /// So many bytes of front() were sent.
+  void consume(std::size_t count) noexcept { begin_ += count; }
+  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+
+private:
+  void add(std::span<const std::uint8_t> bytes);
+
+  std::vector<std::uint8_t> ring_ = std::vector<std::uint8_t>(kCapacity);
+  std::size_t begin_ = 0, end_ = 0; ///< of all that ever went in
+  std::uint64_t left_out_ = 0;
+};
+
+} // namespace tactus::net

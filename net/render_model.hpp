@@ -1,0 +1,56 @@
+#pragma once
+
+#include "core/haptic/mailbox.hpp"
+#include "core/haptic/servo.hpp"
+#include "core/stress/render.hpp"
+
+#include <cstdint>
+
+namespace tactus::net {
+
+enum class RenderMode : std::uint8_t { kStopped, kSpring, kDamper, kForce };
+
+/// What the controlling client wants to be felt; newest wins.
+struct RenderRequest {
+  RenderMode mode = RenderMode::kStopped;
+  stress::RenderGains gains{};
+  bool anchored = false;    ///< else the anchor is where the handle was at the start
+  haptic::Vec3 anchor{};    ///< m
+  haptic::Vec3 gamma{};     ///< of each axis, 0..1
+  std::uint64_t starts = 0; ///< counts `start`
+  friend bool operator==(const RenderRequest&, const RenderRequest&) = default;
+};
+
+/// A value that goes linearly to each new target, for as long as the targets were apart, 50 ms at
+/// most: slow feedback becomes a smooth force.
+class LinearGlide {
+public:
+  static constexpr double kMax_s = 0.05;
+  void jump(const haptic::Vec3& value) noexcept { value_ = target_ = value; }
+  [[nodiscard]] const haptic::Vec3& target() const noexcept { return target_; }
+  void go(const haptic::Vec3& target, double now_s) noexcept;
+  [[nodiscard]] haptic::Vec3 at(double now_s) noexcept;
+
+private:
+  haptic::Vec3 value_{}, target_{}, from_{};
+  double since_s_ = 0, length_s_ = 0;
+};
+
+/// Spring and damper of the stress feedback, computed inside the servo. Force mode adds nothing
+/// here: its forces are the servo's commands.
+class RenderModel final : public haptic::LocalModel {
+public:
+  /// For the thread of the network.
+  void set(const RenderRequest& request) noexcept { requests_.write(request); }
+
+  [[nodiscard]] haptic::Vec3 force(const haptic::Tick& tick,
+                                   const haptic::State& state) noexcept override;
+
+private:
+  haptic::Mailbox<RenderRequest> requests_;
+  LinearGlide gamma_{}, anchor_{};
+  std::uint64_t starts_ = 0;
+  bool waiting_ = false; ///< for a position to be the anchor
+};
+
+} // namespace tactus::net

@@ -1,0 +1,137 @@
+#include "net/server.hpp"
+
+namespace tactus::net {
+
+using Outcome = FrameReader::Outcome;
+
+std::size_t Server::clients() const noexcept {
+  std::size_t count = 0;
+  for (const auto& session : sessions_)
+    count += session ? 1 : 0;
+  return count;
+}
+
+std::optional<Server::ClientId> Server::connect(std::string_view peer, double now_s) {
+  for (ClientId client = 0; client < kMaxClients; ++client) {
+    if (sessions_[client])
+      continue;
+    sessions_[client] = std::make_unique<Session>(std::string(peer), now_s);
+    Setup& setup = sessions_[client]->setup;
+    setup.workspace = settings_.workspace;
+    setup.force_limit_n = settings_.force_limit_n;
+    return client;
+  }
+  return {};
+}
+
+void Server::disconnect(ClientId client) {
+  if (controller_ == sessions_[client].get())
+    release_control("disconnected");
+  sessions_[client].reset();
+}
+
+void Server::receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) {
+  Session& session = *sessions_[client];
+  if (!session.reader.in_frame())
+    session.frame_since_s = now_s;
+  while (!session.closing) {
+    Message message;
+    const Outcome outcome = session.reader.next(bytes, message);
+    if (!session.reader.in_frame())
+      session.frame_since_s = now_s;
+    if (outcome == Outcome::kNeedMore)
+      return;
+    take(session, outcome, message, now_s);
+  }
+  if (controller_ == &session)
+    release_control("closed");
+}
+
+void Server::take(Session& session, Outcome outcome, const Message& message, double now_s) {
+  if (outcome == Outcome::kBroken) {
+    session.send_error("frame", session.reader.reason(), now_s);
+    return session.say_goodbye("frame");
+  }
+  if (!session.packets.allow(now_s)) {
+    if (!session.flooding)
+      session.send_error("flood", "more than 5000 packets a second: the rest is dropped", now_s);
+    session.flooding = true;
+    return;
+  }
+  session.flooding = false;
+  if (outcome == Outcome::kBad)
+    return count_bad(session, "bad", session.reader.reason(), now_s);
+  const Refusal refusal = obey(session, message, now_s);
+  if (refusal.bad)
+    return count_bad(session, refusal.code, refusal.text, now_s);
+  if (!refusal.code.empty())
+    session.send_error(refusal.code, refusal.text, now_s);
+  session.heard_s = now_s;
+  if (controller_ == &session) {
+    liveness_.hear(now_s);
+    orders_.alive_s = liveness_.alive_s();
+  }
+}
+
+void Server::count_bad(Session& session, std::string_view code, std::string_view text,
+                       double now_s) {
+  session.send_error(code, text, now_s);
+  if (session.bad_packets.add(now_s))
+    session.say_goodbye("bad");
+}
+
+void Server::check_time(Session& session, double now_s) {
+  if (session.closing)
+    return;
+  if (session.reader.in_frame() && now_s - session.frame_since_s >= kFrameTimeout_s)
+    session.say_goodbye("frame");
+  else if (now_s - session.heard_s >= kTimeout_s)
+    session.say_goodbye("timeout");
+}
+
+/// The force ends whether or not the session that had control still exists.
+void Server::release_control(std::string_view why) {
+  release_point();
+  controller_ = nullptr;
+  orders_.running = false;
+  orders_.render.mode = RenderMode::kStopped;
+  orders_.force_n = {};
+  ++orders_.forces;
+  tell_all(Message(Address::kStatus).string("stopped").string(why));
+}
+
+void Server::tell_all(const Message& message) {
+  for (const auto& session : sessions_)
+    if (session && session->welcomed())
+      session->send_event(message);
+}
+
+void Server::advance(const DeviceReport& report, double now_s) {
+  report_ = report;
+  for (const auto& session : sessions_)
+    if (session)
+      check_time(*session, now_s);
+  if (controller_ && controller_->closing)
+    release_control("closed");
+  if (controller_ && (report.emergency_stopped || report.faults != faults_))
+    release_control(report.emergency_stopped ? "estop" : "fault");
+  if (controller_ && now_s - controller_->heard_s >= kSilence_s &&
+      !(orders_.force_n == haptic::Vec3{})) {
+    orders_.force_n = {}; // who comes back begins at none
+    ++orders_.forces;
+  }
+  drag();
+  for (const auto& session : sessions_)
+    if (session && session->welcomed())
+      send_streams(*session, now_s);
+}
+
+void Server::close(std::string_view reason) {
+  if (controller_)
+    release_control(reason);
+  for (const auto& session : sessions_)
+    if (session && !session->closing)
+      session->say_goodbye(reason);
+}
+
+} // namespace tactus::net

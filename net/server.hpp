@@ -1,0 +1,133 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+#include "net/render_model.hpp"
+#include "net/session.hpp"
+#include "net/token.hpp"
+
+#include <array>
+#include <memory>
+
+namespace tactus::net {
+
+/// What a server says of its device, and the limits that no client can raise.
+struct ServerSettings {
+  std::string device = "simulated", model = "-";
+  int axes = 3;
+  double rate_hz = 1000;
+  double force_limit_n = 1;
+  double stiffness_limit_n_per_m = 500, damping_limit_n_s_per_m = 5;
+  haptic::Workspace workspace{}; ///< of the device, m
+  std::string token{};           ///< that hello must bring; empty: none is needed
+  double grab_radius_m = 0.01;
+};
+
+/// The device as the servo saw it last.
+struct DeviceReport {
+  haptic::State state{};
+  bool emergency_stopped = false; ///< by somebody at the device
+  std::uint32_t faults = 0;       ///< counts those it reported, and its silences
+};
+
+/// What the servo is to do.
+struct ServoOrders {
+  bool running = false; ///< a client has said start; else the motors are off
+  RenderRequest render{};
+  haptic::Vec3 force_n{};   ///< of force mode
+  std::uint64_t forces = 0; ///< counts the forces that came
+  double alive_s = -1e9;    ///< when the controlling client was last heard
+  double force_limit_n = 0; ///< the server's, or less
+};
+
+/// The protocol's server without sockets, threads and clocks: bytes and times go in, bytes and
+/// orders for the servo come out (docs/haptic_network.md). One client controls; the force of a
+/// client never outlives it: stop, a lost connection and 500 ms of silence end it.
+/// For one thread. Times in s, by the clock of the servo's heartbeat, never decreasing.
+class Server {
+public:
+  using ClientId = std::size_t; ///< 0 .. kMaxClients - 1
+
+  explicit Server(ServerSettings settings) : settings_(std::move(settings)) {}
+
+  /// A connection from that address; nothing when there are as many as there may be.
+  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s);
+  void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s);
+  /// The connection is gone, or was closed after closing() and an empty queue.
+  void disconnect(ClientId client);
+
+  /// Once a servo's period: what depends on time alone, and streams.
+  void advance(const DeviceReport& report, double now_s);
+  /// A button of the device.
+  void press(int number, bool on);
+  /// Everybody is shown out.
+  void close(std::string_view reason);
+
+  [[nodiscard]] bool connected(ClientId client) const noexcept {
+    return sessions_[client] != nullptr;
+  }
+  [[nodiscard]] OutQueue& out(ClientId client) noexcept { return sessions_[client]->out; }
+  [[nodiscard]] bool closing(ClientId client) const noexcept { return sessions_[client]->closing; }
+
+  [[nodiscard]] const ServoOrders& orders() const noexcept { return orders_; }
+  [[nodiscard]] const ServerSettings& settings() const noexcept { return settings_; }
+  [[nodiscard]] std::size_t clients() const noexcept;
+  /// Name of the client in control; empty when there is none.
+  [[nodiscard]] std::string_view controller_name() const noexcept {
+    return controller_ ? std::string_view(controller_->name) : std::string_view{};
+  }
+
+private:
+  using Words = const Message&;
+  /// What was wrong with a message: a code and a sentence; both empty when it was taken.
+  struct Refusal {
+    std::string_view code{}, text{};
+    bool bad = false; ///< counts as a bad packet, and is no sign of life
+  };
+
+  // server.cpp: connections and time
+  void take(Session& session, FrameReader::Outcome outcome, const Message& message, double now_s);
+  void count_bad(Session& session, std::string_view code, std::string_view text, double now_s);
+  void check_time(Session& session, double now_s);
+  void release_control(std::string_view why);
+  void tell_all(const Message& message);
+
+  // server_messages.cpp: what clients say
+  [[nodiscard]] Refusal obey(Session& session, Words message, double now_s);
+  [[nodiscard]] Refusal on_hello(Session& session, Words message, double now_s);
+  [[nodiscard]] Refusal on_start(Session& session, Words message, double now_s);
+  [[nodiscard]] Refusal on_force(Session& session, Words message);
+  [[nodiscard]] Refusal on_feedback(Session& session, Words message);
+  [[nodiscard]] Refusal on_ping(Session& session, Words message, double now_s);
+  void welcome(Session& session);
+  [[nodiscard]] std::int32_t milliseconds(double now_s) noexcept;
+
+  // server_setup.cpp: what they set up
+  [[nodiscard]] Refusal on_workspace(Session& session, Words message);
+  [[nodiscard]] Refusal on_points(Session& session, Words message);
+  [[nodiscard]] Refusal on_gains(Session& session, Words message);
+  [[nodiscard]] Refusal on_force_max(Session& session, Words message);
+  [[nodiscard]] Refusal on_anchor(Session& session, Words message);
+  [[nodiscard]] Refusal on_subscribe(Session& session, Words message);
+  void apply_setup() noexcept;
+
+  // server_streams.cpp: what the device does
+  void send_streams(Session& session, double now_s);
+  void drag() noexcept;
+  void release_point();
+  [[nodiscard]] Message move_message() const noexcept;
+
+  ServerSettings settings_;
+  std::array<std::unique_ptr<Session>, kMaxClients> sessions_{};
+  LockOut lock_out_{};
+  Session* controller_ = nullptr;
+  Liveness liveness_{};
+  ServoOrders orders_{};
+  DeviceReport report_{};
+  std::optional<double> origin_s_{}; ///< of milliseconds()
+
+  std::optional<std::size_t> grabbed_{}; ///< a control point of the controller's
+  haptic::Vec3 grab_offset_{};
+  std::uint32_t faults_ = 0; ///< of the device, at the start
+};
+
+} // namespace tactus::net

@@ -1,0 +1,237 @@
+#include "net/server.hpp"
+
+#include <cmath>
+
+namespace tactus::net {
+namespace {
+
+using haptic::Vec3;
+
+constexpr double kM_per_mm = 1e-3;
+
+std::optional<RenderMode> mode_of(std::string_view word) noexcept {
+  if (word == "spring")
+    return RenderMode::kSpring;
+  if (word == "damper")
+    return RenderMode::kDamper;
+  if (word == "force")
+    return RenderMode::kForce;
+  return {};
+}
+
+/// Three numbers from that argument on.
+std::optional<Vec3> vector_at(const Message& message, std::size_t first) noexcept {
+  const auto x = message.number_at(first), y = message.number_at(first + 1),
+             z = message.number_at(first + 2);
+  return x && y && z ? std::optional(Vec3{*x, *y, *z}) : std::nullopt;
+}
+
+enum class Order { kNewer, kOld, kJump };
+
+/// By difference in 32 bits, so that the count may run over.
+Order order_of(const std::optional<std::int32_t>& last, std::int32_t sequence) noexcept {
+  if (!last)
+    return Order::kNewer;
+  const auto ahead = static_cast<std::int32_t>(static_cast<std::uint32_t>(sequence) -
+                                               static_cast<std::uint32_t>(*last));
+  return ahead > 0 ? Order::kNewer : ahead < -kSequenceWindow ? Order::kJump : Order::kOld;
+}
+
+} // namespace
+
+Server::Refusal Server::obey(Session& session, Words message, double now_s) {
+  const Address address = message.address();
+  if (address == Address::kHello)
+    return on_hello(session, message, now_s);
+  if (address == Address::kPing && (session.welcomed() || settings_.token.empty()))
+    return on_ping(session, message, now_s);
+  if (!session.welcomed())
+    return {"hello", "say hello first: hello protocol name role token"};
+  switch (address) {
+  case Address::kSubscribe:
+    return on_subscribe(session, message);
+  case Address::kStop:
+    if (controller_ == &session)
+      release_control("stop");
+    return {};
+  case Address::kWorkspace:
+  case Address::kCpBegin:
+  case Address::kCpSet:
+  case Address::kCpEnd:
+  case Address::kCpClear:
+  case Address::kGains:
+  case Address::kForceMax:
+  case Address::kAnchor:
+  case Address::kStart:
+  case Address::kFeedback:
+  case Address::kForce:
+    break;
+  default:
+    return {"unknown", message.name()};
+  }
+  if (session.role != Session::Role::kControl)
+    return {"role", "an observer cannot change anything: say hello with the role control"};
+  switch (address) {
+  case Address::kWorkspace:
+    return on_workspace(session, message);
+  case Address::kGains:
+    return on_gains(session, message);
+  case Address::kForceMax:
+    return on_force_max(session, message);
+  case Address::kAnchor:
+    return on_anchor(session, message);
+  case Address::kStart:
+    return on_start(session, message, now_s);
+  case Address::kFeedback:
+    return on_feedback(session, message);
+  case Address::kForce:
+    return on_force(session, message);
+  default:
+    return on_points(session, message);
+  }
+}
+
+Server::Refusal Server::on_hello(Session& session, Words message, double now_s) {
+  const auto protocol = message.integer_at(0);
+  const auto name = message.string_at(1), role = message.string_at(2);
+  if (!protocol || !name || !role || message.size() > 4 ||
+      (message.size() == 4 && !message.string_at(3)))
+    return {"arguments", "expected hello protocol name role token", true};
+  const bool controls = *role == "control";
+  if (!controls && *role != "observe")
+    return {"arguments", "the role is control or observe", true};
+  if (session.welcomed())
+    return {"hello", "hello was said already"};
+  if (lock_out_.locked(session.peer, now_s)) {
+    session.send_error("locked", "too many wrong tokens: wait ten seconds", now_s);
+    session.say_goodbye("locked");
+    return {};
+  }
+  if (!settings_.token.empty()) {
+    if (!equal_in_constant_time(settings_.token, message.string_at(3).value_or(""))) {
+      lock_out_.fail(session.peer, now_s);
+      session.send_error("token", "the token is wrong", now_s);
+      session.say_goodbye("token");
+      return {};
+    }
+    lock_out_.succeed(session.peer);
+  }
+  if (*protocol < kProtocol) {
+    session.send_error("version", "this server speaks protocol 1", now_s);
+    session.say_goodbye("version");
+    return {};
+  }
+  session.name = name->substr(0, kMaxName);
+  session.role = controls ? Session::Role::kControl : Session::Role::kObserve;
+  welcome(session);
+  return {};
+}
+
+void Server::welcome(Session& session) {
+  session.send_event(Message(Address::kWelcome)
+                         .integer(kProtocol)
+                         .string(settings_.device)
+                         .string(settings_.model)
+                         .integer(settings_.axes)
+                         .real(settings_.force_limit_n)
+                         .real(settings_.rate_hz));
+  Message workspace(Address::kStatus);
+  workspace.string("workspace");
+  for (const Vec3& corner : {settings_.workspace.min, settings_.workspace.max})
+    for (int axis = 0; axis < 3; ++axis)
+      workspace.real(corner[axis] / kM_per_mm);
+  session.send_event(workspace);
+  session.send_event(Message(Address::kStatus)
+                         .string("limits")
+                         .real(settings_.stiffness_limit_n_per_m)
+                         .real(settings_.damping_limit_n_s_per_m));
+}
+
+Server::Refusal Server::on_start(Session& session, Words message, double now_s) {
+  const auto word = message.string_at(0);
+  const auto mode = word && message.size() == 1 ? mode_of(*word) : std::nullopt;
+  if (!mode)
+    return {"arguments", "expected start spring, damper or force", true};
+  if (controller_ && controller_ != &session)
+    return {"busy", "another client is in control"};
+  if (report_.emergency_stopped)
+    return {"estop", "the emergency stop is set at the server: release it there"};
+  controller_ = &session;
+  faults_ = report_.faults;
+  session.force_sequence.reset();
+  session.feedback_sequence.reset();
+  liveness_.start(now_s);
+  orders_.running = true;
+  orders_.render.mode = *mode;
+  orders_.render.gamma = {};
+  ++orders_.render.starts;
+  orders_.force_n = {};
+  ++orders_.forces;
+  orders_.alive_s = now_s;
+  apply_setup();
+  tell_all(Message(Address::kStatus).string("started").string(*word).string(session.name));
+  return {};
+}
+
+Server::Refusal Server::on_force(Session& session, Words message) {
+  const bool numbered = message.size() == 4;
+  const auto sequence = message.integer_at(0);
+  const auto force_n = vector_at(message, numbered ? 1 : 0);
+  if (!force_n || (!numbered && message.size() != 3) || (numbered && !sequence))
+    return {"arguments", "expected force fx fy fz, or force sequence fx fy fz", true};
+  if (controller_ != &session || orders_.render.mode != RenderMode::kForce)
+    return {"stopped", "send start force first"};
+  if (numbered) {
+    const Order order = order_of(session.force_sequence, *sequence);
+    if (order == Order::kJump)
+      return {"sequence", "the sequence number went back by more than 1000", true};
+    if (order == Order::kOld)
+      return {};
+    session.force_sequence = sequence;
+  }
+  orders_.force_n = *force_n;
+  ++orders_.forces;
+  return {};
+}
+
+Server::Refusal Server::on_feedback(Session& session, Words message) {
+  const auto sequence = message.integer_at(0);
+  const bool single = message.size() == 2;
+  const auto number = message.number_at(1);
+  const auto gamma =
+      single && number ? std::optional(Vec3{*number, *number, *number}) : vector_at(message, 1);
+  if (!sequence || !gamma || (!single && message.size() != 4))
+    return {"arguments", "expected feedback sequence gamma, or three gammas", true};
+  for (int axis = 0; axis < 3; ++axis)
+    if (!((*gamma)[axis] >= 0 && (*gamma)[axis] <= 1))
+      return {"range", "gamma is from 0 to 1", true};
+  const RenderMode mode = orders_.render.mode;
+  if (controller_ != &session || (mode != RenderMode::kSpring && mode != RenderMode::kDamper))
+    return {"stopped", "send start spring or start damper first"};
+  const Order order = order_of(session.feedback_sequence, *sequence);
+  if (order == Order::kJump)
+    return {"sequence", "the sequence number went back by more than 1000", true};
+  if (order == Order::kOld)
+    return {};
+  session.feedback_sequence = sequence;
+  orders_.render.gamma = *gamma;
+  return {};
+}
+
+Server::Refusal Server::on_ping(Session& session, Words message, double now_s) {
+  const auto sequence = message.integer_at(0);
+  if (!sequence || message.size() != 1)
+    return {"arguments", "expected ping sequence", true};
+  session.send_event(Message(Address::kPong).integer(*sequence).integer(milliseconds(now_s)));
+  return {};
+}
+
+/// Since the first time that was asked for; begins anew after 24 days.
+std::int32_t Server::milliseconds(double now_s) noexcept {
+  if (!origin_s_)
+    origin_s_ = now_s;
+  return static_cast<std::int32_t>(
+      static_cast<std::uint64_t>(std::max(0.0, now_s - *origin_s_) * 1e3) & 0x7fffffffu);
+}
+
+} // namespace tactus::net

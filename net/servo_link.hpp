@@ -1,0 +1,31 @@
+#pragma once
+
+#include "net/server.hpp"
+
+namespace tactus::net {
+
+/// Carries a server's orders to a servo and the servo's reports to the server, through the servo's
+/// exchange: neither side waits for the other. The force chain is the servo's; this sets its limit,
+/// its watchdog and its motors. An emergency stop is never released from here.
+class ServoLink {
+public:
+  /// The servo is attached to its device with the model among its local models. chain: what the
+  /// program sets for this device; force limit and watchdog are the server's.
+  ServoLink(haptic::Servo& servo, RenderModel& model, const haptic::ChainSettings& chain,
+            const haptic::AxisMap& map = {});
+
+  /// Once a millisecond, by the thread of the server.
+  void exchange(Server& server, double now_s);
+
+private:
+  void give(const ServoOrders& orders) noexcept;
+
+  haptic::Exchange& exchange_;
+  RenderModel& model_;
+  haptic::ServoSettings settings_{};
+  RenderRequest sent_{};
+  bool running_ = false;
+  std::uint64_t starts_ = 0;
+};
+
+} // namespace tactus::net

@@ -1,0 +1,105 @@
+#pragma once
+
+#include "core/haptic/workspace.hpp"
+#include "core/stress/render.hpp"
+#include "net/framing.hpp"
+#include "net/limits.hpp"
+#include "net/out_queue.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactus::net {
+
+/// What a client has set up; it holds while that client is in control.
+struct Setup {
+  haptic::Workspace workspace{}; ///< m; dragged points stay inside
+  std::vector<haptic::Vec3> points{};
+  stress::RenderGains gains{};
+  std::optional<haptic::Vec3> anchor{}; ///< m
+  double force_limit_n = 0;
+};
+
+/// Control points between cp/begin and cp/end.
+class PointList {
+public:
+  void begin(std::size_t count) {
+    points_.assign(count, {});
+    given_.assign(count, false);
+    left_ = count;
+    open_ = true;
+  }
+  [[nodiscard]] bool open() const noexcept { return open_; }
+  [[nodiscard]] std::size_t size() const noexcept { return points_.size(); }
+  [[nodiscard]] std::size_t missing() const noexcept { return left_; }
+  void set(std::size_t id, const haptic::Vec3& position) noexcept {
+    points_[id] = position;
+    left_ -= given_[id] ? 0 : 1;
+    given_[id] = true;
+  }
+  void close() noexcept { open_ = false; }
+  [[nodiscard]] const std::vector<haptic::Vec3>& points() const noexcept { return points_; }
+
+private:
+  std::vector<haptic::Vec3> points_{};
+  std::vector<bool> given_{};
+  std::size_t left_ = 0;
+  bool open_ = false;
+};
+
+/// A stream of samples that a client has subscribed to.
+class Subscription {
+public:
+  explicit Subscription(double rate_hz = 0) noexcept : rate_hz_(rate_hz) {}
+  void set(double rate_hz) noexcept { rate_hz_ = rate_hz; }
+  /// Whether a sample is due; times that were missed are skipped.
+  [[nodiscard]] bool due(double now_s) noexcept {
+    constexpr double kRounding_s = 1e-6;
+    if (!(rate_hz_ > 0) || now_s < next_s_ - kRounding_s)
+      return false;
+    const double period_s = 1 / rate_hz_;
+    next_s_ = next_s_ + period_s > now_s ? next_s_ + period_s : now_s + period_s;
+    return true;
+  }
+
+private:
+  double rate_hz_ = 0, next_s_ = 0;
+};
+
+/// One connection, from its first byte to its last.
+struct Session {
+  enum class Role : std::uint8_t { kNone, kObserve, kControl };
+  static constexpr double kPackets_hz = 5000, kErrors_hz = 20, kDefaultPoint_hz = 60;
+
+  Session(std::string peer_address, double now_s)
+      : peer(std::move(peer_address)), heard_s(now_s), frame_since_s(now_s) {}
+
+  std::string peer, name = "-";
+  Role role = Role::kNone;
+  bool closing = false; ///< what waits is sent, then the connection ends
+
+  FrameReader reader{};
+  OutQueue out{};
+  double heard_s;       ///< the last good message
+  double frame_since_s; ///< when last no frame was open
+  RateLimit packets{kPackets_hz}, errors{kErrors_hz};
+  BadPackets bad_packets{};
+  bool flooding = false; ///< and was told so
+
+  Setup setup{};
+  PointList list{};
+  std::optional<std::int32_t> force_sequence{}, feedback_sequence{};
+  Subscription position{}, velocity{}, moves{kDefaultPoint_hz};
+  std::int32_t sample = 0; ///< counts samples of pos and vel
+
+  [[nodiscard]] bool welcomed() const noexcept { return role != Role::kNone; }
+  /// Cannot be said in words before the first byte has chosen the framing.
+  void send_event(const Message& message);
+  void send_sample(const Message& message);
+  /// At most kErrors_hz a second are said.
+  void send_error(std::string_view code, std::string_view text, double now_s);
+  void say_goodbye(std::string_view reason);
+};
+
+} // namespace tactus::net

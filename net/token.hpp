@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace tactus::net {
+
+inline constexpr std::size_t kMinToken = 16, kMaxToken = 1024;
+
+/// Whether both are the same; takes a time that depends on the length of `given` alone.
+[[nodiscard]] bool equal_in_constant_time(std::string_view expected,
+                                          std::string_view given) noexcept;
+
+/// Locks out for 10 s who has failed three times. Peers are told apart by their address; when more
+/// of them fail at the same time than the table holds, all are locked out together.
+class LockOut {
+public:
+  static constexpr int kMaxFailures = 3;
+  static constexpr double kLocked_s = 10, kForgotten_s = 60;
+
+  [[nodiscard]] bool locked(std::string_view peer, double now_s) const noexcept;
+  void fail(std::string_view peer, double now_s);
+  void succeed(std::string_view peer) noexcept;
+
+private:
+  struct Entry {
+    std::string peer;
+    int failures = 0; ///< 0: free
+    double last_s = 0;
+  };
+  [[nodiscard]] static bool expired(const Entry& entry, double now_s) noexcept;
+  [[nodiscard]] static bool locks(const Entry& entry, double now_s) noexcept;
+
+  std::array<Entry, 64> entries_{};
+  Entry others_{}; ///< for whom the table has no room
+};
+
+} // namespace tactus::net

@@ -1,0 +1,265 @@
+#include "tests/net/rig.hpp"
+
+using namespace tactus;
+using namespace tactus::net;
+using haptic::Vec3;
+
+namespace {
+
+constexpr Framing kFramings[] = {Framing::kSlip, Framing::kLength, Framing::kFudi};
+
+} // namespace
+
+TEST_CASE("hello is answered with the device and its limits, in the client's framing") {
+  for (const Framing framing : kFramings) {
+    Rig rig(usual());
+    Client client(rig, framing);
+    client.hello();
+    const auto lines = client.heard();
+    REQUIRE(lines.size() == 3);
+    CHECK(lines[0] == "welcome 1.000000 'simulated' '-' 3.000000 3.000000 1000.000000");
+    CHECK(lines[1].starts_with("status 'workspace' -50.000000 -50.000000 -50.000000 50.000000"));
+    CHECK(lines[2].starts_with("status 'limits' 500.000000 5.000000"));
+  }
+}
+
+TEST_CASE("three framings give the same command") {
+  for (const Framing framing : kFramings) {
+    Rig rig(usual());
+    Client client(rig, framing);
+    client.hello();
+    client.say("hap start force");
+    client.say("hap force 1 -2 0.5");
+    CHECK(rig.server.orders().force_n == Vec3{1, -2, 0.5});
+    CHECK(rig.server.orders().running);
+  }
+}
+
+TEST_CASE("a command in bytes from outside becomes the force at the device") {
+  Rig rig(usual());
+  Client client(rig, Framing::kSlip);
+  client.hello();
+  client.say("hap start force");
+  client.send_bytes(Bytes{0xC0} + [] {
+    Bytes escaped;
+    for (const std::uint8_t byte : force_packet())
+      if (byte == 0xC0) {
+        escaped.push_back(0xDB);
+        escaped.push_back(0xDC);
+      } else {
+        escaped.push_back(byte);
+      }
+    return escaped;
+  }() + Bytes{0xC0});
+  for (int i = 0; i < 7; ++i) {
+    client.say("hap ping 1");
+    rig.run(0.1);
+  }
+  CHECK(norm(rig.force_n - Vec3{1, -2, 0.5}) < 1e-12);
+}
+
+TEST_CASE("the first start wins; others are busy until it stops or is gone") {
+  Rig rig(usual());
+  Client first(rig), second(rig);
+  first.hello();
+  second.hello();
+  first.say("hap start force");
+  second.say("hap start force");
+  CHECK(second.hears("error 'busy'"));
+  second.say("hap force 1 0 0");
+  CHECK(second.hears("error 'stopped'"));
+  CHECK(rig.server.orders().force_n == Vec3{});
+  second.say("hap stop"); // not its own
+  CHECK(rig.server.orders().running);
+  first.say("hap stop");
+  CHECK(!rig.server.orders().running);
+  second.say("hap start spring");
+  CHECK(rig.server.orders().running);
+  first.say("hap start force");
+  CHECK(first.hears("error 'busy'"));
+  second.disconnect();
+  CHECK(!rig.server.orders().running);
+  first.say("hap start force");
+  CHECK(rig.server.orders().running);
+}
+
+TEST_CASE("an observer hears everything and changes nothing") {
+  Rig rig(usual());
+  Client control(rig), observer(rig);
+  control.hello();
+  observer.hello("observe");
+  observer.heard();
+  for (const char* line :
+       {"hap start force", "hap force 1 0 0", "hap cp begin 1", "hap gains 0 1 0 1",
+        "hap workspace -1 -1 -1 1 1 1", "hap feedback 1 0.5", "hap anchor 0 0 0", "hap forcemax 1",
+        "hap cp clear"}) {
+    observer.say(line);
+    CHECK(observer.hears("error 'role'"));
+  }
+  observer.say("hap subscribe pos 100");
+  control.say("hap start force");
+  rig.run(0.1);
+  const auto lines = observer.heard();
+  CHECK(std::count_if(lines.begin(), lines.end(),
+                      [](const std::string& line) { return line.starts_with("pos "); }) == 10);
+  CHECK(lines.front() == "status 'started' 'force' 'test'");
+}
+
+TEST_CASE("nothing but hello is taken before hello; ping is, where no token is needed") {
+  Rig rig(usual());
+  Client client(rig);
+  client.say("hap start force");
+  CHECK(client.hears("error 'hello'"));
+  client.say("hap ping 9");
+  CHECK(client.hears("pong 9.000000"));
+  ServerSettings guarded = usual();
+  guarded.token = "sixteen bytes long";
+  Rig other(guarded);
+  Client stranger(other);
+  stranger.say("hap ping 9");
+  CHECK(stranger.hears("error 'hello'"));
+}
+
+TEST_CASE("versions: a newer client is told ours, an older one is shown out") {
+  Rig rig(usual());
+  Client newer(rig), older(rig);
+  newer.send(Message(Address::kHello).integer(7).string("n").string("control").string(""));
+  CHECK(newer.hears("welcome 1.000000"));
+  older.send(Message(Address::kHello).integer(0).string("n").string("control").string(""));
+  CHECK(older.hears("error 'version'"));
+  CHECK(older.closing());
+}
+
+TEST_CASE("an unknown address is told and ignored, a second hello too") {
+  Rig rig(usual());
+  Client client(rig);
+  client.hello();
+  client.heard();
+  for (int i = 0; i < 30; ++i) // no bad packet
+    client.send_bytes(with_length(bytes_of(std::string_view("/hap/dance\0\0,\0\0\0", 16))));
+  CHECK(client.hears("error 'unknown' 'dance'"));
+  client.say("hap welcome 1");
+  CHECK(client.hears("error 'unknown' 'welcome'") == false); // 20 errors a second are said
+  rig.run(1);
+  client.say("hap welcome 1");
+  CHECK(client.hears("error 'unknown' 'welcome'"));
+  client.hello();
+  CHECK(client.hears("error 'hello'"));
+  CHECK(!client.closing());
+}
+
+TEST_CASE("eight clients, not nine") {
+  Rig rig(usual());
+  for (int i = 0; i < 8; ++i)
+    CHECK(rig.server.connect("127.0.0.1", 100).has_value());
+  CHECK(!rig.server.connect("127.0.0.1", 100).has_value());
+  rig.server.disconnect(3);
+  CHECK(rig.server.connect("127.0.0.1", 100) == 3);
+}
+
+TEST_CASE("streams have their rate and skip what they missed") {
+  Rig rig(usual());
+  rig.hold({0.01, -0.02, 0.03});
+  Client client(rig);
+  client.hello();
+  client.heard();
+  rig.run(0.01);
+  client.say("hap subscribe pos 250");
+  client.say("hap subscribe vel 50");
+  rig.run(1);
+  int positions = 0, velocities = 0;
+  for (const std::string& line : client.heard()) {
+    positions += line.starts_with("pos ");
+    velocities += line.starts_with("vel ");
+    if (line.starts_with("pos "))
+      CHECK(line.ends_with(" 10.000000 -20.000000 30.000000"));
+    client.say("hap ping 1");
+    client.heard();
+  }
+  CHECK(positions == 250);
+  CHECK(velocities == 50);
+  client.say("hap subscribe pos 0");
+  rig.run(0.1);
+  CHECK(!client.hears("pos "));
+  client.say("hap subscribe pos 1001");
+  CHECK(client.hears("error 'range'"));
+  client.say("hap subscribe smell 10");
+  CHECK(client.hears("error 'range'"));
+}
+
+TEST_CASE("control points are replaced as a whole") {
+  Rig rig(usual());
+  Client client(rig);
+  client.hello();
+  client.say("hap start spring");
+  client.say("hap cp begin 2");
+  client.say("hap cp set 0 1 2 3");
+  client.say("hap cp end");
+  CHECK(client.hears("error 'points'"));
+  client.say("hap cp set 0 1 2 3");
+  CHECK(client.hears("error 'points'"));
+  client.say("hap cp begin 2");
+  client.say("hap cp set 2 1 2 3");
+  CHECK(client.hears("error 'range'"));
+  client.say("hap cp set -1 1 2 3");
+  CHECK(client.hears("error 'range'"));
+  client.say("hap cp begin 4097");
+  CHECK(client.hears("error 'range'"));
+  client.say("hap cp begin 4096");
+  CHECK(!client.hears("error"));
+}
+
+TEST_CASE("the first button drags the nearest point, within the client's workspace") {
+  Rig rig(usual());
+  Client client(rig), observer(rig);
+  client.hello();
+  observer.hello("observe");
+  client.say("hap cp begin 2");
+  client.say("hap cp set 0 6 0 0");
+  client.say("hap cp set 1 -4 0 0");
+  client.say("hap cp end");
+  client.say("hap workspace -20 -20 -20 20 20 20");
+  client.say("hap start force");
+  rig.run(0.01);
+  client.heard();
+  rig.device.press(1, true);
+  rig.run(0.01);
+  auto lines = client.heard();
+  CHECK(lines.front() == "button 1.000000 1.000000");
+  CHECK(lines.size() == 1);
+  rig.device.press(0, true);
+  rig.run(0.005);
+  lines = client.heard();
+  CHECK(lines[0] == "button 0.000000 1.000000");
+  CHECK(lines[1] == "grab 1.000000 1.000000");
+  rig.hold({0.01, 0.03, 0});
+  rig.run(0.1);
+  CHECK(client.hears("cp/move 1.000000 6.000000 20.000000 0.000000"));
+  rig.hold({0.011, 0, 0});
+  rig.run(0.001);
+  client.heard();
+  rig.run(0.001);
+  rig.device.press(0, false);
+  rig.run(0.005);
+  lines = client.heard();
+  REQUIRE(lines.size() >= 3);
+  CHECK(lines[lines.size() - 2] == "cp/move 1.000000 7.000000 0.000000 0.000000");
+  CHECK(lines.back() == "grab 1.000000 0.000000");
+  CHECK(observer.hears("cp/move"));
+  // Out of reach: nothing is grabbed. New points end a grab.
+  rig.hold({0, 0.04, 0});
+  rig.run(0.01);
+  rig.device.press(0, true);
+  rig.run(0.01);
+  CHECK(!client.hears("grab"));
+  rig.device.press(0, false);
+  rig.hold({0.007, 0, 0});
+  rig.run(0.01);
+  rig.device.press(0, true);
+  rig.run(0.01);
+  CHECK(client.hears("grab"));
+  client.say("hap cp clear");
+  CHECK(client.hears("grab 1.000000 0.000000"));
+  rig.run(0.1);
+  CHECK(!client.hears("cp/move"));
+}
