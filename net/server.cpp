@@ -17,6 +17,7 @@ std::optional<Server::ClientId> Server::connect(std::string_view peer, double no
       continue;
     sessions_[client] = std::make_unique<Session>(std::string(peer), now_s);
     Setup& setup = sessions_[client]->setup;
+    ++visits_;
     setup.workspace = settings_.workspace;
     setup.force_limit_n = settings_.force_limit_n;
     return client;
@@ -25,6 +26,7 @@ std::optional<Server::ClientId> Server::connect(std::string_view peer, double no
 }
 
 void Server::disconnect(ClientId client) {
+  note(*sessions_[client], "left");
   if (controller_ == sessions_[client].get())
     release_control("disconnected");
   sessions_[client].reset();
@@ -92,12 +94,23 @@ void Server::check_time(Session& session, double now_s) {
 /// The force ends whether or not the session that had control still exists.
 void Server::release_control(std::string_view why) {
   release_point();
+  note(*controller_, "no longer controls: " + std::string(why));
   controller_ = nullptr;
   orders_.running = false;
   orders_.render.mode = RenderMode::kStopped;
   orders_.force_n = {};
   ++orders_.forces;
   tell_all(Message(Address::kStatus).string("stopped").string(why));
+}
+
+void Server::note(const Session& session, std::string_view what) {
+  constexpr std::size_t kMaxNews = 64;
+  if (news_.size() == kMaxNews)
+    news_.erase(news_.begin());
+  std::string line = session.peer + " ";
+  for (const char c : session.name) // a stranger's text
+    line += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  news_.push_back(line + " " + std::string(what));
 }
 
 void Server::tell_all(const Message& message) {

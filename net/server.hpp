@@ -7,6 +7,7 @@
 
 #include <array>
 #include <memory>
+#include <utility>
 
 namespace tactus::net {
 
@@ -71,6 +72,11 @@ public:
   [[nodiscard]] const ServoOrders& orders() const noexcept { return orders_; }
   [[nodiscard]] const ServerSettings& settings() const noexcept { return settings_; }
   [[nodiscard]] std::size_t clients() const noexcept;
+  /// How many there have been.
+  [[nodiscard]] std::uint64_t visits() const noexcept { return visits_; }
+  /// What happened since the last call, a line each, for who runs the server; the oldest are left
+  /// out when nobody asks.
+  [[nodiscard]] std::vector<std::string> take_news() { return std::exchange(news_, {}); }
   /// Name of the client in control; empty when there is none.
   [[nodiscard]] std::string_view controller_name() const noexcept {
     return controller_ ? std::string_view(controller_->name) : std::string_view{};
@@ -90,6 +96,7 @@ private:
   void check_time(Session& session, double now_s);
   void release_control(std::string_view why);
   void tell_all(const Message& message);
+  void note(const Session& session, std::string_view what);
 
   // server_messages.cpp: what clients say
   [[nodiscard]] Refusal obey(Session& session, Words message, double now_s);
@@ -128,6 +135,8 @@ private:
   std::optional<std::size_t> grabbed_{}; ///< a control point of the controller's
   haptic::Vec3 grab_offset_{};
   std::uint32_t faults_ = 0; ///< of the device, at the start
+  std::vector<std::string> news_{};
+  std::uint64_t visits_ = 0;
 };
 
 } // namespace tactus::net

@@ -110,6 +110,7 @@ Server::Refusal Server::on_hello(Session& session, Words message, double now_s) 
   if (!settings_.token.empty()) {
     if (!equal_in_constant_time(settings_.token, message.string_at(3).value_or(""))) {
       lock_out_.fail(session.peer, now_s);
+      note(session, "brought a wrong token");
       session.send_error("token", "the token is wrong", now_s);
       session.say_goodbye("token");
       return {};
@@ -123,6 +124,7 @@ Server::Refusal Server::on_hello(Session& session, Words message, double now_s) 
   }
   session.name = name->substr(0, kMaxName);
   session.role = controls ? Session::Role::kControl : Session::Role::kObserve;
+  note(session, controls ? "is welcome" : "is welcome, to observe");
   welcome(session);
   return {};
 }
@@ -169,6 +171,7 @@ Server::Refusal Server::on_start(Session& session, Words message, double now_s) 
   ++orders_.forces;
   orders_.alive_s = now_s;
   apply_setup();
+  note(session, "controls: " + std::string(*word));
   tell_all(Message(Address::kStatus).string("started").string(*word).string(session.name));
   return {};
 }

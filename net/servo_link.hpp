@@ -16,10 +16,10 @@ public:
 
   /// Once a millisecond, by the thread of the server.
   void exchange(Server& server, double now_s);
-
-private:
+  /// The orders alone: as soon as something has been received.
   void give(const ServoOrders& orders) noexcept;
 
+private:
   haptic::Exchange& exchange_;
   RenderModel& model_;
   haptic::ServoSettings settings_{};

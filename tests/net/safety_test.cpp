@@ -96,6 +96,34 @@ TEST_CASE("a client silent for 5 s is shown out, not one that pings") {
   CHECK(!pinging.closing());
 }
 
+TEST_CASE("a controlling client that is shown out controls no more") {
+  Pushing p;
+  p.rig.run(5.2);
+  CHECK(p.client.closing());
+  CHECK(!p.rig.server.orders().running);
+  Client next(p.rig);
+  next.hello();
+  next.say("hap start force");
+  CHECK(p.rig.server.orders().running);
+}
+
+TEST_CASE("forces are of force mode, feedback of the others") {
+  Pushing p;
+  p.client.say("hap feedback 1 0.5");
+  CHECK(p.client.hears("error 'stopped'"));
+  p.client.say("hap start spring");
+  p.client.say("hap force 2 0 0");
+  CHECK(p.client.hears("error 'stopped'"));
+  CHECK(p.rig.server.orders().force_n == Vec3{});
+}
+
+TEST_CASE("before anybody has said start the motors are off") {
+  Rig rig(usual());
+  CHECK(rig.servo.exchange().motors.request().paused);
+  rig.run(0.1);
+  CHECK(rig.servo.exchange().motors.request().paused);
+}
+
 TEST_CASE("stop and a lost connection end the force within milliseconds") {
   Pushing stopped;
   stopped.client.say("hap stop");

@@ -1,0 +1,293 @@
+#include "net/tcp_server.hpp"
+
+#include "net/clock.hpp"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include <atomic>
+#include <chrono>
+
+namespace tactus::net {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using Error = boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+constexpr auto kTick = std::chrono::milliseconds(1);
+constexpr auto kAcceptPause = std::chrono::milliseconds(100);
+constexpr double kFarewell_s = 1; ///< for what a closing connection still has to send
+constexpr auto kLastWords = std::chrono::milliseconds(200);
+
+/// One client's socket. Handlers keep it alive; `open` says whether it still is a connection.
+struct Connection {
+  explicit Connection(tcp::socket accepted) : socket(std::move(accepted)) {}
+  tcp::socket socket;
+  Server::ClientId client = 0;
+  std::array<std::uint8_t, 1u << 14> received{};
+  bool open = true, waiting_to_write = false;
+  double closing_since_s = 0;
+};
+using ConnectionPtr = std::shared_ptr<Connection>;
+
+std::string text_of(const tcp::endpoint& endpoint) {
+  const std::string address = endpoint.address().to_string();
+  return (endpoint.address().is_v6() ? "[" + address + "]" : address) + ":" +
+         std::to_string(endpoint.port());
+}
+
+} // namespace
+
+struct TcpServer::Parts {
+  Parts(Server& served, Hooks given) : server(served), hooks(std::move(given)) {}
+
+  Server& server;
+  Hooks hooks;
+  asio::io_context context{1};
+  std::vector<tcp::acceptor> acceptors{};
+  std::array<ConnectionPtr, kMaxClients> connections{};
+  asio::steady_timer timer{context}, pause{context};
+  std::atomic<bool> stopping{false};
+
+  std::string listen(const tcp::endpoint& endpoint) {
+    tcp::acceptor acceptor(context);
+    Error error;
+    acceptor.open(endpoint.protocol(), error);
+    if (!error && endpoint.address().is_v6())
+      acceptor.set_option(asio::ip::v6_only(true), error);
+    if (!error)
+      acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error)
+      acceptor.bind(endpoint, error);
+    if (!error)
+      acceptor.listen(16, error);
+    if (!error)
+      acceptor.non_blocking(true, error);
+    if (error)
+      return error.message();
+    acceptors.push_back(std::move(acceptor));
+    return {};
+  }
+
+  void accept(std::size_t which) {
+    acceptors[which].async_accept([this, which](Error error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted)
+        return;
+      if (!error) {
+        take(std::move(socket));
+        return accept(which);
+      }
+      // Such as too many open files: try again, but do not spin.
+      pause.expires_after(kAcceptPause);
+      pause.async_wait([this, which](Error aborted) {
+        if (!aborted)
+          accept(which);
+      });
+    });
+  }
+
+  void take(tcp::socket socket) {
+    Error error;
+    const auto peer = socket.remote_endpoint(error);
+    if (!error)
+      socket.non_blocking(true, error);
+    if (!error)
+      socket.set_option(tcp::no_delay(true), error);
+    if (error)
+      return;
+    const auto client = server.connect(peer.address().to_string(), now_s());
+    if (!client)
+      return; // the socket closes: there are as many as there may be
+    auto connection = std::make_shared<Connection>(std::move(socket));
+    connection->client = *client;
+    connections[*client] = connection;
+    receive(connection);
+  }
+
+  void receive(const ConnectionPtr& connection) {
+    connection->socket.async_read_some(
+        asio::buffer(connection->received), [this, connection](Error error, std::size_t count) {
+          if (!connection->open)
+            return;
+          if (error)
+            return drop(*connection);
+          server.receive(connection->client, {connection->received.data(), count}, now_s());
+          if (hooks.on_orders)
+            hooks.on_orders();
+          send_all();
+          if (connection->open)
+            receive(connection);
+        });
+  }
+
+  /// As much as the socket takes now; the rest when it can take more.
+  void send(const ConnectionPtr& connection) {
+    if (connection->waiting_to_write)
+      return;
+    OutQueue& out = server.out(connection->client);
+    while (out.size() > 0) {
+      Error error;
+      const std::span<const std::uint8_t> bytes = out.front();
+      const std::size_t sent =
+          connection->socket.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+      if (error == asio::error::would_block || error == asio::error::try_again) {
+        connection->waiting_to_write = true;
+        connection->socket.async_wait(tcp::socket::wait_write, [this, connection](Error failed) {
+          connection->waiting_to_write = false;
+          if (!connection->open)
+            return;
+          if (failed)
+            return drop(*connection);
+          send(connection);
+        });
+        return;
+      }
+      if (error)
+        return drop(*connection);
+      out.consume(sent);
+    }
+  }
+
+  void send_all() {
+    for (const ConnectionPtr& connection : std::array(connections))
+      if (connection) {
+        send(connection);
+        end_if_done(*connection);
+      }
+  }
+
+  /// A connection that the server has ended goes when its last words are out, or after a second.
+  void end_if_done(Connection& connection) {
+    if (!connection.open || !server.closing(connection.client))
+      return;
+    const double now = now_s();
+    if (connection.closing_since_s == 0)
+      connection.closing_since_s = now;
+    if (server.out(connection.client).size() == 0 || now - connection.closing_since_s > kFarewell_s)
+      drop(connection);
+  }
+
+  void drop(Connection& connection) {
+    if (!connection.open)
+      return;
+    connection.open = false;
+    Error ignored;
+    connection.socket.shutdown(tcp::socket::shutdown_both, ignored);
+    connection.socket.close(ignored);
+    server.disconnect(connection.client);
+    connections[connection.client].reset();
+    if (hooks.on_orders)
+      hooks.on_orders();
+  }
+
+  void tick() {
+    if (hooks.on_tick)
+      hooks.on_tick(now_s());
+    send_all();
+  }
+
+  void keep_ticking() {
+    timer.async_wait([this](Error aborted) {
+      if (aborted || stopping)
+        return context.stop();
+      tick();
+      timer.expires_at(std::max(timer.expiry() + kTick, Clock::now()));
+      keep_ticking();
+    });
+  }
+
+  /// Tells everybody and waits a moment for what is on its way.
+  void say_goodbye() {
+    server.close("closing");
+    tick();
+    context.restart();
+    const auto until = Clock::now() + kLastWords;
+    const auto busy = [this] {
+      return std::any_of(connections.begin(), connections.end(),
+                         [](const ConnectionPtr& one) { return one != nullptr; });
+    };
+    while (busy() && Clock::now() < until) {
+      context.run_one_for(kTick);
+      send_all();
+    }
+    for (const ConnectionPtr& connection : std::array(connections))
+      if (connection)
+        drop(*connection);
+  }
+};
+
+TcpServer::TcpServer(Server& server, Hooks hooks)
+    : parts_(std::make_unique<Parts>(server, std::move(hooks))) {}
+TcpServer::~TcpServer() = default;
+
+std::string TcpServer::open(const Settings& settings) {
+  Parts& p = *parts_;
+  auto port = static_cast<std::uint16_t>(settings.port);
+  const auto refused = [&](const std::string& address, const std::string& reason) {
+    return "cannot listen on " + address + " port " + std::to_string(settings.port) + " (" +
+           reason + "): choose another port, or end the program that has it";
+  };
+  p.acceptors.clear();
+  if (!settings.listen.empty()) {
+    Error error;
+    const auto address = asio::ip::make_address(settings.listen, error);
+    if (error)
+      return settings.listen + " is no address: expected one in numbers, such as 192.168.1.5";
+    if (!address.is_loopback() && p.server.settings().token.size() < kMinToken)
+      return "listening on " + settings.listen + " needs a token file of 16 bytes or more";
+    if (const std::string reason = p.listen({address, port}); !reason.empty())
+      return refused(settings.listen, reason);
+  } else {
+    if (const std::string reason = p.listen({asio::ip::address_v4::loopback(), port});
+        !reason.empty())
+      return refused("127.0.0.1", reason);
+    port = p.acceptors.front().local_endpoint().port();
+    // A machine without IPv6 has no ::1.
+    static_cast<void>(p.listen({asio::ip::address_v6::loopback(), port}));
+  }
+  for (std::size_t i = 0; i < p.acceptors.size(); ++i)
+    p.accept(i);
+  return {};
+}
+
+int TcpServer::port() const noexcept {
+  Error error;
+  return parts_->acceptors.empty() ? 0 : parts_->acceptors.front().local_endpoint(error).port();
+}
+
+std::string TcpServer::addresses() const {
+  std::string text;
+  for (const tcp::acceptor& acceptor : parts_->acceptors) {
+    Error error;
+    text += (text.empty() ? "" : " and ") + text_of(acceptor.local_endpoint(error));
+  }
+  return text;
+}
+
+void TcpServer::run() {
+  Parts& p = *parts_;
+  p.timer.expires_after(kTick);
+  p.keep_ticking();
+  p.context.run();
+  close();
+}
+
+void TcpServer::stop() noexcept { parts_->stopping = true; }
+
+void TcpServer::poll() {
+  parts_->context.restart();
+  parts_->context.poll();
+  parts_->tick();
+}
+
+void TcpServer::close() {
+  parts_->acceptors.clear();
+  parts_->say_goodbye();
+}
+
+} // namespace tactus::net

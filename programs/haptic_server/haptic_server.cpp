@@ -1,0 +1,119 @@
+// haptic_server: serves a haptic device over the network; docs/haptic_network.md has the protocol.
+#include "externals/phantom/trace.hpp"
+#include "programs/haptic_server/station.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
+#include <unistd.h>
+
+namespace {
+
+using namespace tactus;
+using namespace tactus::haptic_server;
+
+std::atomic<bool> stop{false};
+std::atomic<haptic::MotorControl*> motors{nullptr};
+static_assert(std::atomic<haptic::MotorControl*>::is_always_lock_free); // for the handlers
+
+constexpr unsigned kEnd_s = 3;
+constexpr auto kLook = std::chrono::milliseconds(5);
+constexpr int kLooksBetweenTroubles = 100;
+
+/// A driver's call may never return, and nothing can end it but the process.
+void leave(int) noexcept {
+  constexpr char kSentence[] = "haptic_server: a call of the device's driver does not return; the "
+                               "program ends without it. Switch the device off and on\n";
+  static_cast<void>(!write(STDERR_FILENO, kSentence, sizeof kSentence - 1));
+  _exit(1);
+}
+
+void listen_for_signals() noexcept {
+  struct sigaction action {};
+  action.sa_handler = &leave;
+  sigaction(SIGALRM, &action, nullptr);
+  action.sa_handler = [](int) {
+    if (!stop.exchange(true))
+      alarm(kEnd_s);
+  };
+  for (const int one : {SIGINT, SIGTERM, SIGHUP})
+    sigaction(one, &action, nullptr);
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = [](int) {
+    if (haptic::MotorControl* control = motors)
+      control->emergency_stop();
+  };
+  sigaction(SIGUSR1, &action, nullptr);
+  action.sa_handler = [](int) {
+    if (haptic::MotorControl* control = motors)
+      control->enable();
+  };
+  sigaction(SIGUSR2, &action, nullptr);
+  action.sa_handler = SIG_IGN; // a client that is gone
+  sigaction(SIGPIPE, &action, nullptr);
+}
+
+void say(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+int serve(Station& station, const Options& options, phantom::Trace& trace) {
+  const auto drain = [&] {
+    haptic::Report report;
+    while (station.exchange().trace.pop(report))
+      trace.write(report);
+  };
+  std::string trouble;
+  for (int looks = 0; !stop && !(options.once && station.deserted()); ++looks) {
+    drain();
+    for (const std::string& line : station.take_news())
+      say(line);
+    if (looks % kLooksBetweenTroubles == 0)
+      if (std::string now = station.trouble(); now != trouble) {
+        trouble = std::move(now);
+        if (!trouble.empty())
+          std::fprintf(stderr, "haptic_server: %s\n", trouble.c_str());
+      }
+    std::this_thread::sleep_for(kLook);
+  }
+  motors = nullptr;
+  alarm(kEnd_s);
+  station.close();
+  drain();
+  for (const std::string& line : station.take_news())
+    say(line);
+  if (station.exchange().trace.dropped() > 0)
+    std::fprintf(stderr, "haptic_server: %llu ticks are missing in the trace\n",
+                 static_cast<unsigned long long>(station.exchange().trace.dropped()));
+  if (const std::string failure = trace.close(); !failure.empty())
+    return std::fprintf(stderr, "haptic_server: %s: %s\n", options.trace.c_str(), failure.c_str()),
+           1;
+  say("haptic_server: ended with no force");
+  return 0;
+}
+
+} // namespace
+
+int main(int count, char** words) {
+  const ParsedOptions parsed = parse_options(count, words);
+  if (!parsed.error.empty())
+    return std::fprintf(stderr, "haptic_server: %s\n", parsed.error.c_str()), 2;
+  const Options& options = parsed.options;
+  if (options.help)
+    return std::printf("%s", usage()), 0;
+  phantom::Trace trace;
+  if (!options.trace.empty())
+    if (const std::string failure = trace.open(options.trace); !failure.empty())
+      return std::fprintf(stderr, "haptic_server: cannot write %s: %s\n", options.trace.c_str(),
+                          failure.c_str()),
+             1;
+  listen_for_signals();
+  Station station;
+  if (const std::string error = station.open(options); !error.empty())
+    return std::fprintf(stderr, "haptic_server: %s\n", error.c_str()), 1;
+  motors = &station.exchange().motors;
+  say("haptic_server: " + station.description());
+  return serve(station, options, trace);
+}

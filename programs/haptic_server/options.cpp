@@ -1,0 +1,132 @@
+#include "programs/haptic_server/options.hpp"
+
+#include <charconv>
+#include <sstream>
+#include <string_view>
+
+namespace tactus::haptic_server {
+namespace {
+
+std::optional<double> number(std::string_view text, double min, double max) {
+  double value = 0;
+  const auto [stopped, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failed != std::errc() || stopped != text.data() + text.size() ||
+      !(value >= min && value <= max))
+    return {};
+  return value;
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;)
+    words.push_back(word);
+  return words;
+}
+
+/// One option with its value; false when the value is not understood.
+bool set(const std::string& name, const std::string& value, Options& options) {
+  const auto real = [&](double min, double max, auto& target) {
+    const auto parsed = number(value, min, max);
+    if (parsed)
+      target = *parsed;
+    return parsed.has_value();
+  };
+  if (name == "--device") {
+    const auto colon = value.find(':');
+    options.driver = value.substr(0, colon);
+    options.which = colon == std::string::npos ? "" : value.substr(colon + 1);
+    return !options.driver.empty();
+  }
+  if (name == "--port") {
+    double port = 0;
+    if (!real(0, 65535, port) || port != static_cast<int>(port))
+      return false;
+    options.port = static_cast<int>(port);
+    return true;
+  }
+  if (name == "--hand")
+    return options.hand = value,
+           value == "free" || value == "rigid" || value == "spring" || value == "person";
+  if (name == "--set")
+    return options.settings.push_back(words_of(value)), true;
+  if (name == "--listen")
+    return options.listen = value, true;
+  if (name == "--token")
+    return options.token_file = value, true;
+  if (name == "--trace")
+    return options.trace = value, true;
+  if (name == "--path")
+    return options.path = value, true;
+  if (name == "--force-limit")
+    return real(0.01, 40, options.force_limit_n);
+  if (name == "--stiffness-limit")
+    return real(0, 20000, options.stiffness_limit_n_per_m);
+  if (name == "--damping-limit")
+    return real(0, 1000, options.damping_limit_n_s_per_m);
+  if (name == "--grab-radius")
+    return real(0, 1000, options.grab_radius_mm);
+  return name == "--rate" && real(200, 4000, options.rate_hz);
+}
+
+constexpr std::string_view kWithValue[] = {
+    "--device",          "--set",           "--port",       "--listen", "--token",
+    "--force-limit",     "--rate",          "--trace",      "--path",   "--hand",
+    "--stiffness-limit", "--damping-limit", "--grab-radius"};
+
+} // namespace
+
+const char* usage() noexcept {
+  return "haptic_server [--device DRIVER[:WHICH]] [--set \"NAME VALUE\"]... [--port N]\n"
+         "              [--listen ADDRESS --token FILE] [--force-limit N] [--once] ...\n"
+         "\n"
+         "Serves a haptic device to clients on this machine, or on others: "
+         "docs/haptic_network.md.\n"
+         "\n"
+         "  --device           simulated, falcon, hid, openhaptics, dhd, haply, evdev; WHICH is "
+         "an\n"
+         "                     index, a serial number or a path (simulated)\n"
+         "  --set              one setting of the device, as [phantom] takes it: --set \"peak 3\"\n"
+         "  --port             0..65535; 0 takes one that is free (7770)\n"
+         "  --listen           a numeric address besides this machine's own; needs --token\n"
+         "  --token            a file of 16 to 1024 bytes whose text every client must bring\n"
+         "  --force-limit      N, 0.01..40; no client can raise it (8, or the device's peak)\n"
+         "  --stiffness-limit  N/m, of a client's spring (0.6 of the device's, or 500)\n"
+         "  --damping-limit    N s/m, of a client's damper (the device's, or 5)\n"
+         "  --grab-radius      mm, between the handle and a control point it can drag (10)\n"
+         "  --rate             ticks a second, 200..4000 (1000)\n"
+         "  --trace            a CSV file with one row a tick: position, velocity, force\n"
+         "  --hand             simulated: free, rigid, spring or person holds the handle (spring)\n"
+         "  --path             simulated: a file of rows `ms x y z [buttons]`, mm, for that hand\n"
+         "  --once             end when the last client has left\n"
+         "\n"
+         "SIGINT and SIGTERM end it with no force. SIGUSR1 is an emergency stop, which no client "
+         "can\n"
+         "release; SIGUSR2 releases it, and the motors stay off until a client says start.\n";
+}
+
+ParsedOptions parse_options(int count, const char* const* words) {
+  ParsedOptions parsed;
+  for (int i = 1; i < count; ++i) {
+    const std::string name = words[i];
+    if (name == "--once") {
+      parsed.options.once = true;
+    } else if (name == "--help" || name == "-h") {
+      parsed.options.help = true;
+    } else {
+      bool known = false;
+      for (const std::string_view one : kWithValue)
+        known = known || name == one;
+      if (!known)
+        return {{}, "there is no option " + name + "; --help shows all"};
+      if (i + 1 == count)
+        return {{}, name + " lacks its value"};
+      const std::string value = words[++i];
+      if (!set(name, value, parsed.options))
+        return {{}, name + " " + value + " is not understood or out of range; --help shows it"};
+    }
+  }
+  return parsed;
+}
+
+} // namespace tactus::haptic_server

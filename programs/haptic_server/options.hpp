@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactus::haptic_server {
+
+struct Options {
+  std::string driver = "simulated", which; ///< `--device DRIVER[:WHICH]`
+  std::vector<std::vector<std::string>> settings;
+  int port = 7770;
+  std::string listen, token_file, trace, path, hand = "spring";
+  std::optional<double> force_limit_n, stiffness_limit_n_per_m, damping_limit_n_s_per_m;
+  double grab_radius_mm = 10, rate_hz = 1000;
+  bool once = false, help = false;
+};
+
+struct ParsedOptions {
+  Options options;
+  std::string error; ///< one sentence
+};
+[[nodiscard]] ParsedOptions parse_options(int count, const char* const* words);
+[[nodiscard]] const char* usage() noexcept;
+
+} // namespace tactus::haptic_server

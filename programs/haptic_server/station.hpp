@@ -1,0 +1,57 @@
+#pragma once
+
+#include "core/haptic/simulated_device.hpp"
+#include "devices/servo_thread.hpp"
+#include "net/servo_link.hpp"
+#include "net/tcp_server.hpp"
+#include "programs/haptic_server/options.hpp"
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace tactus::haptic_server {
+
+/// A device, its servo in a thread, and the server in another. Neither thread waits for the other;
+/// that of the network has no priority, so that a flood cannot keep the servo from its ticks.
+class Station {
+public:
+  ~Station();
+
+  /// Empty when it serves, else what to do.
+  [[nodiscard]] std::string open(const Options& options);
+  /// Tells every client, ends the force, closes the device.
+  void close();
+
+  /// One line: which device, with which force, where.
+  [[nodiscard]] std::string description() const;
+  [[nodiscard]] std::vector<std::string> take_news();
+  /// Clients were there and all have left.
+  [[nodiscard]] bool deserted() const noexcept { return deserted_; }
+  [[nodiscard]] haptic::Exchange& exchange() noexcept { return servo_.exchange(); }
+  [[nodiscard]] std::string trouble() const { return device_ ? device_->trouble() : std::string(); }
+
+private:
+  [[nodiscard]] std::string make_device(const Options& options);
+  [[nodiscard]] std::string hold_simulated(const Options& options);
+  [[nodiscard]] std::string serve(const Options& options, const std::string& token);
+  void tick(double now_s);
+
+  std::unique_ptr<haptic::Backend> device_;
+  haptic::SimulatedDevice* simulated_ = nullptr;
+  haptic::Servo servo_;
+  net::RenderModel model_;
+  devices::ServoThread servo_thread_;
+  std::unique_ptr<net::Server> server_;
+  std::unique_ptr<net::ServoLink> link_;
+  std::unique_ptr<net::TcpServer> sockets_;
+  std::thread network_;
+
+  std::mutex guard_;
+  std::vector<std::string> news_;
+  std::atomic<bool> deserted_{false};
+};
+
+} // namespace tactus::haptic_server
