@@ -1,6 +1,6 @@
 #include "net/tcp_server.hpp"
 
-#include "net/clock.hpp"
+#include "core/haptic/force_timeout.hpp"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -18,6 +18,8 @@ using Error = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
 namespace {
+
+double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
 constexpr auto kTick = std::chrono::milliseconds(1);
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);

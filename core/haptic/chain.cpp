@@ -96,7 +96,7 @@ void observe(ChainState& state, const ChainSettings& settings, const Vec3& posit
 double force_limit(ChainState& state, const ChainSettings& settings, double elapsed_s,
                    bool warm) noexcept {
   // True time, since late ticks hold the force for longer; drivers end the force of a servo that
-  // stalls for more than this (devices/force_timeout.hpp).
+  // stalls for more than this (core/haptic/force_timeout.hpp).
   constexpr double kLongestHeld_s = 0.05;
   const ThermalSettings motors{std::min(elapsed_s, kLongestHeld_s), settings.force_limit_n,
                                settings.device.continuous_force_n};

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/haptic/device.hpp"
+#include "core/haptic/force_timeout.hpp"
 #include "devices/evdev/effect.hpp"
-#include "devices/force_timeout.hpp"
 
 #include <array>
 #include <atomic>
@@ -65,7 +65,7 @@ private:
   std::mutex wish_guard_;
   Wish wish_, taken_;
 
-  TimedMailbox<haptic::Vec3> forces_;
+  haptic::TimedMailbox<haptic::Vec3> forces_;
   std::thread sender_;
   std::atomic<bool> stop_{false};
   ff_effect effect_{};

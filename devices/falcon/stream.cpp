@@ -20,7 +20,7 @@ constexpr double kRepeat_s = 0.020; // of the order without force, while the ser
 constexpr auto kFarewell = std::chrono::milliseconds(200);
 constexpr auto kCancel = std::chrono::milliseconds(250);
 
-double now_s() noexcept { return ForceTimeout::now_s(); }
+double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
 
 Order scaled(Order order, double gain) noexcept {
   for (std::int16_t& motor : order.motors)
@@ -184,7 +184,7 @@ Stream::Transfer* Stream::free_out(double since_s) noexcept {
 
 void Stream::send_orders() noexcept {
   raise_thread_priority(kDeviceThreadPriority);
-  ForceTimeout timeout;
+  haptic::ForceTimeout timeout;
   Numbered newest;
   bool unsent = false;
   double sent_s = 0;
@@ -236,7 +236,7 @@ void Stream::handle_events() noexcept {
       if (idle() || Clock::now() > end)
         return;
     }
-    if (now_s() - written_s_.load(std::memory_order_relaxed) >= ForceTimeout::kTimeout_s)
+    if (now_s() - written_s_.load(std::memory_order_relaxed) >= haptic::ForceTimeout::kTimeout_s)
       wake(); // the sender ends the force of a servo that stalls
     timeval most{0, 20000};
     link_.usb().handle_events_timeout_completed(link_.context(), &most, nullptr);

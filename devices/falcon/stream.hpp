@@ -1,9 +1,9 @@
 #pragma once
 
+#include "core/haptic/force_timeout.hpp"
 #include "core/haptic/mailbox.hpp"
 #include "devices/falcon/link.hpp"
 #include "devices/falcon/packet.hpp"
-#include "devices/force_timeout.hpp"
 
 #include <array>
 #include <atomic>

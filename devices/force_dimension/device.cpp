@@ -271,7 +271,7 @@ int Device::send(const Vec3& force_n, const haptic::WristCommand& wrist) noexcep
 }
 
 bool Device::write_device(const Vec3& force_n) noexcept {
-  const double now_s = ForceTimeout::now_s();
+  const double now_s = haptic::ForceTimeout::now_s();
   const double share = timeout_.gain(std::exchange(written_s_, now_s), now_s);
   const bool none = force_n == Vec3{};
   quiet_ticks_ = none ? std::min(quiet_ticks_ + 1, kQuiet_ticks) : 0;

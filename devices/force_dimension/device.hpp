@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/haptic/device.hpp"
+#include "core/haptic/force_timeout.hpp"
 #include "devices/force_dimension/dhd_library.hpp"
 #include "devices/force_dimension/stall_guard.hpp"
-#include "devices/force_timeout.hpp"
 #include "devices/open_devices.hpp"
 
 #include <array>
@@ -60,7 +60,7 @@ private:
 
   // The servo's thread
   std::array<int, kLongestStatus> status_{};
-  ForceTimeout timeout_{};
+  haptic::ForceTimeout timeout_{};
   double written_s_ = -1e9;
   haptic::Vec3 last_position_{};
   haptic::WristCommand wrist_command_{};  // of the next write

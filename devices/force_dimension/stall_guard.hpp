@@ -1,6 +1,6 @@
 #pragma once
 
-#include "devices/force_timeout.hpp"
+#include "core/haptic/force_timeout.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -22,7 +22,7 @@ public:
   [[nodiscard]] std::string start(void (*end_force)(void* context) noexcept, void* context) {
     stop();
     stopping_ = false;
-    seen_s_ = ForceTimeout::now_s();
+    seen_s_ = haptic::ForceTimeout::now_s();
     try {
       thread_ = std::thread([this, end_force, context] { watch(end_force, context); });
     } catch (const std::system_error&) {
@@ -40,7 +40,7 @@ public:
   /// device.
   [[nodiscard]] bool enter() noexcept { return !busy_.exchange(true, std::memory_order_acquire); }
   void leave() noexcept {
-    seen_s_.store(ForceTimeout::now_s(), std::memory_order_relaxed);
+    seen_s_.store(haptic::ForceTimeout::now_s(), std::memory_order_relaxed);
     busy_.store(false, std::memory_order_release);
   }
 
@@ -48,8 +48,8 @@ private:
   void watch(void (*end_force)(void*) noexcept, void* context) noexcept {
     while (!stopping_) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      if (ForceTimeout::now_s() - seen_s_.load(std::memory_order_relaxed) <
-              ForceTimeout::kTimeout_s ||
+      if (haptic::ForceTimeout::now_s() - seen_s_.load(std::memory_order_relaxed) <
+              haptic::ForceTimeout::kTimeout_s ||
           !enter())
         continue;
       end_force(context);

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/haptic/device.hpp"
+#include "core/haptic/force_timeout.hpp"
 #include "core/haptic/mailbox.hpp"
-#include "devices/force_timeout.hpp"
 #include "devices/haply/protocol.hpp"
 
 #include <atomic>
@@ -79,7 +79,7 @@ private:
   std::thread thread_;
   std::atomic<bool> stop_{false}, leaving_{false}, cancelled_{false};
   haptic::Mailbox<Sample> samples_;
-  TimedMailbox<haptic::Vec3> forces_;
+  haptic::TimedMailbox<haptic::Vec3> forces_;
 
   std::atomic<bool> centred_{false};
 

@@ -111,7 +111,7 @@ void Phantom::on_setting(Words words, Host& host, std::string_view name) {
     texts.emplace_back(name);
   for (const Atom& word : words)
     texts.push_back(text_of(word));
-  if ((texts[0] == "firmware" || texts[0] == "table") && texts.size() == 2) {
+  if ((texts[0] == "firmware" || texts[0] == "table" || texts[0] == "token") && texts.size() == 2) {
     std::string found = host.find_file(texts[1]);
     if (found.empty())
       return host.error(texts[0] + " " + texts[1] +

@@ -1,6 +1,7 @@
 #include "externals/phantom/phantom.hpp"
 
 #include "externals/phantom/estop_latches.hpp"
+#include "externals/phantom/net_driver.hpp"
 #include "externals/phantom/signal_link_name.hpp"
 #include "externals/phantom/tags.hpp"
 
@@ -30,6 +31,7 @@ constexpr std::uint64_t kOfferEvery = 64; // ticks
 using namespace phantom;
 
 Phantom::Phantom() {
+  add_net_driver();
   for (std::size_t i = 0; i < kParameters.size(); ++i)
     values_[i] = kParameters[i].initial;
   settle();

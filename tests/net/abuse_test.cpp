@@ -8,7 +8,7 @@ using namespace tactus::net;
 
 TEST_CASE("20 bad packets within a second end a connection") {
   Rig rig(usual());
-  Client fast(rig), slow(rig);
+  TestClient fast(rig), slow(rig);
   fast.hello();
   slow.hello();
   for (int i = 0; i < 19; ++i)
@@ -26,7 +26,7 @@ TEST_CASE("20 bad packets within a second end a connection") {
 
 TEST_CASE("a broken frame ends a connection and its force") {
   Rig rig(usual());
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.say("hap start force");
   client.send_bytes({0xFF, 0xFF, 0xFF, 0xFF});
@@ -39,7 +39,7 @@ TEST_CASE("a broken frame ends a connection and its force") {
 
 TEST_CASE("a flood is cut to 5000 packets a second, and the rest is no sign of life") {
   Rig rig(usual());
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.say("hap start force");
   client.heard();
@@ -57,7 +57,7 @@ TEST_CASE("a flood is cut to 5000 packets a second, and the rest is no sign of l
 
 TEST_CASE("a half-sent frame is given 2 s, a byte a second too") {
   Rig rig(usual());
-  Client half(rig), dribble(rig), good(rig);
+  TestClient half(rig), dribble(rig), good(rig);
   half.hello();
   dribble.hello();
   good.hello();
@@ -79,7 +79,7 @@ TEST_CASE("a half-sent frame is given 2 s, a byte a second too") {
 
 TEST_CASE("frames that come in pieces in time are no half-sent frame") {
   Rig rig(usual());
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   const Bytes bytes = frame(Framing::kLength, Message(Address::kPing).integer(1));
   for (int i = 0; i < 60; ++i) { // there is always a frame open
@@ -93,7 +93,7 @@ TEST_CASE("frames that come in pieces in time are no half-sent frame") {
 
 TEST_CASE("a client that does not read loses positions, never events, and is let go at 1 MiB") {
   Rig rig(usual());
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.say("hap subscribe pos 1000");
   client.heard();
@@ -145,7 +145,7 @@ TEST_CASE("tokens: wrong ones are refused, three lock out for ten seconds") {
   settings.token = "correct horse battery";
   Rig rig(settings);
   const auto attempt = [&](const std::string& token, std::string_view peer = "10.0.0.1") {
-    Client client(rig, Framing::kLength, peer);
+    TestClient client(rig, Framing::kLength, peer);
     client.hello("control", token);
     std::string answer = client.heard().front();
     answer = answer.substr(0, answer.find(' ', answer.find(' ') + 1));
@@ -191,10 +191,10 @@ TEST_CASE("the comparison of tokens looks at every byte") {
 TEST_CASE("random bytes never stop the server from answering") {
   Rig rig(usual());
   std::mt19937 random(5);
-  Client good(rig);
+  TestClient good(rig);
   good.hello();
   for (int round = 0; round < 300; ++round) {
-    Client client(rig, static_cast<Framing>(random() % 3));
+    TestClient client(rig, static_cast<Framing>(random() % 3));
     client.hello();
     for (int i = 0; i < 20 && !client.closing(); ++i) {
       Bytes bytes(random() % 200);

@@ -50,9 +50,10 @@ struct Rig {
 };
 
 /// One connection to it, in any framing.
-class Client {
+class TestClient {
 public:
-  explicit Client(Rig& rig, Framing framing = Framing::kLength, std::string_view peer = "127.0.0.1")
+  explicit TestClient(Rig& rig, Framing framing = Framing::kLength,
+                      std::string_view peer = "127.0.0.1")
       : rig_(rig), framing_(framing) {
     const auto id = rig.server.connect(peer, rig.now_s);
     REQUIRE(id.has_value());

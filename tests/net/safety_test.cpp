@@ -10,7 +10,7 @@ namespace {
 /// A client in control whose force of 2 N has come up.
 struct Pushing {
   Rig rig{usual()};
-  Client client{rig};
+  TestClient client{rig};
   Pushing() {
     client.hello();
     client.say("hap start force");
@@ -80,7 +80,7 @@ TEST_CASE("pings after a silence bring no old force back") {
 
 TEST_CASE("a client silent for 5 s is shown out, not one that pings") {
   Rig rig(usual());
-  Client silent(rig), pinging(rig), wordless(rig);
+  TestClient silent(rig), pinging(rig), wordless(rig);
   silent.hello();
   pinging.hello("observe");
   for (int i = 0; i < 49; ++i) {
@@ -101,7 +101,7 @@ TEST_CASE("a controlling client that is shown out controls no more") {
   p.rig.run(5.2);
   CHECK(p.client.closing());
   CHECK(!p.rig.server.orders().running);
-  Client next(p.rig);
+  TestClient next(p.rig);
   next.hello();
   next.say("hap start force");
   CHECK(p.rig.server.orders().running);
@@ -171,7 +171,7 @@ TEST_CASE("another client's limit is its own") {
   Pushing p;
   p.client.say("hap forcemax 0.5");
   p.client.say("hap stop");
-  Client other(p.rig);
+  TestClient other(p.rig);
   other.hello();
   other.say("hap start force");
   for (int i = 0; i < 8; ++i) {
@@ -230,7 +230,7 @@ TEST_CASE("a fault of the device ends control; a new start tries again") {
   Rig rig(usual());
   Failing device;
   rig.servo.attach(device, &rig.model);
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.say("hap start force");
   const auto push = [&] {
@@ -264,7 +264,7 @@ TEST_CASE("a servo without its server ends the force by itself") {
 TEST_CASE("feedback becomes a spring at the anchor") {
   Rig rig(usual());
   rig.hold({0.013, 0, 0});
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.say("hap gains 0 400 0 4");
   client.say("hap anchor 10 0 0");
@@ -286,7 +286,7 @@ TEST_CASE("without an anchor the spring begins where the handle is") {
   Rig rig(usual());
   rig.hold({0.02, 0.01, 0});
   rig.run(0.01);
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.say("hap gains 100 100 0 0");
   client.say("hap start spring");
@@ -311,7 +311,7 @@ TEST_CASE("feedback is interpolated over the time between two values") {
 
 TEST_CASE("gains are cut to what the device renders stably, and said") {
   Rig rig(usual());
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.heard();
   client.say("hap gains 100 100000 1 1000");

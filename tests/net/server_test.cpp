@@ -13,7 +13,7 @@ constexpr Framing kFramings[] = {Framing::kSlip, Framing::kLength, Framing::kFud
 TEST_CASE("hello is answered with the device and its limits, in the client's framing") {
   for (const Framing framing : kFramings) {
     Rig rig(usual());
-    Client client(rig, framing);
+    TestClient client(rig, framing);
     client.hello();
     const auto lines = client.heard();
     REQUIRE(lines.size() == 3);
@@ -26,7 +26,7 @@ TEST_CASE("hello is answered with the device and its limits, in the client's fra
 TEST_CASE("three framings give the same command") {
   for (const Framing framing : kFramings) {
     Rig rig(usual());
-    Client client(rig, framing);
+    TestClient client(rig, framing);
     client.hello();
     client.say("hap start force");
     client.say("hap force 1 -2 0.5");
@@ -37,7 +37,7 @@ TEST_CASE("three framings give the same command") {
 
 TEST_CASE("a command in bytes from outside becomes the force at the device") {
   Rig rig(usual());
-  Client client(rig, Framing::kSlip);
+  TestClient client(rig, Framing::kSlip);
   client.hello();
   client.say("hap start force");
   client.send_bytes(Bytes{0xC0} + [] {
@@ -60,7 +60,7 @@ TEST_CASE("a command in bytes from outside becomes the force at the device") {
 
 TEST_CASE("the first start wins; others are busy until it stops or is gone") {
   Rig rig(usual());
-  Client first(rig), second(rig);
+  TestClient first(rig), second(rig);
   first.hello();
   second.hello();
   first.say("hap start force");
@@ -85,7 +85,7 @@ TEST_CASE("the first start wins; others are busy until it stops or is gone") {
 
 TEST_CASE("an observer hears everything and changes nothing") {
   Rig rig(usual());
-  Client control(rig), observer(rig);
+  TestClient control(rig), observer(rig);
   control.hello();
   observer.hello("observe");
   observer.heard();
@@ -107,7 +107,7 @@ TEST_CASE("an observer hears everything and changes nothing") {
 
 TEST_CASE("nothing but hello is taken before hello; ping is, where no token is needed") {
   Rig rig(usual());
-  Client client(rig);
+  TestClient client(rig);
   client.say("hap start force");
   CHECK(client.hears("error 'hello'"));
   client.say("hap ping 9");
@@ -115,14 +115,14 @@ TEST_CASE("nothing but hello is taken before hello; ping is, where no token is n
   ServerSettings guarded = usual();
   guarded.token = "sixteen bytes long";
   Rig other(guarded);
-  Client stranger(other);
+  TestClient stranger(other);
   stranger.say("hap ping 9");
   CHECK(stranger.hears("error 'hello'"));
 }
 
 TEST_CASE("versions: a newer client is told ours, an older one is shown out") {
   Rig rig(usual());
-  Client newer(rig), older(rig);
+  TestClient newer(rig), older(rig);
   newer.send(Message(Address::kHello).integer(7).string("n").string("control").string(""));
   CHECK(newer.hears("welcome 1.000000"));
   older.send(Message(Address::kHello).integer(0).string("n").string("control").string(""));
@@ -132,7 +132,7 @@ TEST_CASE("versions: a newer client is told ours, an older one is shown out") {
 
 TEST_CASE("an unknown address is told and ignored, a second hello too") {
   Rig rig(usual());
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.heard();
   for (int i = 0; i < 30; ++i) // no bad packet
@@ -160,7 +160,7 @@ TEST_CASE("eight clients, not nine") {
 TEST_CASE("streams have their rate and skip what they missed") {
   Rig rig(usual());
   rig.hold({0.01, -0.02, 0.03});
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.heard();
   rig.run(0.01);
@@ -189,7 +189,7 @@ TEST_CASE("streams have their rate and skip what they missed") {
 
 TEST_CASE("control points are replaced as a whole") {
   Rig rig(usual());
-  Client client(rig);
+  TestClient client(rig);
   client.hello();
   client.say("hap start spring");
   client.say("hap cp begin 2");
@@ -211,7 +211,7 @@ TEST_CASE("control points are replaced as a whole") {
 
 TEST_CASE("the first button drags the nearest point, within the client's workspace") {
   Rig rig(usual());
-  Client client(rig), observer(rig);
+  TestClient client(rig), observer(rig);
   client.hello();
   observer.hello("observe");
   client.say("hap cp begin 2");

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
-namespace tactus::devices {
+namespace tactus::haptic {
 
 /// What every driver does that keeps a force by itself - in a thread of its own, or in a device
 /// that holds its last command: a servo that has not written for 50 ms gets no force, however the
@@ -32,8 +32,8 @@ public:
 
   /// The clock of all drivers' threads, s.
   [[nodiscard]] static double now_s() noexcept {
-    using Clock = std::chrono::steady_clock;
-    return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+    using Steady = std::chrono::steady_clock;
+    return std::chrono::duration<double>(Steady::now().time_since_epoch()).count();
   }
 
 private:
@@ -64,9 +64,9 @@ private:
     Command command{};
     double written_s = -1e9;
   };
-  haptic::Mailbox<Timed> box_;
+  Mailbox<Timed> box_;
   ForceTimeout timeout_{};
   double gain_ = 0;
 };
 
-} // namespace tactus::devices
+} // namespace tactus::haptic

@@ -1,0 +1,122 @@
+#pragma once
+
+#include "core/dsp/random.hpp"
+#include "core/haptic/device.hpp"
+#include "core/haptic/workspace.hpp"
+#include "net/framing.hpp"
+#include "net/limits.hpp"
+#include "net/out_queue.hpp"
+#include "net/render_model.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactus::net {
+
+/// Pauses between attempts to connect: 0.25, 0.5, 1, 2 and then 4 s, each by up to 20 % longer or
+/// shorter, so that many clients do not come back at the same moment.
+class Backoff {
+public:
+  static constexpr double kFirst_s = 0.25, kMax_s = 4, kSpread = 0.2;
+  explicit Backoff(std::uint64_t seed) noexcept : random_(seed) {}
+  [[nodiscard]] double next() noexcept {
+    const double pause_s = pause_s_ * (1 + kSpread * (2 * random_.uniform() - 1));
+    pause_s_ = std::min(2 * pause_s_, kMax_s);
+    return pause_s;
+  }
+  /// The connection has worked.
+  void reset() noexcept { pause_s_ = kFirst_s; }
+
+private:
+  Random random_;
+  double pause_s_ = kFirst_s;
+};
+
+/// What a client sets up, now and after every new connection. m, N
+struct ClientSetup {
+  std::optional<haptic::Workspace> workspace{};
+  std::vector<haptic::Vec3> points{};
+  std::optional<stress::RenderGains> gains{};
+  std::optional<haptic::Vec3> anchor{};
+  std::optional<double> force_limit_n{};
+};
+
+/// What the server said of its device.
+struct Welcome {
+  std::string device, model;
+  int axes = 3;
+  double force_limit_n = 0, rate_hz = 1000;
+  haptic::Workspace workspace{}; ///< m
+  double stiffness_limit_n_per_m = 0, damping_limit_n_s_per_m = 0;
+};
+
+struct ClientSettings {
+  std::string name = "tactus", token{};
+  double position_hz = 1000;
+};
+
+/// The protocol's client without sockets, threads and clocks, as Server is. After every connection
+/// the motors are off until start() is called again: what was wished before is not taken up.
+class Client {
+public:
+  static constexpr double kWelcome_s = 2; ///< to wait for it
+  static constexpr double kSilence_s = 2; ///< of the server, then the connection is given up
+
+  explicit Client(ClientSettings settings = {}) : settings_(std::move(settings)) {}
+
+  /// Of a fresh connection; the setup goes out behind hello.
+  void connect(double now_s);
+  void disconnect() noexcept;
+  /// False when the connection is to be ended; trouble() says why.
+  [[nodiscard]] bool receive(std::span<const std::uint8_t> bytes, double now_s);
+  /// Once a millisecond or so: pings. False as receive().
+  [[nodiscard]] bool advance(double now_s);
+
+  void set(ClientSetup setup);
+  void start(RenderMode mode);
+  void stop();
+  void send_force(const haptic::Vec3& force_n);
+  void send_feedback(const haptic::Vec3& gamma);
+
+  [[nodiscard]] OutQueue& out() noexcept { return out_; }
+  /// Welcome, and the first position is there.
+  [[nodiscard]] bool ready() const noexcept { return ready_; }
+  /// start() has been called and the server has not ended it.
+  [[nodiscard]] bool in_control() const noexcept { return in_control_; }
+  [[nodiscard]] const Welcome& welcome() const noexcept { return welcome_; }
+  [[nodiscard]] const haptic::Vec3& position() const noexcept { return position_; } ///< m
+  [[nodiscard]] double position_s() const noexcept { return position_s_; } ///< of its arrival
+  [[nodiscard]] std::uint32_t buttons() const noexcept { return buttons_; }
+  /// Counts the times that the server refused or ended our control.
+  [[nodiscard]] std::uint32_t refusals() const noexcept { return refusals_; }
+  /// The shortest measured, s; nothing before the first pong.
+  [[nodiscard]] std::optional<double> round_trip_s() const noexcept { return round_trip_s_; }
+  /// The last that was wrong, one sentence; empty when all is well.
+  [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
+
+private:
+  void send(const Message& message);
+  void send_setup();
+  void take(const Message& message, double now_s);
+  void take_welcome(const Message& message);
+  void take_status(const Message& message);
+  void take_error(const Message& message);
+  void lose_control();
+
+  ClientSettings settings_;
+  ClientSetup setup_{};
+  FrameReader reader_{};
+  OutQueue out_{};
+  Welcome welcome_{};
+  bool welcomed_ = false, ready_ = false, in_control_ = false, ended_ = false;
+  double heard_s_ = 0, pinged_s_ = 0, connected_s_ = 0;
+  std::int32_t ping_ = 0, force_ = 0, feedback_ = 0;
+  haptic::Vec3 position_{};
+  double position_s_ = -1e9;
+  std::uint32_t buttons_ = 0, refusals_ = 0;
+  std::optional<double> round_trip_s_{};
+  std::string trouble_{};
+};
+
+} // namespace tactus::net

@@ -1,0 +1,292 @@
+#include "net/remote_device.hpp"
+
+#include "net/remote_wire.hpp"
+#include "net/token_file.hpp"
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include <unistd.h>
+
+namespace tactus::net {
+namespace {
+
+using haptic::State;
+using haptic::Vec3;
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+constexpr double kConnect_s = 2, kPatience_s = 4;
+constexpr double kStale_s = 0.05; ///< no force upon older positions
+/// As long as the servo takes to see a failure, and more.
+constexpr double kNoticed_s = 0.1;
+constexpr double kRepeat_s = 0.1;    ///< of a force that stays
+constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
+constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits
+constexpr auto kLook = std::chrono::milliseconds(5);
+
+double now_s() noexcept { return haptic::ForceTimeout::now_s(); }
+
+/// A whole number from 1 to 65535; 0 when the text is none.
+int port_of(const std::string& text) noexcept {
+  int port = 0;
+  const char* end = text.data() + text.size();
+  const auto [stopped, failed] = std::from_chars(text.data(), end, port);
+  return failed == std::errc() && stopped == end && port >= 1 && port <= 65535 ? port : 0;
+}
+
+} // namespace
+
+RemoteDevice::RemoteDevice() = default;
+RemoteDevice::~RemoteDevice() { close(); }
+
+std::string RemoteDevice::configure(std::span<const std::string> words) {
+  const std::lock_guard lock(guard_);
+  const auto refused_port = [](const std::string& port) {
+    return "net: the port " + port + " is no whole number from 1 to 65535";
+  };
+  if (words.size() == 2 && words[0] == "token") {
+    TokenFile file = read_token_file(words[1]);
+    if (file.error.empty())
+      wish_.token = std::move(file.token);
+    return file.error.empty() ? std::string() : "net: " + file.error;
+  }
+  if (words.size() == 2 && words[0] == "rate") {
+    double rate_hz = 0;
+    const auto [end, failed] =
+        std::from_chars(words[1].data(), words[1].data() + words[1].size(), rate_hz);
+    if (failed != std::errc() || !(rate_hz >= 50 && rate_hz <= 4000))
+      return "net: the rate " + words[1] + " is not from 50 to 4000 Hz";
+    wish_.rate_hz = rate_hz;
+    return {};
+  }
+  if (words.size() == 2 && words[0] == "device") {
+    const auto colon = words[1].rfind(':');
+    const bool has_port = colon != std::string::npos && words[1].find(':') == colon;
+    const int port = has_port ? port_of(words[1].substr(colon + 1)) : kPort;
+    if (port == 0)
+      return refused_port(words[1].substr(colon + 1));
+    wish_.host = has_port ? words[1].substr(0, colon) : words[1];
+    wish_.port = port;
+    return {};
+  }
+  const bool named = words.size() == 3 && words[0] == "host";
+  if (named || words.size() == 2) {
+    const std::string &host = words[named ? 1 : 0], &port = words[named ? 2 : 1];
+    if (port_of(port) == 0)
+      return refused_port(port);
+    wish_.host = host;
+    wish_.port = port_of(port);
+    return {};
+  }
+  return "net: " + (words.empty() ? "nothing" : words[0]) +
+         " is not understood; there are: host HOST PORT, token FILE, rate HZ (50..4000)";
+}
+
+std::string RemoteDevice::open() {
+  close();
+  {
+    const std::lock_guard lock(guard_);
+    used_ = wish_;
+    trouble_.clear();
+    welcome_.reset();
+  }
+  sample_ = {};
+  samples_.write({});
+  forces_.reset();
+  down_until_s_ = failed_until_s_ = 0;
+  stop_ = cancelled_ = false;
+  try {
+    thread_ = std::thread([this] { serve(); });
+  } catch (const std::system_error&) {
+    return "net: no thread can be started for the connection: close other programs";
+  }
+  std::string sentence;
+  {
+    std::unique_lock lock(guard_);
+    const auto until =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(kPatience_s));
+    while (!welcome_ && !cancelled_ && Clock::now() < until)
+      changed_.wait_for(lock, kLook);
+    if (welcome_) {
+      settle_caps(*welcome_, round_trip_s_, used_.rate_hz);
+      return {};
+    }
+    sentence = cancelled_         ? "net: the opening was cancelled: open the device again"
+               : trouble_.empty() ? "net: the haptic server on " + used_.host + ":" +
+                                        std::to_string(used_.port) + " does not answer"
+                                  : "net: " + trouble_;
+  }
+  close();
+  return sentence;
+}
+
+void RemoteDevice::settle_caps(const Welcome& welcome, double round_trip_s,
+                               double rate_hz) noexcept {
+  const double period_s = 1 / rate_hz;
+  caps_ = {};
+  caps_.axes_in = caps_.axes_out = welcome.axes;
+  caps_.peak_force_n = welcome.force_limit_n;
+  // A sampled wall is stable up to 2 b / T (Colgate & Schenkel 1997), and the way there and back
+  // adds to T.
+  caps_.stiffness_limit_n_per_m =
+      welcome.stiffness_limit_n_per_m * period_s / (period_s + round_trip_s);
+  caps_.damping_limit_n_s_per_m =
+      welcome.damping_limit_n_s_per_m * period_s / (period_s + round_trip_s);
+  caps_.workspace_min = welcome.workspace.min;
+  caps_.workspace_max = welcome.workspace.max;
+  caps_.rate_hz = rate_hz;
+  caps_.position_noise_m = kRounding_m;
+  caps_.latency_ticks = 1 + static_cast<int>(std::ceil(round_trip_s / period_s));
+  caps_.has_buttons = true;
+  identity_ = {"tactus", welcome.device, used_.host + ":" + std::to_string(used_.port)};
+  last_position_ = (welcome.workspace.min + welcome.workspace.max) * 0.5;
+}
+
+void RemoteDevice::close() noexcept {
+  if (!thread_.joinable())
+    return;
+  stop_ = true;
+  thread_.join();
+}
+
+std::string RemoteDevice::trouble() const {
+  const std::lock_guard lock(guard_);
+  return trouble_.empty() ? std::string() : "net: " + trouble_;
+}
+
+void RemoteDevice::tell(const std::string& trouble) {
+  const std::lock_guard lock(guard_);
+  trouble_ = trouble;
+  changed_.notify_all();
+}
+
+bool RemoteDevice::read(const haptic::Tick& /*tick*/, State& state) noexcept {
+  samples_.read();
+  const Sample& sample = samples_.latest();
+  state = sample.state;
+  const double age_s = now_s() - sample.time_s;
+  if (!sample.connected || age_s >= net::kSilence_s)
+    return false;
+  haptic::check_reach(caps_, state, last_position_);
+  if (age_s >= kStale_s)
+    state.flags |= State::kUnreachable;
+  if (sample.failed)
+    state.flags |= State::kFault;
+  return true;
+}
+
+bool RemoteDevice::write(const Vec3& force_n) noexcept {
+  forces_.write(limited(force_n, caps_.peak_force_n));
+  return true;
+}
+
+void RemoteDevice::serve() noexcept {
+  try {
+    connect_and_talk();
+  } catch (const std::exception& error) {
+    tell(std::string("the connection ended: ") + error.what() + "; open the device again");
+  }
+  sample_.connected = false;
+  samples_.write(sample_);
+}
+
+void RemoteDevice::connect_and_talk() {
+  Backoff backoff{std::random_device{}()};
+  const std::string server = used_.host + ":" + std::to_string(used_.port);
+  while (!stop_) {
+    const auto wire = std::make_unique<Wire>(stop_);
+    std::string failure = wire->connect(used_.host, used_.port, kConnect_s);
+    if (failure.empty()) {
+      const double began_s = now_s();
+      failure = talk(*wire);
+      if (now_s() - began_s > 1)
+        backoff.reset();
+    } else {
+      failure =
+          "no haptic server answers on " + server + " (" + failure + "): start haptic_server there";
+    }
+    // The servo sees for long enough that there is no device, and stops its motors.
+    sample_.connected = false;
+    samples_.write(sample_);
+    down_until_s_ = now_s() + kNoticed_s;
+    if (stop_)
+      return;
+    tell(failure);
+    const auto until =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(backoff.next()));
+    while (!stop_ && Clock::now() < until)
+      std::this_thread::sleep_for(kLook);
+  }
+}
+
+std::string RemoteDevice::talk(Wire& wire) {
+  const auto client = std::make_unique<Client>(
+      ClientSettings{"tactus-" + std::to_string(getpid()), used_.token, used_.rate_hz});
+  may_start_ = false;
+  refusals_ = 0;
+  sent_force_ = {};
+  const double began_s = now_s();
+  client->connect(began_s);
+  wire.receive(*client);
+  bool told = false;
+  while (!stop_ && wire.open && !wire.refused && client->advance(now_s())) {
+    exchange(*client, now_s());
+    wire.send(client->out());
+    wire.run();
+    const bool measured = client->round_trip_s() && now_s() - began_s > kMeasure_s;
+    if (!told && client->ready() && measured) {
+      told = true;
+      const std::lock_guard lock(guard_);
+      welcome_ = client->welcome();
+      round_trip_s_ = *client->round_trip_s();
+      trouble_.clear();
+      changed_.notify_all();
+    }
+  }
+  if (stop_) {
+    client->stop();
+    wire.send(client->out());
+    return {};
+  }
+  const std::string server = used_.host + ":" + std::to_string(used_.port);
+  const std::string reason = client->trouble().empty() ? wire.failure : client->trouble();
+  return "the connection to the haptic server on " + server + " was lost (" + reason +
+         "): it is looked for again; then switch the motors on";
+}
+
+/// The newest of both directions.
+void RemoteDevice::exchange(Client& client, double now) {
+  const Vec3 newest = forces_.read();
+  const Vec3 force_n = newest * forces_.gain();
+  if (force_n == Vec3{})
+    may_start_ = true;
+  if (client.ready() && may_start_ && !client.in_control() && !(force_n == Vec3{})) {
+    client.start(RenderMode::kForce);
+    may_start_ = false;
+    sent_force_ = {};
+  }
+  const bool stays = force_n == sent_force_;
+  if (client.in_control() && (!stays || (!(force_n == Vec3{}) && now - sent_s_ >= kRepeat_s))) {
+    client.send_force(force_n);
+    sent_force_ = force_n;
+    sent_s_ = now;
+  }
+  if (client.refusals() != refusals_) {
+    refusals_ = client.refusals();
+    failed_until_s_ = now + kNoticed_s;
+    may_start_ = false;
+    tell(client.trouble());
+  }
+  sample_.connected = client.ready() && now >= down_until_s_;
+  sample_.failed = now < failed_until_s_;
+  sample_.time_s = client.position_s();
+  sample_.state.position = client.position();
+  sample_.state.buttons = client.buttons();
+  sample_.state.flags = State::kHomed;
+  samples_.write(sample_);
+}
+
+} // namespace tactus::net

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "core/haptic/force_timeout.hpp"
+#include "net/client.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace tactus::net {
+
+/// A haptic device behind a server of the haptic protocol, as any other device of core/haptic.
+/// Sockets live in a thread of their own, which the servo meets in two mailboxes. Positions older
+/// than 50 ms take the force away until they come again; a lost connection, 500 ms without a
+/// position and a server that stops the motors are a failure of the device, so that the motors stay
+/// off until somebody switches them on. A lost connection is taken up again by itself.
+class RemoteDevice final : public haptic::Backend {
+public:
+  RemoteDevice();
+  ~RemoteDevice() override;
+
+  [[nodiscard]] std::string open() override;
+  void cancel() noexcept override { cancelled_ = true; }
+  void close() noexcept override;
+  [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
+  [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
+  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
+  /// "HOST PORT", "device HOST" or "device HOST:PORT", "host HOST PORT", "token FILE", "rate HZ".
+  [[nodiscard]] std::string configure(std::span<const std::string> words) override;
+  [[nodiscard]] haptic::Identity identity() const override { return identity_; }
+  [[nodiscard]] std::string trouble() const override;
+
+private:
+  /// The newest that is known of the device.
+  struct Sample {
+    haptic::State state{};
+    double time_s = -1e9; ///< of its arrival
+    bool connected = false;
+    bool failed = false; ///< the server has ended our control
+  };
+  struct Wish {
+    std::string host = "127.0.0.1";
+    int port = kPort;
+    std::string token{};
+    double rate_hz = 1000;
+  };
+  struct Wire;
+
+  void serve() noexcept;
+  void connect_and_talk();
+  /// Until the connection is lost; why.
+  [[nodiscard]] std::string talk(Wire& wire);
+  void exchange(Client& client, double now_s);
+  void tell(const std::string& trouble);
+  void settle_caps(const Welcome& welcome, double round_trip_s, double rate_hz) noexcept;
+
+  haptic::Mailbox<Sample> samples_;
+  haptic::TimedMailbox<haptic::Vec3> forces_;
+  std::thread thread_;
+  std::atomic<bool> stop_{false}, cancelled_{false};
+
+  // The connection's thread
+  Sample sample_{};
+  double down_until_s_ = 0, failed_until_s_ = 0, sent_s_ = 0;
+  haptic::Vec3 sent_force_{};
+  bool may_start_ = false; ///< no force has been wanted since the connection, or since a refusal
+  std::uint32_t refusals_ = 0;
+
+  // The servo's
+  haptic::Vec3 last_position_{};
+  haptic::Caps caps_{};
+  haptic::Identity identity_{};
+
+  mutable std::mutex guard_;
+  std::condition_variable changed_;
+  Wish wish_{}, used_{};
+  std::string trouble_{};
+  std::optional<Welcome> welcome_{};
+  double round_trip_s_ = 0;
+};
+
+} // namespace tactus::net

@@ -1,0 +1,127 @@
+#include "net/remote_wire.hpp"
+
+#include <boost/asio/connect.hpp>
+
+#include <chrono>
+#include <system_error>
+
+namespace tactus::net {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using Error = boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+using Endpoints = std::vector<tcp::endpoint>;
+
+namespace {
+
+constexpr auto kLook = std::chrono::milliseconds(20);
+constexpr auto kTick = std::chrono::milliseconds(1);
+
+Clock::time_point after(double seconds) {
+  return Clock::now() +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+/// A look-up of a host's name cannot be broken off: it runs in a thread that may outlive who asked.
+std::string look_up(const std::string& host, int port, Clock::time_point until,
+                    const std::atomic<bool>& stop, Endpoints& endpoints) {
+  struct Lookup {
+    std::atomic<bool> done{false};
+    Error error;
+    Endpoints found;
+  };
+  const auto lookup = std::make_shared<Lookup>();
+  try {
+    std::thread([lookup, host, port] {
+      asio::io_context context{1};
+      tcp::resolver resolver{context};
+      for (const auto& one : resolver.resolve(host, std::to_string(port), lookup->error))
+        lookup->found.push_back(one.endpoint());
+      lookup->done = true;
+    }).detach();
+  } catch (const std::system_error&) {
+    return "no thread can be started to look up " + host;
+  }
+  while (!lookup->done) {
+    if (stop)
+      return "stopped";
+    if (Clock::now() > until)
+      return "the name " + host + " is not found in time";
+    std::this_thread::sleep_for(kTick);
+  }
+  endpoints = lookup->found;
+  return lookup->error ? lookup->error.message() : std::string();
+}
+
+} // namespace
+
+std::string RemoteDevice::Wire::connect(const std::string& host, int port, double timeout_s) {
+  const auto until = after(timeout_s);
+  Endpoints endpoints;
+  Error error;
+  const auto numeric = asio::ip::make_address(host, error);
+  if (!error)
+    endpoints.emplace_back(numeric, static_cast<std::uint16_t>(port));
+  else if (std::string reason = look_up(host, port, until, stop, endpoints); !reason.empty())
+    return reason;
+  std::optional<Error> outcome;
+  asio::async_connect(socket, endpoints,
+                      [&outcome](Error failed, const tcp::endpoint&) { outcome = failed; });
+  while (!outcome && !stop && Clock::now() < until)
+    context.run_one_until(std::min(until, Clock::now() + kLook));
+  if (!outcome) {
+    socket.close(error);
+    while (!outcome && context.run_one() > 0) {
+    }
+    return stop ? "stopped" : "no answer in time";
+  }
+  context.restart();
+  if (*outcome)
+    return outcome->message();
+  socket.non_blocking(true, error);
+  socket.set_option(tcp::no_delay(true), error);
+  return {};
+}
+
+void RemoteDevice::Wire::receive(Client& client) {
+  socket.async_read_some(asio::buffer(received), [this, &client](Error error, std::size_t count) {
+    if (error) {
+      open = false;
+      failure = error == asio::error::eof ? "the server closed it" : error.message();
+      return;
+    }
+    if (!client.receive({received.data(), count}, haptic::ForceTimeout::now_s())) {
+      refused = true;
+      return;
+    }
+    receive(client);
+  });
+}
+
+/// What the socket does not take now waits for the next millisecond.
+void RemoteDevice::Wire::send(OutQueue& out) {
+  while (open && out.size() > 0) {
+    Error error;
+    const std::size_t sent =
+        socket.write_some(asio::buffer(out.front().data(), out.front().size()), error);
+    if (error == asio::error::would_block || error == asio::error::try_again)
+      return;
+    if (error) {
+      open = false;
+      failure = error.message();
+      return;
+    }
+    out.consume(sent);
+  }
+}
+
+void RemoteDevice::Wire::run() {
+  bool due = false;
+  timer.expires_after(kTick);
+  timer.async_wait([&due](Error) { due = true; });
+  while (!due && context.run_one() > 0) {
+  }
+}
+
+} // namespace tactus::net

@@ -1,0 +1,203 @@
+#include "net/client.hpp"
+#include "tests/net/rig.hpp"
+
+/// The client against the server, in a time of their own, over a line that can be cut.
+using namespace tactus;
+using namespace tactus::net;
+using haptic::Vec3;
+
+namespace {
+
+struct Line {
+  explicit Line(ServerSettings settings = usual(), ClientSettings own = {})
+      : rig(std::move(settings)), client(std::move(own)) {}
+
+  void connect() {
+    id = rig.server.connect("127.0.0.1", rig.now_s);
+    REQUIRE(id.has_value());
+    client.connect(rig.now_s);
+  }
+  void cut() {
+    rig.server.disconnect(*id);
+    client.disconnect();
+    id.reset();
+  }
+  static Bytes taken(OutQueue& queue) {
+    Bytes bytes;
+    while (queue.size() > 0) {
+      bytes.insert(bytes.end(), queue.front().begin(), queue.front().end());
+      queue.consume(queue.front().size());
+    }
+    return bytes;
+  }
+  void run(double seconds) {
+    for (int left = static_cast<int>(seconds * 1e3 + 0.5); left > 0; --left) {
+      rig.tick();
+      if (!id)
+        continue;
+      wanted = wanted && client.advance(rig.now_s);
+      if (passes) {
+        rig.server.receive(*id, taken(client.out()), rig.now_s);
+        wanted = wanted && client.receive(taken(rig.server.out(*id)), rig.now_s);
+      }
+    }
+  }
+
+  Rig rig;
+  Client client;
+  std::optional<Server::ClientId> id;
+  bool passes = true; ///< bytes, both ways
+  bool wanted = true; ///< the client keeps the connection
+};
+
+} // namespace
+
+TEST_CASE("a client learns what the device is and where its handle is") {
+  Line line;
+  line.rig.hold({0.01, 0.02, -0.03});
+  line.connect();
+  line.run(0.01);
+  CHECK(line.client.ready());
+  const Welcome& welcome = line.client.welcome();
+  CHECK(welcome.device == "simulated");
+  CHECK(welcome.force_limit_n == 3);
+  CHECK(welcome.workspace.max.x == doctest::Approx(0.05));
+  CHECK(welcome.stiffness_limit_n_per_m == 500);
+  CHECK(norm(line.client.position() - Vec3{0.01, 0.02, -0.03}) < 1e-8);
+  line.rig.device.press(2, true);
+  line.run(0.3);
+  CHECK(line.client.buttons() == 4);
+  REQUIRE(line.client.round_trip_s().has_value());
+  CHECK(*line.client.round_trip_s() <= 0.0021);
+}
+
+TEST_CASE("its pings keep a force alive, and its silence ends it") {
+  Line line;
+  line.connect();
+  line.run(0.01);
+  line.client.start(RenderMode::kForce);
+  line.client.send_force({2, 0, 0});
+  line.run(3);
+  CHECK(line.rig.force_n.x == doctest::Approx(2));
+  line.passes = false;
+  line.run(0.51);
+  CHECK(line.rig.force_n == Vec3{});
+}
+
+TEST_CASE("after a new connection all is set up again but the motors are off until start") {
+  Line line;
+  ClientSetup setup;
+  setup.points = {{0.001, 0, 0}, {0.002, 0, 0}};
+  setup.gains = stress::RenderGains{0, 100, 0, 1};
+  setup.anchor = Vec3{0.01, 0, 0};
+  setup.workspace = haptic::Workspace{{-0.02, -0.02, -0.02}, {0.02, 0.02, 0.02}};
+  line.client.set(setup);
+  line.connect();
+  line.run(0.01);
+  for (int round = 0; round < 2; ++round) {
+    line.client.start(RenderMode::kSpring);
+    line.client.send_feedback({1, 1, 1});
+    line.run(0.8);
+    CHECK(line.rig.force_n.x == doctest::Approx(1)); // 100 N/m, 10 mm
+    line.cut();
+    line.run(0.01);
+    CHECK(line.rig.force_n == Vec3{});
+    line.connect();
+    line.run(1);
+    CHECK(line.client.ready());
+    CHECK(!line.client.in_control());
+    CHECK(line.rig.force_n == Vec3{});
+  }
+  line.rig.device.press(0, true); // the points are there again, for who is in control
+  line.run(0.01);
+  line.rig.device.press(0, false);
+  line.client.start(RenderMode::kSpring);
+  line.run(0.01);
+  CHECK(line.client.trouble() == "");
+}
+
+TEST_CASE("a server that falls silent is given up after two seconds") {
+  Line line;
+  line.connect();
+  line.run(0.5);
+  line.passes = false;
+  line.run(1.9);
+  CHECK(line.wanted);
+  line.run(0.2);
+  CHECK(!line.wanted);
+  CHECK(line.client.trouble() == "the server has fallen silent");
+}
+
+TEST_CASE("what does not say welcome is no server") {
+  Client client;
+  client.connect(10);
+  CHECK(client.advance(11.9));
+  CHECK(!client.advance(12));
+  Client other;
+  other.connect(10);
+  CHECK(!other.receive(bytes_of("HTTP/1.1 400 Bad Request\r\n\r\n;"), 10));
+  CHECK(other.trouble().find("no haptic server") != std::string::npos);
+}
+
+TEST_CASE("busy, an emergency stop and a wrong token are told") {
+  Line line;
+  line.connect();
+  line.run(0.01);
+  line.client.start(RenderMode::kForce);
+  line.run(0.01);
+  line.rig.servo.exchange().motors.emergency_stop();
+  line.run(0.01);
+  CHECK(!line.client.in_control());
+  CHECK(line.client.refusals() == 1);
+  CHECK(line.client.trouble() == "the server has stopped the motors: estop");
+  line.client.start(RenderMode::kForce);
+  line.run(0.01);
+  CHECK(line.client.refusals() == 2);
+  CHECK(line.client.trouble().find("emergency stop") != std::string::npos);
+  ServerSettings guarded = usual();
+  guarded.token = "sixteen bytes long";
+  Line wrong(guarded, {"n", "another sixteen bytes"});
+  wrong.connect();
+  wrong.run(0.01);
+  CHECK(!wrong.wanted);
+  CHECK(wrong.client.trouble() == "the server says: the token is wrong");
+  Line right(guarded, {"n", "sixteen bytes long"});
+  right.connect();
+  right.run(0.01);
+  CHECK(right.client.ready());
+}
+
+TEST_CASE("pauses between attempts double up to 4 s and are spread by a fifth") {
+  double lowest = 9, highest = 0;
+  for (std::uint64_t seed = 1; seed < 200; ++seed) {
+    Backoff backoff(seed);
+    for (const double expected : {0.25, 0.5, 1.0, 2.0, 4.0, 4.0, 4.0}) {
+      const double share = backoff.next() / expected;
+      CHECK(share >= 0.8);
+      CHECK(share <= 1.2);
+      lowest = std::min(lowest, share);
+      highest = std::max(highest, share);
+    }
+    backoff.reset();
+    CHECK(backoff.next() <= 0.3);
+  }
+  CHECK(lowest < 0.82);
+  CHECK(highest > 1.18);
+}
+
+TEST_CASE("random bytes from a server do no harm") {
+  Random random(9);
+  for (int round = 0; round < 500; ++round) {
+    Client client;
+    client.connect(1);
+    for (int i = 0; i < 20; ++i) {
+      Bytes bytes(random.next() % 100);
+      for (auto& byte : bytes)
+        byte = static_cast<std::uint8_t>(random.next());
+      if (i == 0)
+        bytes.insert(bytes.begin(), {0, 0, 0});
+      static_cast<void>(client.receive(bytes, 1));
+    }
+    CHECK(!client.ready());
+  }
+}

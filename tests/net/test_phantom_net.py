@@ -1,0 +1,140 @@
+"""[phantom net HOST PORT] in unmodified Pd against haptic_server, over lines that are good and bad."""
+import os
+import pathlib
+import signal
+import sys
+import time
+
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "devices/live"))
+from live_pd import Live, Patch  # noqa: E402
+from peer import Program, last_force, near, size  # noqa: E402
+from relay import Relay  # noqa: E402
+
+SILENCE_S, STALL_S = 0.5, 0.15
+
+
+class World:
+    """Server, relay and Pd; Pd opens the device when it is told to."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        (folder / "path").write_text("0 0 0 0\n1000 20 0 0\n2000 0 0 0\n")
+        self.server = Program(folder, "--hand", "rigid", "--path", str(folder / "path"))
+        self.relay = Relay(self.server.port)
+        patch = Patch(f"net 127.0.0.1 {self.relay.port}")
+        self.pd = Live(folder, patch)
+
+    def open(self):
+        self.pd.wait_for_patch()
+        self.pd.tell_phantom("open")
+        self.pd.wait_for(r"^info: status open net")
+
+    def push(self, force="1 0 0", seconds=0.8):
+        """Motors on; the patch's force, said again and again, as a patch does."""
+        self.pd.tell_phantom("motors 1")
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.pd.tell_phantom(f"list {force}")
+            time.sleep(0.02)
+
+    def close(self):
+        self.pd.__exit__()
+        self.relay.close()
+        self.server.process.kill()
+        self.server.process.wait()
+
+
+@pytest.fixture
+def world(tmp_path):
+    made = World(tmp_path)
+    yield made
+    made.close()
+
+
+def test_positions_come_and_forces_go(world):
+    world.open()
+    world.pd.wait_until(lambda: len(set(world.pd.positions())) > 0)
+    world.push()
+    now = time.monotonic()
+    world.push(seconds=0.2)
+    world.pd.tell_phantom("quit")
+    world.pd.process.wait(30)
+    quit_s = time.monotonic()
+    time.sleep(0.3)
+    rows = world.server.end()
+    assert near(rows, now)[0] == pytest.approx(1, abs=0.15)
+    assert last_force(rows) <= quit_s + STALL_S
+
+
+def test_the_fault_of_a_lost_connection_and_the_way_back(world):
+    world.open()
+    world.push()
+    cut = time.monotonic()
+    world.relay.cut()
+    for _ in range(40):  # the patch goes on
+        world.pd.tell_phantom("list 1 0 0")
+        time.sleep(0.05)
+    back = time.monotonic()
+    world.push(seconds=1.2)
+    rows = world.server.end()
+    assert size(near(rows, cut - 0.05)) > 0.5
+    between = [row for row in rows if cut + STALL_S < row[0] < back]
+    assert last_force(between) is None  # the motors stay off until they are switched on
+    assert last_force(rows, after=back) is not None
+
+
+@pytest.mark.parametrize("end", [signal.SIGSTOP, signal.SIGKILL])
+def test_a_pd_that_hangs_or_dies_leaves_no_force(world, end):
+    world.open()
+    world.push()
+    now = time.monotonic()
+    os.kill(world.pd.process.pid, end)
+    time.sleep(1)
+    rows = world.server.end()
+    assert size(near(rows, now - 0.05)) > 0.5
+    assert last_force(rows) <= now + SILENCE_S + STALL_S
+
+
+def test_a_line_that_stalls_both_ways(world):
+    world.open()
+    world.push()
+    stalled = time.monotonic()
+    world.relay.stalled = True
+    for _ in range(20):
+        world.pd.tell_phantom("list 1 0 0")
+        time.sleep(0.05)
+    passed = time.monotonic()
+    world.relay.stalled = False  # what was held back comes at once
+    time.sleep(0.5)
+    rows = world.server.end()
+    assert last_force([row for row in rows if row[0] < passed]) <= stalled + SILENCE_S + STALL_S
+
+
+def test_the_server_stops_the_motors_and_pd_says_so(world):
+    world.open()
+    world.push()
+    stopped = time.monotonic()
+    world.server.signal(signal.SIGUSR1)
+    world.pd.wait_for("estop")
+    for _ in range(10):
+        world.pd.tell_phantom("list 1 0 0")
+        time.sleep(0.05)
+    rows = world.server.end()
+    assert last_force(rows) <= stopped + STALL_S
+
+
+def test_no_server_is_one_sentence(tmp_path):
+    with Live(tmp_path, Patch("net 127.0.0.1 9")) as pd:
+        pd.wait_for_patch()
+        pd.tell_phantom("open")
+        pd.wait_for("start haptic_server there")
+
+
+def test_wrong_addresses_are_refused(tmp_path):
+    with Live(tmp_path, Patch("net 127.0.0.1 70000")) as pd:
+        pd.wait_for("no whole number from 1 to 65535")
+        pd.wait_for_patch()
+        pd.tell_phantom("backend net 127.0.0.1 x")
+        pd.wait_for("the port x is no whole number")
