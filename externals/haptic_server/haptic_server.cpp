@@ -1,0 +1,182 @@
+#include "externals/haptic_server/haptic_server.hpp"
+
+#include "core/haptic/force_timeout.hpp"
+#include "net/token_file.hpp"
+
+#include <cmath>
+
+namespace tactus::haptic_server {
+namespace {
+
+using haptic::Vec3;
+
+constexpr double kShortest_s = 5e-4;
+constexpr double kPeriod_ms = 1, kM_per_mm = 1e-3, kFarthest_mm = 1e5;
+constexpr double kAllowance_w = 0.05; // as [phantom]'s
+
+/// Numbers of a sane size; false when one is a word or is not.
+template <std::size_t N> bool numbers(std::span<const Atom> atoms, std::array<double, N>& values) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (atoms[i].is_word || !(std::abs(atoms[i].number) <= kFarthest_mm))
+      return false;
+    values[i] = atoms[i].number;
+  }
+  return true;
+}
+
+std::string text_of(const Atom& atom) {
+  if (atom.is_word)
+    return std::string(atom.word);
+  std::string text = std::to_string(atom.number);
+  text.erase(text.find_last_not_of('0') + 1);
+  return text;
+}
+
+} // namespace
+
+struct HapticServerObject::Service {
+  Service(const net::ServerSettings& settings, haptic::Servo& servo, net::RenderModel& model,
+          const haptic::ChainSettings& chain)
+      : server(settings), link(servo, model, chain),
+        sockets(server, {[this](double now_s) { link.exchange(server, now_s); },
+                         [this] { link.give(server.orders()); }}) {}
+  net::Server server;
+  net::ServoLink link;
+  net::TcpServer sockets;
+};
+
+HapticServerObject::HapticServerObject() {
+  for (std::size_t i = 0; i < kParameters.size(); ++i)
+    values_[i] = kParameters[i].initial;
+}
+
+HapticServerObject::~HapticServerObject() {
+  if (service_)
+    service_->sockets.close();
+}
+
+void HapticServerObject::open(Host& host) {
+  close(host);
+  haptic::Caps caps;
+  caps.peak_force_n = values_[kForceMax];
+  caps.workspace_min = workspace_.min;
+  caps.workspace_max = workspace_.max;
+  caps.has_buttons = true;
+  device_.set_caps(caps);
+  net::ServerSettings settings;
+  settings.device = "patch";
+  settings.force_limit_n = values_[kForceMax];
+  settings.stiffness_limit_n_per_m = values_[kStiffness];
+  settings.damping_limit_n_s_per_m = values_[kDamping];
+  settings.grab_radius_m = values_[kGrab] * kM_per_mm;
+  settings.workspace = workspace_;
+  settings.token = token_;
+  haptic::ChainSettings chain;
+  chain.allowance_w = kAllowance_w;
+  chain.workspace = workspace_;
+  servo_.attach(device_, &model_);
+  service_ = std::make_unique<Service>(settings, servo_, model_, chain);
+  if (const std::string refusal =
+          service_->sockets.open({static_cast<int>(values_[kPortValue]), listen_});
+      !refusal.empty()) {
+    service_.reset();
+    return host.error("open: " + refusal);
+  }
+  host.info({"status", "open", static_cast<double>(service_->sockets.port())});
+  host.wake_in(0, kPeriod_ms);
+}
+
+void HapticServerObject::close(Host& host) {
+  if (!service_)
+    return;
+  service_->sockets.close();
+  send_news(host);
+  service_.reset();
+  servo_.detach();
+  host.wake_in(0, -1);
+  static_cast<void>(device_.write({}));
+  send_force(host);
+  host.info({"status", "closed"});
+}
+
+/// The servo's steps are the patch's, its time is the wall's: clients live in that.
+void HapticServerObject::tick(std::size_t, Host& host) {
+  if (!service_)
+    return;
+  service_->sockets.poll();
+  // Ticks of one block of audio come at one moment; time must go on between two steps.
+  if (const double now_s = haptic::ForceTimeout::now_s(); now_s - stepped_s_ >= kShortest_s) {
+    stepped_s_ = now_s;
+    servo_.step({++ticks_, now_s, kPeriod_ms * 1e-3});
+  }
+  host.wake_in(0, kPeriod_ms);
+  send_news(host);
+  send_force(host);
+}
+
+void HapticServerObject::send_force(Host& host) {
+  const Vec3 force_n = device_.force_n();
+  if (force_n == sent_n_)
+    return;
+  sent_n_ = force_n;
+  host.send(0, {force_n.x, force_n.y, force_n.z});
+}
+
+void HapticServerObject::send_news(Host& host) {
+  for (const std::string& line : service_->server.take_news())
+    host.info({"client", std::string_view(line)});
+}
+
+void HapticServerObject::dump(Host& host) {
+  host.info({"status", service_ ? "open" : "closed"});
+  if (service_)
+    host.info({"clients", static_cast<double>(service_->server.clients())});
+}
+
+void HapticServerObject::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+  const std::string_view name = kMessages[index].name;
+  if (name == "open")
+    return open(host);
+  if (name == "close")
+    return close(host);
+  if (name == "list") {
+    std::array<double, 3> mm{};
+    if (!numbers(arguments, mm))
+      return host.error("list: expected x y z, three numbers of mm");
+    return device_.place(Vec3{mm[0], mm[1], mm[2]} * kM_per_mm);
+  }
+  if (name == "listen") {
+    listen_ = text_of(arguments[0]) == "loopback" ? std::string() : text_of(arguments[0]);
+  } else if (name == "token") {
+    const std::string path = host.find_file(text_of(arguments[0]));
+    net::TokenFile file = net::read_token_file(path.empty() ? text_of(arguments[0]) : path);
+    if (!file.error.empty())
+      return host.error("token: " + file.error);
+    if (file.open_to_others)
+      host.log("token: other users of this machine can read the file: chmod 600 it");
+    token_ = std::move(file.token);
+  } else if (name == "workspace") {
+    std::array<double, 6> mm{};
+    const bool given = numbers(arguments, mm);
+    const haptic::Workspace box{Vec3{mm[0], mm[1], mm[2]} * kM_per_mm,
+                                Vec3{mm[3], mm[4], mm[5]} * kM_per_mm};
+    if (!given || !box.valid())
+      return host.error("workspace: expected xmin ymin zmin xmax ymax zmax in mm, each minimum "
+                        "below its maximum");
+    workspace_ = box;
+  } else if (name == "button") {
+    std::array<double, 2> given{};
+    if (!numbers(arguments, given) || !(given[0] >= 0 && given[0] <= 31) ||
+        given[0] != std::floor(given[0]))
+      return host.error("button: expected n 0 or n 1, n from 0 to 31");
+    device_.press(static_cast<int>(given[0]), given[1] != 0);
+  } else if (name == "estop") {
+    servo_.exchange().motors.emergency_stop();
+  } else if (arguments[0].is_word || arguments[0].number != 1) {
+    host.error("motors: expected 1; a client's start and stop do the rest");
+  } else {
+    servo_.exchange().motors.enable();
+  }
+}
+
+} // namespace tactus::haptic_server

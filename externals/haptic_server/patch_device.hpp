@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/haptic/device.hpp"
+
+namespace tactus::haptic_server {
+
+/// A device whose position the patch gives, and whose force the patch gets.
+class PatchDevice final : public haptic::Backend {
+public:
+  [[nodiscard]] std::string open() override { return {}; }
+  void close() noexcept override { force_n_ = {}; }
+  [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
+  [[nodiscard]] bool read(const haptic::Tick& /*tick*/, haptic::State& state) noexcept override {
+    state = state_;
+    return true;
+  }
+  [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override {
+    force_n_ = force_n;
+    return true;
+  }
+
+  void set_caps(const haptic::Caps& caps) noexcept { caps_ = caps; }
+  /// m; before the first there is no force.
+  void place(const haptic::Vec3& position) noexcept {
+    state_.position = position;
+    state_.flags = haptic::State::kHomed;
+  }
+  void press(int number, bool down) noexcept {
+    const std::uint32_t bit = 1u << number;
+    state_.buttons = down ? state_.buttons | bit : state_.buttons & ~bit;
+  }
+  [[nodiscard]] const haptic::Vec3& force_n() const noexcept { return force_n_; }
+
+private:
+  haptic::Caps caps_{};
+  haptic::State state_{.flags = 0};
+  haptic::Vec3 force_n_{};
+};
+
+} // namespace tactus::haptic_server
