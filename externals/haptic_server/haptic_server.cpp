@@ -123,8 +123,15 @@ void HapticServerObject::send_force(Host& host) {
 }
 
 void HapticServerObject::send_news(Host& host) {
-  for (const std::string& line : service_->server.take_news())
-    host.info({"client", std::string_view(line)});
+  for (const std::string& line : service_->server.take_news()) {
+    std::vector<Atom> words{"client"};
+    for (std::size_t at = 0; at < line.size();) {
+      const std::size_t end = std::min(line.find(' ', at), line.size());
+      words.emplace_back(std::string_view(line).substr(at, end - at));
+      at = end + 1;
+    }
+    host.info(words);
+  }
 }
 
 void HapticServerObject::dump(Host& host) {
