@@ -122,7 +122,7 @@ Server::Refusal Server::on_hello(Session& session, Words message, double now_s) 
     session.say_goodbye("version");
     return {};
   }
-  session.name = name->substr(0, kMaxName);
+  session.name = name->empty() ? "-" : name->substr(0, kMaxName);
   session.role = controls ? Session::Role::kControl : Session::Role::kObserve;
   note(session, controls ? "is welcome" : "is welcome, to observe");
   welcome(session);

@@ -124,6 +124,9 @@ std::string Station::serve(const Options& options, const std::string& token) {
   if (std::string error = servo_thread_.start(servo_, *device_, 1 / options.rate_hz);
       !error.empty())
     return error;
+  char limit[32];
+  std::snprintf(limit, sizeof limit, "%.3g", settings.force_limit_n);
+  description_ = settings.device + ", " + limit + " N at most, on " + sockets_->addresses();
   const devices::SignalsHeldBack held;
   network_ = std::thread([this] { sockets_->run(); });
   return {};
@@ -159,12 +162,6 @@ void Station::close() {
   servo_.detach();
   if (device_)
     device_->close();
-}
-
-std::string Station::description() const {
-  char limit[32];
-  std::snprintf(limit, sizeof limit, "%.3g", server_->settings().force_limit_n);
-  return server_->settings().device + ", " + limit + " N at most, on " + sockets_->addresses();
 }
 
 } // namespace tactus::haptic_server

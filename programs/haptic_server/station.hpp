@@ -26,7 +26,7 @@ public:
   void close();
 
   /// One line: which device, with which force, where.
-  [[nodiscard]] std::string description() const;
+  [[nodiscard]] const std::string& description() const noexcept { return description_; }
   [[nodiscard]] std::vector<std::string> take_news();
   /// Clients were there and all have left.
   [[nodiscard]] bool deserted() const noexcept { return deserted_; }
@@ -48,6 +48,7 @@ private:
   std::unique_ptr<net::ServoLink> link_;
   std::unique_ptr<net::TcpServer> sockets_;
   std::thread network_;
+  std::string description_;
 
   std::mutex guard_;
   std::vector<std::string> news_;
