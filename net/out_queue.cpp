@@ -1,12 +1,14 @@
 #include "net/out_queue.hpp"
 
-#include <algorithm>
-
 namespace tactus::net {
 
+/// What was sent goes when it is the larger half, so that a byte is moved once at most.
 void OutQueue::add(std::span<const std::uint8_t> bytes) {
-  for (const std::uint8_t byte : bytes)
-    ring_[end_++ % kCapacity] = byte;
+  if (begin_ > size()) {
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(begin_));
+    begin_ = 0;
+  }
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
 }
 
 bool OutQueue::add_event(std::span<const std::uint8_t> bytes) {
@@ -25,9 +27,12 @@ bool OutQueue::add_sample(std::span<const std::uint8_t> bytes) {
   return true;
 }
 
-std::span<const std::uint8_t> OutQueue::front() const noexcept {
-  const std::size_t from = begin_ % kCapacity;
-  return {ring_.data() + from, std::min(size(), kCapacity - from)};
+void OutQueue::consume(std::size_t count) noexcept {
+  begin_ += count;
+  if (begin_ == bytes_.size()) {
+    bytes_.clear();
+    begin_ = 0;
+  }
 }
 
 } // namespace tactus::net

@@ -17,18 +17,20 @@ public:
   [[nodiscard]] bool add_event(std::span<const std::uint8_t> bytes);
   /// False when the sample was left out.
   bool add_sample(std::span<const std::uint8_t> bytes);
-  [[nodiscard]] std::size_t size() const noexcept { return end_ - begin_; }
-  /// The next bytes to send, together.
-  [[nodiscard]] std::span<const std::uint8_t> front() const noexcept;
+  [[nodiscard]] std::size_t size() const noexcept { return bytes_.size() - begin_; }
+  /// All that waits.
+  [[nodiscard]] std::span<const std::uint8_t> front() const noexcept {
+    return std::span(bytes_).subspan(begin_);
+  }
   /// So many bytes of front() were sent.
-  void consume(std::size_t count) noexcept { begin_ += count; }
+  void consume(std::size_t count) noexcept;
   [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
 
 private:
   void add(std::span<const std::uint8_t> bytes);
 
-  std::vector<std::uint8_t> ring_ = std::vector<std::uint8_t>(kCapacity);
-  std::size_t begin_ = 0, end_ = 0; ///< of all that ever went in
+  std::vector<std::uint8_t> bytes_{};
+  std::size_t begin_ = 0; ///< of what was not sent yet
   std::uint64_t left_out_ = 0;
 };
 

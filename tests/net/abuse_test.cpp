@@ -118,7 +118,7 @@ TEST_CASE("a client that does not read loses positions, never events, and is let
   CHECK(client.out().size() > OutQueue::kCapacity - 100);
 }
 
-TEST_CASE("the queue gives back what went in, around its end") {
+TEST_CASE("the queue gives back what went in, in order") {
   OutQueue queue;
   std::mt19937 random(3);
   std::vector<std::uint8_t> in, out;

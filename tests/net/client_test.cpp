@@ -133,6 +133,7 @@ TEST_CASE("what does not say welcome is no server") {
   client.connect(10);
   CHECK(client.advance(11.9));
   CHECK(!client.advance(12));
+  CHECK(client.trouble() == "no haptic server answers there");
   Client other;
   other.connect(10);
   CHECK(!other.receive(bytes_of("HTTP/1.1 400 Bad Request\r\n\r\n;"), 10));
@@ -165,6 +166,34 @@ TEST_CASE("busy, an emergency stop and a wrong token are told") {
   right.connect();
   right.run(0.01);
   CHECK(right.client.ready());
+}
+
+TEST_CASE("who is second is told that another client is in control") {
+  Line line;
+  line.connect();
+  line.run(0.01);
+  TestClient other(line.rig);
+  other.hello();
+  other.say("hap start force");
+  line.client.start(RenderMode::kForce);
+  line.run(0.01);
+  CHECK(!line.client.in_control());
+  CHECK(line.client.trouble() == "the server says: another client is in control");
+}
+
+TEST_CASE("a new connection begins with a new frame") {
+  Client client;
+  client.connect(1);
+  CHECK(client.receive({}, 1));
+  const Bytes half{0, 0, 0, 40, '/', 'h'};
+  CHECK(client.receive(half, 1));
+  client.disconnect();
+  client.connect(2);
+  const Bytes welcome = frame(
+      Framing::kLength,
+      Message(Address::kWelcome).integer(1).string("d").string("m").integer(3).real(3).real(1000));
+  CHECK(client.receive(welcome, 2));
+  CHECK(client.welcome().device == "d");
 }
 
 TEST_CASE("pauses between attempts double up to 4 s and are spread by a fifth") {

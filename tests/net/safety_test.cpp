@@ -309,6 +309,25 @@ TEST_CASE("feedback is interpolated over the time between two values") {
   CHECK(glide.at(20).x == 3);
 }
 
+TEST_CASE("a start begins with gamma 0, whatever the last client felt") {
+  RenderModel model;
+  haptic::State state;
+  RenderRequest request;
+  request.mode = RenderMode::kSpring;
+  request.gains = {0, 100, 0, 0};
+  request.anchored = true;
+  request.starts = 1;
+  request.gamma = {1, 1, 1};
+  model.set(request);
+  state.position = {0.01, 0, 0};
+  static_cast<void>(model.force({1, 1, 1e-3}, state));
+  CHECK(model.force({2, 2, 1e-3}, state).x == doctest::Approx(-1));
+  request.starts = 2;
+  request.gamma = {};
+  model.set(request);
+  CHECK(model.force({3, 2.001, 1e-3}, state) == Vec3{});
+}
+
 TEST_CASE("gains are cut to what the device renders stably, and said") {
   Rig rig(usual());
   TestClient client(rig);

@@ -1,0 +1,207 @@
+#include "core/haptic/simulated_device.hpp"
+#include "net/remote_device.hpp"
+#include "net/servo_link.hpp"
+#include "net/tcp_server.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <thread>
+
+/// Sockets and threads: a remote device and a server in one process, each in its threads. Waits are
+/// for states; how long they take is the machine's affair.
+using namespace tactus;
+using namespace tactus::net;
+using haptic::State;
+using haptic::Vec3;
+
+namespace {
+
+void wait_1ms() { std::this_thread::sleep_for(std::chrono::milliseconds(1)); }
+
+/// Half a minute at most.
+template <class Condition> bool becomes(Condition holds) {
+  for (int i = 0; i < 30000; ++i) {
+    if (holds())
+      return true;
+    wait_1ms();
+  }
+  return false;
+}
+
+/// A server whose servo is stepped by the thread of its sockets.
+class Serving {
+public:
+  explicit Serving(int port = 0, const ServerSettings& settings = {}) : server_(settings) {
+    haptic::SimulatedDevice::Settings held;
+    held.hand.hold = haptic::HandSettings::Hold::kRigid;
+    device_.set(held);
+    device_.follow(haptic::LinePath{{0.01, 0.02, 0.03}, {0.01, 0.02, 0.03}, 1});
+    servo_.attach(device_, &model_);
+    bool open = false;
+    for (int i = 0; i < 2000 && !open; ++i) { // the port of a server that has just ended
+      open = sockets_.open({port, ""}).empty();
+      wait_1ms();
+    }
+    REQUIRE(open);
+    port_ = sockets_.port();
+    thread_ = std::thread([this] { sockets_.run(); });
+  }
+  ~Serving() {
+    sockets_.stop();
+    thread_.join();
+  }
+  [[nodiscard]] int port() const { return port_; }
+  [[nodiscard]] double force_x() const { return force_x_; }
+  void stop_motors() { servo_.exchange().motors.emergency_stop(); }
+  void release_motors() { servo_.exchange().motors.enable(); }
+
+private:
+  void tick(double now_s) {
+    link_.exchange(server_, now_s);
+    servo_.step({++ticks_, now_s, 1e-3});
+    force_x_ = servo_.chain().written.x;
+  }
+  Server server_;
+  haptic::SimulatedDevice device_{};
+  RenderModel model_{};
+  haptic::Servo servo_{};
+  ServoLink link_{servo_, model_, {}};
+  TcpServer sockets_{
+      server_, {[this](double now_s) { tick(now_s); }, [this] { link_.give(server_.orders()); }}};
+  std::uint64_t ticks_ = 0;
+  int port_ = 0;
+  std::atomic<double> force_x_{0};
+  std::thread thread_;
+};
+
+/// A remote device with a servo's thread that writes a force.
+class Using {
+public:
+  explicit Using(int port) {
+    const std::string words[] = {"127.0.0.1", std::to_string(port)};
+    REQUIRE(device.configure(words) == "");
+    const std::string refusal = device.open();
+    REQUIRE_MESSAGE(refusal == "", refusal);
+    thread_ = std::thread([this] {
+      while (!stop_) {
+        State state;
+        const bool answered = device.read({}, state);
+        alive = answered && (state.flags & State::kUnreachable) == 0;
+        failed = answered && (state.flags & State::kFault) != 0;
+        x = state.position.x;
+        if (writes)
+          static_cast<void>(device.write({force.load(), 0, 0}));
+        wait_1ms();
+      }
+    });
+  }
+  ~Using() {
+    stop_ = true;
+    thread_.join();
+    device.close();
+  }
+  RemoteDevice device{};
+  std::atomic<bool> alive{false}, failed{false}, writes{true};
+  std::atomic<double> x{0}, force{0};
+
+private:
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+} // namespace
+
+TEST_CASE("a remote device gives positions and takes forces; a servo that stalls has none") {
+  ServerSettings settings;
+  settings.force_limit_n = 2;
+  Serving server(0, settings);
+  Using client(server.port());
+  CHECK(client.device.caps().peak_force_n == 2);
+  CHECK(client.device.caps().latency_ticks >= 1);
+  CHECK(client.device.identity().model == "simulated");
+  CHECK(becomes([&] { return client.alive && client.x == doctest::Approx(0.01); }));
+  CHECK(becomes([&] { return client.alive.load(); }));
+  client.force = 5; // beyond the limit
+  CHECK(becomes([&] { return server.force_x() > 1.9; }));
+  CHECK(server.force_x() <= 2 * (1 + 1e-12));
+  client.writes = false;
+  CHECK(becomes([&] { return server.force_x() == 0; }));
+  client.writes = true;
+  CHECK(becomes([&] { return server.force_x() > 1; }));
+  client.device.close();
+  CHECK(becomes([&] { return server.force_x() == 0; }));
+}
+
+TEST_CASE("a server that ends is a failure of the device, and one that comes back is found") {
+  auto server = std::make_unique<Serving>();
+  const int port = server->port();
+  Using client(port);
+  client.force = 0;
+  CHECK(becomes([&] { return client.alive.load(); }));
+  std::this_thread::sleep_for(
+      std::chrono::milliseconds(50)); // a servo without force, as at a start
+  client.force = 0.5;
+  CHECK(becomes([&] { return server->force_x() > 0.4; }));
+  server.reset();
+  CHECK(becomes([&] { return !client.alive; }));
+  CHECK(becomes([&] { return !client.device.trouble().empty(); }));
+  server = std::make_unique<Serving>(port);
+  CHECK(becomes([&] { return client.alive.load(); }));
+  for (int i = 0; i < 300; ++i) { // the force of before is still wanted, and does not come
+    CHECK(server->force_x() == 0);
+    wait_1ms();
+  }
+  client.force = 0; // as a latched servo writes
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  client.force = 0.5; // as after motors 1
+  CHECK(becomes([&] { return server->force_x() > 0.4; }));
+}
+
+TEST_CASE("an emergency stop at the server is a fault of the device here") {
+  Serving server;
+  Using client(server.port());
+  CHECK(becomes([&] { return client.alive.load(); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  client.force = 0.5;
+  CHECK(becomes([&] { return server.force_x() > 0.4; }));
+  server.stop_motors();
+  CHECK(becomes([&] { return client.failed.load(); }));
+  CHECK(becomes([&] { return client.device.trouble().find("stop") != std::string::npos; }));
+  server.release_motors();
+  CHECK(becomes([&] { return !client.failed; }));
+  for (int i = 0; i < 300; ++i) {
+    CHECK(server.force_x() == 0);
+    wait_1ms();
+  }
+}
+
+TEST_CASE("opening ends soon when nobody answers, and when it is cancelled") {
+  RemoteDevice device;
+  const std::string nobody[] = {"127.0.0.1", "9"};
+  REQUIRE(device.configure(nobody) == "");
+  std::thread cancelling([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    device.cancel();
+  });
+  CHECK(device.open().find("cancelled") != std::string::npos);
+  cancelling.join();
+  CHECK(device.open().find("start haptic_server") != std::string::npos);
+}
+
+TEST_CASE("settings that are not understood are refused with what there is") {
+  RemoteDevice device;
+  const auto refusal = [&](std::initializer_list<std::string> words) {
+    return device.configure(std::vector<std::string>(words));
+  };
+  CHECK(refusal({"device", "::1"}) == "");
+  CHECK(refusal({"device", "box:7771"}) == "");
+  CHECK(refusal({"host", "box", "7771"}) == "");
+  CHECK(refusal({"rate", "500"}) == "");
+  CHECK(refusal({"device", "box:0"}).find("port") != std::string::npos);
+  CHECK(refusal({"box", "66000"}).find("port") != std::string::npos);
+  CHECK(refusal({"rate", "5"}).find("50 to 4000") != std::string::npos);
+  CHECK(refusal({"token", "/nowhere"}).find("token") != std::string::npos);
+  CHECK(refusal({"dance"}).find("host HOST PORT") != std::string::npos);
+  CHECK(refusal({}).find("host HOST PORT") != std::string::npos);
+}
