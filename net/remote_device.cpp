@@ -8,8 +8,6 @@
 #include <cmath>
 #include <random>
 
-#include <unistd.h>
-
 namespace tactus::net {
 namespace {
 
@@ -224,7 +222,7 @@ void RemoteDevice::connect_and_talk() {
 
 std::string RemoteDevice::talk(Wire& wire) {
   const auto client = std::make_unique<Client>(
-      ClientSettings{"tactus-" + std::to_string(getpid()), used_.token, used_.rate_hz});
+      ClientSettings{"tactus-" + std::to_string(name_), used_.token, used_.rate_hz});
   may_start_ = false;
   refusals_ = 0;
   sent_force_ = {};

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <random>
 #include <string>
 #include <thread>
 
@@ -63,6 +64,7 @@ private:
   std::atomic<bool> stop_{false}, cancelled_{false};
 
   // The connection's thread
+  unsigned name_ = std::random_device{}() % 100000; ///< tells clients apart
   Sample sample_{};
   double down_until_s_ = 0, failed_until_s_ = 0, sent_s_ = 0;
   haptic::Vec3 sent_force_{};

@@ -53,7 +53,7 @@ struct TcpServer::Parts {
   asio::io_context context{1};
   std::vector<tcp::acceptor> acceptors{};
   std::array<ConnectionPtr, kMaxClients> connections{};
-  asio::steady_timer timer{context}, pause{context};
+  asio::steady_timer timer{context};
   std::atomic<bool> stopping{false};
 
   std::string listen(const tcp::endpoint& endpoint) {
@@ -85,9 +85,9 @@ struct TcpServer::Parts {
         return accept(which);
       }
       // Such as too many open files: try again, but do not spin.
-      pause.expires_after(kAcceptPause);
-      pause.async_wait([this, which](Error aborted) {
-        if (!aborted)
+      const auto pause = std::make_shared<asio::steady_timer>(context, kAcceptPause);
+      pause->async_wait([this, which, pause](Error aborted) {
+        if (!aborted && which < acceptors.size())
           accept(which);
       });
     });
