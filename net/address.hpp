@@ -26,7 +26,7 @@ enum class Address : std::uint8_t {
   kForce,     ///< [i sequence,] 3 f, N
   kAnchor,    ///< 3 f, mm
   kSubscribe, ///< s stream, f Hz
-  kPing,      ///< i sequence
+  kPing,      ///< i sequence [, i ms of the server's newest pos, vel or pong]
   // of the server
   kWelcome,  ///< i protocol, s device, s model, i dof, f force limit, f rate
   kPosition, ///< i sequence, i ms, 3 f, mm

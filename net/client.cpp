@@ -47,6 +47,7 @@ void Client::disconnect() noexcept {
   buttons_ = 0;
   position_s_ = -1e9;
   round_trip_s_.reset();
+  server_ms_.reset();
 }
 
 void Client::set(ClientSetup setup) {
@@ -124,7 +125,11 @@ bool Client::advance(double now_s) {
   }
   if (welcomed_ && now_s - pinged_s_ >= kPingInterval_s) {
     pinged_s_ = now_s;
-    send(Message(Address::kPing).integer(++ping_));
+    Message ping(Address::kPing);
+    ping.integer(++ping_);
+    if (server_ms_)
+      ping.integer(*server_ms_);
+    send(ping);
   }
   return !ended_;
 }
@@ -165,6 +170,7 @@ void Client::take(const Message& message, double now_s) {
     const auto x = message.number_at(2), y = message.number_at(3), z = message.number_at(4);
     if (!x || !y || !z)
       return;
+    server_ms_ = message.integer_at(1);
     position_ = Vec3{*x, *y, *z} * (1 / kMm_per_m);
     position_s_ = now_s;
     ready_ = welcomed_;
@@ -177,6 +183,7 @@ void Client::take(const Message& message, double now_s) {
     return;
   }
   case Address::kPong:
+    server_ms_ = message.integer_at(1);
     if (message.integer_at(0) == ping_)
       round_trip_s_ = std::min(round_trip_s_.value_or(1e9), now_s - pinged_s_);
     return;

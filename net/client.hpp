@@ -111,6 +111,7 @@ private:
   Welcome welcome_{};
   bool welcomed_ = false, ready_ = false, in_control_ = false, ended_ = false;
   double heard_s_ = 0, pinged_s_ = 0, connected_s_ = 0;
+  std::optional<std::int32_t> server_ms_{}; ///< its time, as said last
   std::int32_t ping_ = 0, force_ = 0, feedback_ = 0;
   haptic::Vec3 position_{};
   double position_s_ = -1e9;

@@ -19,6 +19,9 @@ inline constexpr double kSilence_s = 0.5;
 inline constexpr double kRamp_s = 0.05;
 inline constexpr double kHold_s = kSilence_s - kRamp_s;
 inline constexpr double kPingInterval_s = 0.25;
+/// A client that sends the server's time back is alive while that time is no older than this: its
+/// pings every 250 ms, and the way there and back.
+inline constexpr double kMaxAge_s = 1;
 /// A client that was silent for this long is shown out.
 inline constexpr double kTimeout_s = 5;
 /// A frame that has not been completed for this long ends its connection.

@@ -69,10 +69,15 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
   if (!refusal.code.empty())
     session.send_error(refusal.code, refusal.text, now_s);
   session.heard_s = now_s;
-  if (controller_ == &session) {
+  if (controller_ == &session && is_fresh(session, now_s)) {
     liveness_.hear(now_s);
     orders_.alive_s = liveness_.alive_s();
   }
+}
+
+/// What a slow line delivers may be older than its sender's life.
+bool Server::is_fresh(const Session& session, double now_s) noexcept {
+  return !session.echoed_s || now_s - *session.echoed_s < kMaxAge_s;
 }
 
 void Server::count_bad(Session& session, std::string_view code, std::string_view text,

@@ -94,6 +94,7 @@ private:
   void take(Session& session, FrameReader::Outcome outcome, const Message& message, double now_s);
   void count_bad(Session& session, std::string_view code, std::string_view text, double now_s);
   void check_time(Session& session, double now_s);
+  [[nodiscard]] static bool is_fresh(const Session& session, double now_s) noexcept;
   void release_control(std::string_view why);
   void tell_all(const Message& message);
   void note(const Session& session, std::string_view what);

@@ -223,13 +223,21 @@ Server::Refusal Server::on_feedback(Session& session, Words message) {
 
 Server::Refusal Server::on_ping(Session& session, Words message, double now_s) {
   const auto sequence = message.integer_at(0);
-  if (!sequence || message.size() != 1)
-    return {"arguments", "expected ping sequence", true};
+  const auto echo = message.integer_at(1);
+  if (!sequence || message.size() > 2 || (message.size() == 2 && !echo))
+    return {"arguments", "expected ping sequence, or ping sequence ms", true};
+  if (echo) {
+    const std::int32_t age_ms = *echo >= 0 ? milliseconds(now_s) - *echo : -1;
+    if (age_ms < 0)
+      return {"range", "that time has not come yet", true};
+    session.echoed_s = std::max(session.echoed_s.value_or(-1e9), now_s - 1e-3 * age_ms);
+  }
   session.send_event(Message(Address::kPong).integer(*sequence).integer(milliseconds(now_s)));
   return {};
 }
 
-/// Since the first time that was asked for; begins anew after 24 days.
+/// Since the first time that was asked for; begins anew after 24 days, when clients that give it
+/// back are told that it has not come yet until they have seen the new one.
 std::int32_t Server::milliseconds(double now_s) noexcept {
   if (!origin_s_)
     origin_s_ = now_s;

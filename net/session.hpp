@@ -81,8 +81,9 @@ struct Session {
 
   FrameReader reader{};
   OutQueue out{};
-  double heard_s;       ///< the last good message
-  double frame_since_s; ///< when last no frame was open
+  double heard_s;                   ///< the last good message
+  std::optional<double> echoed_s{}; ///< the server's time that the client has seen last
+  double frame_since_s;             ///< when last no frame was open
   RateLimit packets{kPackets_hz}, errors{kErrors_hz};
   BadPackets bad_packets{};
   bool flooding = false; ///< and was told so

@@ -84,6 +84,29 @@ TEST_CASE("its pings keep a force alive, and its silence ends it") {
   CHECK(line.rig.force_n == Vec3{});
 }
 
+TEST_CASE("a client says which of the server's times it has seen") {
+  Line line;
+  line.connect();
+  line.run(0.3);
+  line.client.start(RenderMode::kForce);
+  line.client.send_force({2, 0, 0});
+  line.run(1);
+  CHECK(line.rig.force_n.x == doctest::Approx(2));
+  // From now on the client hears nothing, and what it sends still arrives.
+  double last_force_s = 0;
+  const double deaf_s = line.rig.now_s;
+  for (int i = 0; i < 2500; ++i) {
+    line.rig.tick();
+    static_cast<void>(line.client.advance(line.rig.now_s));
+    line.client.send_force({2, 0, 0});
+    line.rig.server.receive(*line.id, Line::taken(line.client.out()), line.rig.now_s);
+    Line::taken(line.rig.server.out(*line.id));
+    if (norm(line.rig.force_n) > 0)
+      last_force_s = line.rig.now_s;
+  }
+  CHECK(last_force_s - deaf_s <= kMaxAge_s + kSilence_s);
+}
+
 TEST_CASE("after a new connection all is set up again but the motors are off until start") {
   Line line;
   ClientSetup setup;

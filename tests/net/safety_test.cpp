@@ -78,6 +78,43 @@ TEST_CASE("pings after a silence bring no old force back") {
   }
 }
 
+TEST_CASE("messages that a slow line delivers late keep no force up") {
+  Pushing p;
+  const auto server_ms = [&] { // as pong says it
+    p.client.heard();
+    p.client.say("hap ping 1");
+    for (const std::string& line : p.client.heard())
+      if (line.starts_with("pong "))
+        return std::stoi(line.substr(line.rfind(' ')));
+    return -1;
+  };
+  int seen_ms = server_ms();
+  REQUIRE(seen_ms >= 0);
+  for (int i = 0; i < 30; ++i) { // a way of 0.6 s there and back
+    p.client.say("hap ping 2 " + std::to_string(std::max(0, seen_ms - 600)));
+    p.client.say("hap force 2 0 0");
+    p.rig.run(0.1);
+    seen_ms = server_ms();
+  }
+  CHECK(p.rig.force_n.x == doctest::Approx(2));
+  for (int i = 0; i < 16; ++i) { // no newer time is seen: all that comes is from before
+    p.client.say("hap ping 3 " + std::to_string(seen_ms - 600));
+    p.client.say("hap force 2 0 0");
+    p.rig.run(0.1);
+  }
+  CHECK(p.rig.force_n == Vec3{});
+  p.client.heard();
+  p.client.say("hap ping 4 " + std::to_string(seen_ms + 100000));
+  CHECK(p.client.hears("error 'range'"));
+  for (int i = 0; i < 10; ++i) {
+    seen_ms = server_ms();
+    p.client.say("hap ping 5 " + std::to_string(seen_ms));
+    p.client.say("hap force 2 0 0");
+    p.rig.run(0.1);
+  }
+  CHECK(p.rig.force_n.x == doctest::Approx(2));
+}
+
 TEST_CASE("a client silent for 5 s is shown out, not one that pings") {
   Rig rig(usual());
   TestClient silent(rig), pinging(rig), wordless(rig);

@@ -54,10 +54,13 @@ public:
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] double force_x() const { return force_x_; }
   void stop_motors() { servo_.exchange().motors.emergency_stop(); }
+  /// Sends nothing for that long.
+  void stall(double seconds) { stall_s_ = seconds; }
   void release_motors() { servo_.exchange().motors.enable(); }
 
 private:
   void tick(double now_s) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(stall_s_.exchange(0)));
     link_.exchange(server_, now_s);
     servo_.step({++ticks_, now_s, 1e-3});
     force_x_ = servo_.chain().written.x;
@@ -71,7 +74,7 @@ private:
       server_, {[this](double now_s) { tick(now_s); }, [this] { link_.give(server_.orders()); }}};
   std::uint64_t ticks_ = 0;
   int port_ = 0;
-  std::atomic<double> force_x_{0};
+  std::atomic<double> force_x_{0}, stall_s_{0};
   std::thread thread_;
 };
 
@@ -87,6 +90,8 @@ public:
       while (!stop_) {
         State state;
         const bool answered = device.read({}, state);
+        answers = answered;
+        unreachable = (state.flags & State::kUnreachable) != 0;
         alive = answered && (state.flags & State::kUnreachable) == 0;
         failed = answered && (state.flags & State::kFault) != 0;
         x = state.position.x;
@@ -102,7 +107,7 @@ public:
     device.close();
   }
   RemoteDevice device{};
-  std::atomic<bool> alive{false}, failed{false}, writes{true};
+  std::atomic<bool> answers{false}, unreachable{false}, alive{false}, failed{false}, writes{true};
   std::atomic<double> x{0}, force{0};
 
 private:
@@ -156,6 +161,18 @@ TEST_CASE("a server that ends is a failure of the device, and one that comes bac
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   client.force = 0.5; // as after motors 1
   CHECK(becomes([&] { return server->force_x() > 0.4; }));
+}
+
+TEST_CASE("positions that stop coming take the force away, later they are a failure") {
+  Serving server;
+  Using client(server.port());
+  CHECK(becomes([&] { return client.alive.load(); }));
+  server.stall(0.3);
+  CHECK(becomes([&] { return client.answers && client.unreachable; }));
+  CHECK(becomes([&] { return client.alive.load(); }));
+  server.stall(0.8);
+  CHECK(becomes([&] { return !client.answers; }));
+  CHECK(becomes([&] { return client.alive.load(); }));
 }
 
 TEST_CASE("an emergency stop at the server is a fault of the device here") {
