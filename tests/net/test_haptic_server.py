@@ -149,6 +149,8 @@ def test_it_listens_on_loopback_only(program):
                     found.append(address)
     assert "0100007F" in found
     assert set(found) <= {"0100007F", "00000000000000000000000001000000"}
+    if len(found) == 2:
+        assert Peer(server.port, host="::1").hello()
 
 
 def test_nine_clients_are_too_many(program):
