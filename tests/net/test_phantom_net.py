@@ -31,7 +31,7 @@ class World:
         self.pd.tell_phantom("open")
         self.pd.wait_for(r"^info: status open net")
 
-    def push(self, force="1 0 0", seconds=0.8):
+    def push(self, force="1 0 0", seconds=1.6):
         """Motors on; the patch's force, said again and again, as a patch does."""
         self.pd.tell_phantom("motors 1")
         end = time.monotonic() + seconds
@@ -77,7 +77,7 @@ def test_the_fault_of_a_lost_connection_and_the_way_back(world):
         world.pd.tell_phantom("list 1 0 0")
         time.sleep(0.05)
     back = time.monotonic()
-    world.push(seconds=1.2)
+    world.push(seconds=2)
     rows = world.server.end()
     assert size(near(rows, cut - 0.05)) > 0.5
     between = [row for row in rows if cut + STALL_S < row[0] < back]
