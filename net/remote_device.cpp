@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kConnect_s = 2, kPatience_s = 4;
-constexpr double kStale_s = 0.05; ///< no force upon older positions
+constexpr double kStale_s = 0.1; ///< no force upon older positions
 /// As long as the servo takes to see a failure, and more.
 constexpr double kNoticed_s = 0.1;
 constexpr double kRepeat_s = 0.1;    ///< of a force that stays

@@ -15,7 +15,7 @@ namespace tactus::net {
 
 /// A haptic device behind a server of the haptic protocol, as any other device of core/haptic.
 /// Sockets live in a thread of their own, which the servo meets in two mailboxes. Positions older
-/// than 50 ms take the force away until they come again; a lost connection, 500 ms without a
+/// than 100 ms take the force away until they come again; a lost connection, 500 ms without a
 /// position and a server that stops the motors are a failure of the device, so that the motors stay
 /// off until somebody switches them on. A lost connection is taken up again by itself.
 class RemoteDevice final : public haptic::Backend {

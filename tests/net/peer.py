@@ -176,6 +176,14 @@ class Program:
     def signal(self, number):
         self.process.send_signal(number)
 
+    def force(self):
+        """The force, in N, that the trace holds last; it comes some 50 ms late."""
+        with open(self.trace, "rb") as file:
+            file.seek(max(0, self.trace.stat().st_size - 4096))
+            lines = file.read().decode().split("\n")[:-1]
+        words = lines[-1].split(",") if lines else []
+        return size([float(word) for word in words[8:11]]) if len(words) == 13 else 0.0
+
     def end(self):
         """Ends it and returns the ticks: (s, force in N as a triple)."""
         self.signal(signal.SIGTERM)
@@ -199,6 +207,11 @@ def last_force(rows, after=0.0):
     """The time of the last tick with a force; None when there is none."""
     times = [time_s for time_s, force in rows if size(force) > 0 and time_s > after]
     return times[-1] if times else None
+
+
+def largest(rows, begin, end):
+    """The largest force, in N, between two times."""
+    return max(size(force) for time_s, force in rows if begin <= time_s <= end)
 
 
 def near(rows, time_s):
