@@ -1,0 +1,299 @@
+"""The modules of patches/audiohaptics/ioa: what each does, and that each can be exchanged."""
+import numpy
+import pytest
+
+from harness import Patch
+from ioa_system import NEEDS_DISK, SCENE, System, of, rows, taps
+
+needs_disk = pytest.mark.skipif(NEEDS_DISK, reason="the disk's table is made where modal_fem is built")
+SERVERS = ("ioa_is", "ioa_is_pd")
+
+
+def render(seconds, path, play=True, rate=48000, messages=(), scene=None, **modules):
+    """One system fed by a script from 0 ms on; messages: (ms, role, text)."""
+    patch = Patch()
+    if scene:
+        modules.setdefault("mm_haptic", ["ioa_mm_haptic", scene])
+    modules.setdefault("sdd", ["ioa_sdd_script", path])
+    system = System(patch, **modules)
+    if play:
+        patch.at(0, system.box["sdd"], "bang")
+    for ms, role, text in messages:
+        patch.at(ms, system.bus if role == "bus" else system.box[role], text)
+    return patch.render(seconds, rate)
+
+
+def hits(result, name="lab"):
+    """[(t, id)] of a system."""
+    return [(atoms[0], atoms[1]) for atoms in of(result, name, "hit")]
+
+
+# ---- interaction server ------------------------------------------------------------------------
+
+@pytest.mark.parametrize("server", SERVERS)
+def test_a_hand_that_comes_by_a_quarter_millimetre_a_tick_hits_at_tick_57(tmp_path, server):
+    script = rows(tmp_path / "hand.txt", (0, 25, 0, 20.1), (80, 25, 0, 0.1), (160, 25, 0, 20.1),
+                  (240, 25, 0, 0.1))
+    result = render(0.25, script, r_modal=None, **{"is": server})
+    found = of(result, "lab", "hit")
+    late = 1 if server == "ioa_is" else 0  # the servo's next tick after the bus's message
+    assert [(h[0], h[1]) for h in found] == [(57 + late, "disk"), (217 + late, "disk")]
+    for hit in found:
+        assert hit[2:8] == pytest.approx([25, 0, 6, 0, 0, 1], abs=1e-4)
+        assert hit[8] == pytest.approx(0.25, rel=0.01) and hit[9] == pytest.approx(0, abs=1e-4)
+    assert [round(r[0]) for r in of(result, "lab", "release")] == [104 + late]
+
+
+BODIES = {"sphere": ("add b sphere 0 0 0 20", (30, 0, 0), (18, 0, 0), (1, 0, 0)),
+          "sphere, askew": ("add b sphere 0 0 0 20", (20, 20, 0), (12, 12, 0), (1.071068, 1.071068, 0)),
+          "box": ("add b box 0 0 0 30 10 20", (0, 15, 0), (0, 7, 0), (0, 1.5, 0)),
+          "box, pressed beyond its bottom": ("add b box 0 0 0 30 10 20", (0, 15, 0), (0, -13, 0),
+                                             (0, 11.5, 0)),
+          "disk": ("add b disk 0 0 0 0 0 1 50 12", (0, 0, 20), (0, 0, -3), (0, 0, 4.5)),
+          "disk, its rim": ("add b disk 0 0 0 0 0 2 50 12", (60, 0, 1), (48, 0, 1), (1, 0, 0)),
+          "disk, moved": ("add b disk 0 0 0 0 1 0 50 12, move b 5 10 0", (5, 30, 0), (5, 13, 0),
+                          (0, 1.5, 0)),
+          "plane": ("add b plane 0 2 0 5", (3, 12, 4), (3, 3, 4), (0, 1, 0))}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_spring_is_k_times_the_depth_of_every_body(tmp_path, name):
+    scene, start, end, force = BODIES[name]
+    script = rows(tmp_path / "hand.txt", (0, *start), (100, *end), (300, *end))
+    lines = [line.strip() for line in scene.split(",")]
+    (tmp_path / "scene.txt").write_text("\n".join([*lines[:1], "mat b 500", *lines[1:]]) + "\n")
+    for server in SERVERS:
+        result = render(0.3, script, r_modal=None, scene=str(tmp_path / "scene.txt"), **{"is": server})
+        assert len(hits(result)) == 1
+        assert of(result, "lab", "contact")[-1][3:] == pytest.approx(force, abs=2e-4)
+    assert of(result, "lab", "force")[-1][1:] == pytest.approx(force, abs=2e-4)
+
+
+BODIES_APART = ("add disk disk 0 0 0 0 0 1 40 12\nadd 7 sphere 90 10 -5 20\n"
+                "add box box -90 0 0 30 20 8\n")
+
+
+def wandering(path, seed):
+    """A hand that taps twelve times anywhere over three bodies, some of the times beside them."""
+    draw = numpy.random.default_rng(seed)
+    points, ms = [(0, 0, 0, 40)], 0
+    for _ in range(12):
+        x, y = draw.uniform((-120, -25), (110, 25))
+        speed, deep = draw.uniform(0.1, 0.6), draw.uniform(0, 7)  # mm/ms, mm
+        ms += 60
+        points.append((ms, x, y, 40))
+        ms += (40 - deep) / speed
+        points.append((ms, x, y, deep))
+        ms += (40 - deep) / speed
+        points.append((ms, x, y, 40))
+    return rows(path, *points), ms / 1000
+
+
+@pytest.mark.parametrize("seed", (1, 2))
+def test_the_servers_give_the_same_hits_within_2_ms(tmp_path, seed):
+    script, seconds = wandering(tmp_path / "hand.txt", seed)
+    (tmp_path / "scene.txt").write_text(BODIES_APART)
+    found = [of(render(seconds, script, r_modal=None, scene=str(tmp_path / "scene.txt"),
+                       **{"is": server}), "lab", "hit") for server in SERVERS]
+    assert len(found[0]) >= 5 and [h[1] for h in found[0]] == [h[1] for h in found[1]]
+    assert len({h[1] for h in found[0]}) >= 2
+    for servo, plain in zip(*found):
+        assert servo[0] == pytest.approx(plain[0], abs=2)
+        assert servo[2:5] == pytest.approx(plain[2:5], abs=0.7)  # a tick's way at 0.6 m/s
+        assert servo[5:8] == pytest.approx(plain[5:8], abs=0.02)
+        assert servo[8] == pytest.approx(plain[8], abs=0.02)
+
+
+def test_a_script_and_osc_packets_of_the_same_positions_give_the_same_hits(tmp_path):
+    script, seconds = wandering(tmp_path / "hand.txt", 3)
+    scene = tmp_path / "scene.txt"
+    scene.write_text(BODIES_APART)
+    patch = Patch()
+    system = System(patch, "script", sdd=["ioa_sdd_script", script], r_modal=None,
+                    mm_haptic=["ioa_mm_haptic", str(scene)])
+    osc = System(patch, "osc", sdd=["ioa_sdd_osc"], r_modal=None,
+                 mm_haptic=["ioa_mm_haptic", str(scene)])
+    # What the script says is packed as OSC and taken apart again by the other sensor driver.
+    heard = patch.obj("ioa_bus", "script", "raw") >> patch.obj("route raw") >> patch.obj("list split 1")
+    heard[1] >> patch.obj("oscformat raw") >> osc.box["sdd"]
+    patch.at(0, system.box["sdd"], "bang")
+    result = patch.render(seconds)
+    assert len(hits(result, "script")) >= 5
+    assert of(result, "osc", "hit") == of(result, "script", "hit")
+
+
+# ---- sensors and recognition ---------------------------------------------------------------------
+
+def test_a_script_is_played_a_thousand_times_a_second_on_straight_lines(tmp_path):
+    path = tmp_path / "hand.txt"
+    path.write_text("# a comment\n10 0 0 0\n20 10 -5 1 1\n20 40 0 0 4\n30 40 10 0\n")
+    patch = Patch()
+    sensor = patch.obj("ioa_sdd_script", "lab", str(path))
+    patch.log("raw", sensor)
+    patch.at(5, sensor, "bang")
+    logged = [entry for entry in patch.render(0.06).logs["raw"] if entry[0] < 60]
+    raw = numpy.array([atoms[1:] for _, atoms in logged if atoms[0] == "raw"])
+    t = raw[:, 0] - 5
+    assert list(t) == list(range(55))
+    assert raw[:, 1] == pytest.approx(numpy.where(t < 20, numpy.clip(t - 10, 0, 10), 40), abs=1e-5)
+    assert raw[:, 2] == pytest.approx(numpy.where(t < 20, -0.5 * numpy.clip(t - 10, 0, 10),
+                                                  numpy.clip(t - 20, 0, 10)), abs=1e-5)
+    assert [a for _, a in logged if a[0] == "rawbutton"] == [
+        ["rawbutton", 25, 2, 1], ["rawbutton", 35, 2, 0]]  # the second row of a jump counts: mask 4
+
+
+def test_rows_of_a_script_that_are_no_positions_are_named_and_left_out(tmp_path):
+    path = tmp_path / "hand.txt"
+    path.write_text("0 1 2 3\n1 2\n5 x 2 3\n10 11 2 3\n")
+    patch = Patch()
+    sensor = patch.obj("ioa_sdd_script", "lab", str(path))
+    patch.log("raw", sensor)
+    patch.at(0, sensor, "bang")
+    result = patch.render(0.02, expect_errors=["ioa-error: lab ioa_sdd_script row 1 2 expected ms x y z"])
+    assert [a[2] for _, a in result.logs["raw"]][:12] == pytest.approx([*range(1, 12), 11])
+
+
+def test_the_velocity_follows_the_difference_quotient_with_the_time_constant(tmp_path):
+    script = rows(tmp_path / "hand.txt", (0, 0, 0, 0), (20, 0, 0, 0), (100, 80, -40, 20))
+    result = render(0.1, script, re=["ioa_re", 4], r_modal=None, **{"is": None})
+    patch = Patch()
+    system = System(patch, sdd=["ioa_sdd_script", script], re=["ioa_re", 4], r_modal=None)
+    patch.log("hand", patch.obj("ioa_bus", "lab", "hand"))
+    patch.at(0, system.box["sdd"], "bang")
+    hand = numpy.array([a[1:] for ms, a in patch.render(0.1).logs["hand"] if ms < 100])
+    t = hand[:, 0]
+    share = 1 - numpy.exp(-numpy.maximum(t - 20, 0) / 4)
+    assert hand[:, 4:] == pytest.approx(numpy.outer(share, (1, -0.5, 0.25)), abs=1e-4)
+    assert not of(result, "lab", "hit")
+
+
+def test_buttons_and_the_grip_are_recognised(tmp_path):
+    script = rows(tmp_path / "hand.txt", (0, 0, 0, 30, 0), (10, 0, 0, 30, 1), (20, 0, 0, 30, 2),
+                  (30, 0, 0, 30, 0))
+    result = render(0.05, script, r_modal=None)
+    assert sorted(of(result, "lab", "button")) == [[10, 0, 1], [20, 0, 0], [20, 1, 1], [30, 1, 0]]
+    assert of(result, "lab", "grip") == [[10, 1], [20, 0]]
+    result = render(0.05, script, r_modal=None, messages=[(1, "re", "grip_button 1")])
+    assert of(result, "lab", "grip") == [[20, 1], [30, 0]]
+
+
+# ---- contents, sound, listener --------------------------------------------------------------------
+
+@needs_disk
+@pytest.mark.parametrize("rate", (44100, 48000, 96000))
+@pytest.mark.parametrize("server", SERVERS)
+def test_the_sound_begins_at_the_sample_of_the_servos_tick(tmp_path, server, rate):
+    script = taps(tmp_path / "hand.txt", (25, 0), (0, 30), (-40, 5))
+    result = render(0.5, script, rate=rate, messages=[(0, "bus", "model set disk choke 0.01")],
+                    **{"is": server})
+    force = result["lab.contact_force"]
+    assert len(hits(result)) == 3
+    for t, _ in hits(result):
+        sample = round(t * rate / 1000)
+        assert not force[sample - 48:sample].any()
+        assert force[sample:sample + 2].any()
+
+
+@needs_disk
+def test_with_a_latency_all_hits_are_late_by_it(tmp_path):
+    script = taps(tmp_path / "hand.txt", (25, 0), (0, 30))
+    result = render(0.4, script, messages=[(0, "r_modal", "latency 3")])
+    for t, _ in hits(result):
+        sample = round((t + 3) * 48)
+        assert not result["lab.contact_force"][sample - 48:sample].any()
+        assert result["lab.contact_force"][sample:sample + 2].any()
+
+
+@needs_disk
+def test_thrown_balls_fall_back_by_the_law_of_gravity(tmp_path):
+    script = taps(tmp_path / "hand.txt", (25, 0))
+    result = render(1.0, script, cs=["ioa_cs_physics", "disk", "disk.modal.npz"],
+                    messages=[(0, "cs", "restitution 0.7"), (0, "cs", "gravity 1.62")])
+    struck = of(result, "lab", "excite")
+    (hit,) = of(result, "lab", "hit")
+    speed = hit[8] * 0.7 ** numpy.arange(len(struck))
+    assert [e[5] for e in struck] == pytest.approx(speed, rel=1e-5)
+    flights = 2 * speed[1:] / 1.62 * 1000
+    assert numpy.diff([e[0] for e in struck]) == pytest.approx(flights, abs=1e-2)
+    assert all(e[1:5] == ["disk", *hit[2:5]] for e in struck)
+
+
+def test_the_speaker_is_at_the_hand_or_fixed(tmp_path):
+    script = rows(tmp_path / "hand.txt", (0, 0, 0, 30), (100, 50, 10, 30))
+    result = render(0.1, script, r_modal=None, messages=[(1, "mm_sound", "speaker hand 1 2 3")])
+    moving = [p for p in of(result, "lab", "listener") if 1 < p[0] < 100]
+    assert 8 <= len(moving) <= 11  # at most one in 10 ms
+    for t, *position in moving:
+        assert position == pytest.approx([t / 2 + 1, t / 10 + 2, 33], abs=1e-4)
+    result = render(0.1, script, r_modal=None, messages=[(1, "mm_sound", "speaker 0 200 400")])
+    assert of(result, "lab", "listener")[-1][1:] == [0, 200, 400]
+
+
+def test_a_hit_becomes_a_mark_by_the_root_of_its_speed(tmp_path):
+    result = render(0.3, taps(tmp_path / "hand.txt", (25, 0), speed=0.36), r_modal=None)
+    (mark,) = of(result, "lab", "mark")
+    assert mark[1:] == ["disk", pytest.approx(25), 0, pytest.approx(6), pytest.approx(20 * 0.6, rel=1e-3)]
+
+
+# ---- force: a sense that can be taken out --------------------------------------------------------
+
+def pressed(tmp_path, **modules):
+    """Force on the simulated device in newtons at the end, its hand pressing the disk."""
+    patch = Patch()
+    system = System(patch, sdd="ioa_sdd_phantom", r_modal=None, **modules)
+    patch.at(0, system.box["sdd"], "hand rigid, path line 25 0 20 25 0 3 400")
+    patch.log("info", patch.obj("r", "lab.phantom-info"))
+    patch.send(200, "lab.phantom", "bang")
+    result = patch.render(0.21)
+    return [a[1:] for _, a in result.logs["info"] if a[0] == "force"][-1], result
+
+
+def test_the_hand_feels_the_spring_only_with_renderer_and_driver(tmp_path):
+    for server in SERVERS:
+        force, result = pressed(tmp_path, **{"is": server})
+        assert force == pytest.approx([0, 0, 2.7], abs=0.05)  # 900 N/m, 3 mm
+        assert len(hits(result)) == 1
+        for part in ("r_spring", "ddd"):
+            force, result = pressed(tmp_path, **{"is": server, part: None})
+            assert force == [0, 0, 0] and len(hits(result)) == 1
+
+
+def test_a_hand_on_a_spring_is_held_back_by_the_disk(tmp_path):
+    patch = Patch()
+    system = System(patch, sdd="ioa_sdd_phantom", r_modal=None)
+    patch.at(0, system.box["sdd"], "hand spring 300 4, path line 25 0 20 25 0 -6 1000000")
+    patch.at(500, system.box["sdd"], "seek 500000")
+    patch.log("info", patch.obj("r", "lab.phantom-info"))
+    result = patch.render(1.5)
+    depth = of(result, "lab", "contact")[-1]
+    # 300 N/m pull 12 mm - d against 900 N/m: d = 12 * 300 / 1200 = 3 mm, 2.7 N
+    assert depth[2] == pytest.approx(3, abs=0.02) and depth[5] == pytest.approx(2.7, abs=0.02)
+
+
+def test_files_take_the_place_of_motors_and_loudspeakers(tmp_path):
+    patch = Patch()
+    system = System(patch, sdd=["ioa_sdd_script", taps(tmp_path / "hand.txt", (25, 0))],
+                    ddd=["ioa_ddd_file"], r_modal=None)
+    tone = patch.obj("osc~ 440")
+    tone >> system.box["ddd"][0]
+    tone >> system.box["ddd"][1]
+    patch.at(0, system.box["sdd"], "bang")
+    patch.at(10, system.box["ddd"][2], f"start {tmp_path}/take 0.25")
+    patch.render(0.4)
+    import scipy.io.wavfile
+    rate, sound = scipy.io.wavfile.read(tmp_path / "take.wav")
+    assert rate == 48000 and sound.shape == (12000, 2) and abs(sound).max() == pytest.approx(1, abs=0.01)
+    lines = (tmp_path / "take.txt").read_text().splitlines()
+    assert {line.split()[0] for line in lines} == {"hit", "contact", "release", "excite"}
+
+
+def test_forces_stop_when_none_comes_for_100_ms(tmp_path):
+    patch = Patch()
+    sensor, driver = patch.obj("ioa_sdd_phantom", "lab"), patch.obj("ioa_ddd_phantom", "lab")
+    patch.at(0, sensor, "hand rigid")
+    patch.at(10, patch.obj("ioa_bus", "lab"), "force 10 0 1.5 0")
+    patch.log("info", patch.obj("r", "lab.phantom-info"))
+    for ms in (100, 200):
+        patch.at(ms, driver, "bang")
+    found = [a[1:] for _, a in patch.render(0.25).logs["info"] if a[0] == "force"]
+    assert found[0] == pytest.approx([0, 1.5, 0], abs=1e-3) and found[-1] == [0, 0, 0]
