@@ -1,0 +1,99 @@
+"""The screen of patches/audiohaptics is dragged with a mouse: the disk is struck and the picture changes."""
+import importlib.machinery
+import importlib.util
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("TACTUS_BUILD", ROOT / "build"))
+STAGE = pathlib.Path(os.environ.get("TACTUS_STAGE", BUILD / "tactus"))
+PROGRAMS = ("Xvfb", "openbox", "xdotool", "import", "compare", "pd")
+PATCH = """#N canvas 60 40 580 420 12;
+#X obj 20 20 ioa_r_screen lab;
+#X obj 20 330 ioa_sdd_mouse lab;
+#X obj 20 355 ioa_re lab;
+#X obj 20 380 ioa_is lab;
+#X obj 160 330 ioa_mm_haptic lab disk_scene.txt;
+#X obj 160 355 ioa_r_spring lab;
+#X obj 160 380 ioa_ddd_phantom lab;
+#X obj 300 355 ioa_mm_screen lab;
+#X obj 400 355 ioa_bus lab hit release;
+#X obj 400 380 print bus;
+#X connect 8 0 9 0;
+"""
+
+pytestmark = pytest.mark.skipif(any(not shutil.which(p) for p in PROGRAMS),
+                                reason="needs xvfb openbox xdotool imagemagick")
+
+
+def photograph():
+    """scripts/photograph as a module: a screen of its own and how to ask it."""
+    sys.dont_write_bytecode = True
+    loader = importlib.machinery.SourceFileLoader("photograph", str(ROOT / "scripts" / "photograph"))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("photograph", loader))
+    loader.exec_module(module)
+    return module
+
+
+def drag(ask, place, points, pause=0.02):
+    """Presses at the first point, moves through the others in small steps and lets go."""
+    place(*points[0])
+    ask("xdotool", "mousedown", "1")
+    for (x0, y0), (x1, y1) in zip(points, points[1:]):
+        for k in range(1, 11):
+            place(x0 + (x1 - x0) * k / 10, y0 + (y1 - y0) * k / 10)
+            time.sleep(pause)
+    ask("xdotool", "mouseup", "1")
+
+
+def test_dragging_the_cross_onto_the_disk_strikes_it_there(tmp_path):
+    tools = photograph()
+    patch = tmp_path / "drag.pd"
+    patch.write_text(PATCH)
+    folder = BUILD / "photographs"
+    folder.mkdir(exist_ok=True)
+    with tools.screen() as environment, tempfile.TemporaryFile("w+") as said, \
+            tempfile.TemporaryDirectory() as hosts:
+        command = ["pd", "-noprefs", "-nosound", "-stderr", "-path", str(STAGE), "-open", str(patch)]
+        with tools.running(command, env=tools.with_localhost(environment, hosts), stdout=said,
+                           stderr=said):
+            def ask(*words):
+                return tools.ask(environment, *words)
+
+            def words():
+                return os.pread(said.fileno(), 1 << 20, 0).decode(errors="replace")
+
+            def struck():
+                return re.findall(r"^bus: hit \S+ disk (\S+) (\S+) (\S+)", words(), re.M)
+            window = tools.wait_for(lambda: ask("xdotool", "search", "--onlyvisible", "--name",
+                                                r"drag\.pd").split(), 30, "the window")[-1]
+            time.sleep(2)
+            geometry = dict(line.split("=") for line in
+                            ask("xdotool", "getwindowgeometry", "--shell", window).split())
+            bar = int(geometry["HEIGHT"]) - 420
+
+            def place(x, y):
+                ask("xdotool", "mousemove", "--sync", "--window", window, str(round(x)),
+                    str(round(y) + bar))
+            # 2 pixels a mm: the cross begins at x = 25, z = 40 of the right view, whose middle is
+            # x = 0 at 417 and whose z = 0 lies 60 above its lower end at 292.
+            ask("import", "-window", window, str(folder / "ioa_drag_before.png"))
+            assert not struck()
+            drag(ask, place, [(467, 153), (427, 153), (427, 243)])
+            tools.wait_for(struck, 60, "a hit")
+            x, y, z = map(float, struck()[0])
+            assert abs(x - 5) < 4 and abs(y) < 1 and z == pytest.approx(6)
+            ask("import", "-window", window, str(folder / "ioa_drag_after.png"))
+            assert not re.search(r"error|couldn't create", words()), words()
+    changed = subprocess.run(["compare", "-metric", "AE", str(folder / "ioa_drag_before.png"),
+                              str(folder / "ioa_drag_after.png"), "null:"],
+                             capture_output=True, text=True).stderr
+    assert float(changed.split()[0]) > 300
