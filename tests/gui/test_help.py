@@ -41,6 +41,9 @@ def test_the_object_has_a_help_patch(name):
 @pytest.mark.parametrize("path", HELP, ids=lambda p: p.stem)
 def test_a_help_patch_is_silent_on_loading_and_sounds_within_one_click(path):
     text = path.read_text()
+    tables = {*re.findall(r"\w+\.modal\.npz", text)}
+    if any(not (stage_folder() / table).is_file() for table in tables):
+        pytest.skip("its tables are made where modal_fem is built")
     assert re.search(r"bng .* help-play ", text), "a [bng] with the receive name help-play"
     patch = Patch(opens=path)
     for channel in (1, 2):
@@ -51,7 +54,8 @@ def test_a_help_patch_is_silent_on_loading_and_sounds_within_one_click(path):
     # Recording begins when the sound is switched on, so the end stays empty.
     assert not sound[:, -15000:].any(), "it sounds before the click"
     assert abs(sound).max() <= 1
-    if "dac~" in text:
+    # Pd does not look at its sockets in a batch render: what comes over one is heard live only.
+    if ("dac~" in text or "ioa_ddd_dac" in text) and path.stem != "ioa_net-help":
         half_seconds = (sound[:, :216000] ** 2).reshape(2, -1, 24000).mean(axis=2)
         level = 10 * numpy.log10(half_seconds.max() + 1e-12)
         assert level > -50, f"it is silent for 4 s after the click ({level:.0f} dB)"
