@@ -122,6 +122,39 @@ def test_a_script_and_osc_packets_of_the_same_positions_give_the_same_hits(tmp_p
     assert of(result, "osc", "hit") == of(result, "script", "hit")
 
 
+@pytest.mark.parametrize("amplitude, hz, expected", [(0.15, 40, 1), (1.0, 40, 10), (1.0, 100, 1)])
+def test_a_chattering_hand_hits_again_after_a_real_departure_only(tmp_path, amplitude, hz, expected):
+    """By docs/scene.md 0.2 mm and 10 ms away: 12.5 ms in the air at 40 Hz, 5 ms at 100 Hz."""
+    points = [(0, 25, 0, 9), (40, 25, 0, 6.01)]
+    points += [(50 + k, 25, 0, 6 + amplitude * numpy.sin(2 * numpy.pi * hz * k / 1000 + 0.1))
+               for k in range(240)]
+    script = rows(tmp_path / "hand.txt", *points)
+    for server in SERVERS:
+        result = render(0.28, script, r_modal=None, **{"is": server})
+        assert len([t for t, _ in hits(result) if t < 280]) == pytest.approx(expected, abs=expected // 8)
+
+
+@pytest.mark.parametrize("server", SERVERS)
+def test_the_damper_acts_on_the_approach_alone(tmp_path, server):
+    (tmp_path / "scene.txt").write_text("add disk disk 0 0 0 0 0 1 50 12\n")
+    script = rows(tmp_path / "hand.txt", (0, 25, 0, 20), (80, 25, 0, 0), (160, 25, 0, 20))
+    result = render(0.16, script, r_modal=None, scene=str(tmp_path / "scene.txt"), re=["ioa_re", 0.1],
+                    r_spring=["ioa_r_spring", 600, 3], **{"is": server})
+    contacts = of(result, "lab", "contact")
+    felt = contacts if server == "ioa_is" else of(result, "lab", "force")
+    for contact, force in zip(contacts, felt):
+        coming = 78 > contact[0]
+        if coming or contact[0] > 84:
+            expected = 0.6 * contact[2] + (3 * 0.25 if coming else 0)
+            assert force[-1] == pytest.approx(expected, abs=0.01)
+
+
+def test_without_a_renderer_the_servos_bodies_have_no_force(tmp_path):
+    result = render(0.2, taps(tmp_path / "hand.txt", (25, 0)), r_modal=None, r_spring=None)
+    contacts = of(result, "lab", "contact")
+    assert len(contacts) > 4 and not any(any(c[3:]) for c in contacts)
+
+
 # ---- sensors and recognition ---------------------------------------------------------------------
 
 def test_a_script_is_played_a_thousand_times_a_second_on_straight_lines(tmp_path):

@@ -51,6 +51,20 @@ def test_right_messages_pass_and_wrong_ones_are_named_with_what_was_expected():
         assert text.startswith("error tester") and expected in text, message
 
 
+def test_a_field_too_few_or_too_many_is_wrong_for_every_topic():
+    fixed = [m for m in RIGHT if m.split()[0] not in ("model", "publish", "quit")]
+    patch = Patch()
+    bus = patch.obj("ioa_bus", "lab")
+    patch.log("passed", patch.obj("ioa_bus", "lab", *{m.split()[0] for m in fixed}))
+    patch.log("errors", patch.obj("r", "lab.error"))
+    for i, message in enumerate(fixed):
+        patch.at(1 + i, bus, message.rsplit(" ", 1)[0])
+        patch.at(1 + i, bus, message + " 7")
+    result = patch.render(0.1, expect_errors=["ioa-error: lab module raw 0 1 2 expected",
+                                              "ioa-error: lab [0-9]+ more wrong messages"])
+    assert not result.logs["passed"] and len(result.logs["errors"]) == 2 * len(fixed)
+
+
 def test_a_thousand_wrong_messages_are_two_lines_and_the_rest_goes_on():
     patch = Patch()
     bus = patch.obj("ioa_bus", "lab")
