@@ -60,8 +60,7 @@ def test_a_field_too_few_or_too_many_is_wrong_for_every_topic():
     for i, message in enumerate(fixed):
         patch.at(1 + i, bus, message.rsplit(" ", 1)[0])
         patch.at(1 + i, bus, message + " 7")
-    result = patch.render(0.1, expect_errors=["ioa-error: lab module raw 0 1 2 expected",
-                                              "ioa-error: lab [0-9]+ more wrong messages"])
+    result = patch.render(0.1, expect_errors=["ioa-error: lab module raw 0 1 2 expected"])
     assert not result.logs["passed"] and len(result.logs["errors"]) == 2 * len(fixed)
 
 
