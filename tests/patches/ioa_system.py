@@ -3,6 +3,7 @@ from harness import Patch, stage_folder
 
 SCENE = stage_folder() / "disk_scene.txt"  # the disk: 50 mm radius, 12 mm thick, facing z
 NEEDS_DISK = not (stage_folder() / "disk.modal.npz").is_file()
+SERVERS = ("ioa_is", "ioa_is_pd")
 TOPICS = ("hit", "contact", "release", "excite", "force", "listener", "mark", "button", "grip")
 
 
@@ -58,3 +59,22 @@ class System:
 def of(result, name, topic):
     """Fields of a topic's messages, in order."""
     return [atoms for _, atoms in result.logs[f"{name}.{topic}"]]
+
+
+def render(seconds, path, play=True, rate=48000, messages=(), scene=None, **modules):
+    """One system fed by a script from 0 ms on; messages: (ms, role, text)."""
+    patch = Patch()
+    if scene:
+        modules.setdefault("mm_haptic", ["ioa_mm_haptic", scene])
+    modules.setdefault("sdd", ["ioa_sdd_script", path])
+    system = System(patch, **modules)
+    if play:
+        patch.at(0, system.box["sdd"], "bang")
+    for ms, role, text in messages:
+        patch.at(ms, system.bus if role == "bus" else system.box[role], text)
+    return patch.render(seconds, rate)
+
+
+def hits(result, name="lab"):
+    """[(t, id)] of a system."""
+    return [(atoms[0], atoms[1]) for atoms in of(result, name, "hit")]

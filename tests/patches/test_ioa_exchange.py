@@ -1,6 +1,7 @@
 """Each module is exchanged by changing one object box: the rows of docs/audiohaptics.md's table."""
 import re
 import socket
+import struct
 import subprocess
 
 import numpy
@@ -155,3 +156,27 @@ def test_a_topic_that_would_run_in_a_circle_is_refused(tmp_path):
     assert said.count("left: hand 1 2 3 4") == 1 and "right: hand" not in said
     assert "ioa-error: right ioa_net a topic came that this side sends" in said
 
+
+def test_osc_packets_over_udp_become_raw_positions(tmp_path):
+    port = free_port()
+    (tmp_path / "osc.pd").write_text(live_patch(
+        [f"obj 10 10 ioa_sdd_osc lab {port}", "obj 10 40 print osc", "obj 10 70 loadbang",
+         "obj 10 100 delay 3000", "obj 10 130 r lab.raw", "obj 10 160 t b", "msg 10 190 \\; pd quit",
+         "obj 100 160 delay 300"],
+        ["0 0 1 0", "2 0 3 0", "3 0 6 0", "4 0 5 0", "5 0 7 0", "7 0 6 0"]))
+    packet = b"/raw\0\0\0\0,fff\0\0\0\0" + struct.pack(">fff", 25, -3.5, 6)
+    with subprocess.Popen(["pd", "-nogui", "-nosound", "-noprefs", "-stderr", "-path", str(stage_folder()),
+                           "-open", str(tmp_path / "osc.pd")], stderr=subprocess.PIPE, text=True) as live, \
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        bound = set()
+        while live.poll() is None:
+            with open("/proc/net/udp", encoding="ascii") as table:
+                bound |= {line.split()[1] for line in table if f":{port:04X} " in line}
+            out.sendto(packet, ("127.0.0.1", port))
+            try:
+                live.wait(0.02)
+            except subprocess.TimeoutExpired:
+                continue
+        said = live.stderr.read()
+    assert re.search(r"^osc: raw \S+ 25 -3.5 6$", said, re.M), said
+    assert bound == {f"0100007F:{port:04X}"}  # on this computer alone
