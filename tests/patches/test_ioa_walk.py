@@ -48,7 +48,7 @@ def test_the_resting_hand_feels_the_walker(walk, tmp_path):
     def shaken(ticks):
         """RMS of the force's changes from tick to tick, N, while the hand rests."""
         force = ticks[ticks[:, 0] > 2000, 1]
-        assert force.min() > 0.3
+        assert force.min() > 0  # it rests on the plank all the time
         return numpy.diff(force).std()
     _, still, steps = played(tmp_path, False)
     assert all(t < 1000 for t in steps)  # the foot that was on its way
