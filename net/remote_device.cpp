@@ -95,6 +95,8 @@ std::string RemoteDevice::open() {
   samples_.write({});
   forces_.reset();
   down_until_s_ = failed_until_s_ = 0;
+  failures_ = 0;
+  failures_seen_ = 0;
   stop_ = cancelled_ = false;
   try {
     thread_ = std::thread([this] { serve(); });
@@ -173,6 +175,7 @@ bool RemoteDevice::read(const haptic::Tick& /*tick*/, State& state) noexcept {
     state.flags |= State::kUnreachable;
   if (sample.failed)
     state.flags |= State::kFault;
+  failures_seen_ = sample.failures;
   return true;
 }
 
@@ -259,7 +262,7 @@ std::string RemoteDevice::talk(Wire& wire) {
 void RemoteDevice::exchange(Client& client, double now) {
   const Vec3 newest = forces_.read();
   const Vec3 force_n = newest * forces_.gain();
-  if (force_n == Vec3{})
+  if (newest == Vec3{}) // written, not for want of a servo: that one may have missed a failure
     may_start_ = true;
   if (client.ready() && may_start_ && !client.in_control() && !(force_n == Vec3{})) {
     client.start(RenderMode::kForce);
@@ -275,11 +278,13 @@ void RemoteDevice::exchange(Client& client, double now) {
   if (client.refusals() != refusals_) {
     refusals_ = client.refusals();
     failed_until_s_ = now + kNoticed_s;
+    ++failures_;
     may_start_ = false;
     tell(client.trouble());
   }
   sample_.connected = client.ready() && now >= down_until_s_;
-  sample_.failed = now < failed_until_s_;
+  sample_.failures = failures_;
+  sample_.failed = now < failed_until_s_ || failures_seen_ != failures_;
   sample_.time_s = client.position_s();
   sample_.state.position = client.position();
   sample_.state.buttons = client.buttons();

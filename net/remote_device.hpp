@@ -41,6 +41,7 @@ private:
     double time_s = -1e9; ///< of its arrival
     bool connected = false;
     bool failed = false; ///< the server has ended our control
+    std::uint32_t failures = 0;
   };
   struct Wish {
     std::string host = "127.0.0.1";
@@ -68,8 +69,10 @@ private:
   Sample sample_{};
   double down_until_s_ = 0, failed_until_s_ = 0, sent_s_ = 0;
   haptic::Vec3 sent_force_{};
-  bool may_start_ = false; ///< no force has been wanted since the connection, or since a refusal
-  std::uint32_t refusals_ = 0;
+  bool may_start_ = false; ///< no force was written since the connection, or since a refusal
+  std::uint32_t refusals_ = 0, failures_ = 0;
+  /// Of failures, how many the servo has read: one that was late must not miss any.
+  std::atomic<std::uint32_t> failures_seen_{0};
 
   // The servo's
   haptic::Vec3 last_position_{};

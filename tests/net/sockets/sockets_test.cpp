@@ -88,6 +88,11 @@ public:
     REQUIRE_MESSAGE(refusal == "", refusal);
     thread_ = std::thread([this] {
       while (!stop_) {
+        if (!reads) {
+          static_cast<void>(device.write({force.load(), 0, 0}));
+          wait_1ms();
+          continue;
+        }
         State state;
         const bool answered = device.read({}, state);
         answers = answered;
@@ -107,7 +112,8 @@ public:
     device.close();
   }
   RemoteDevice device{};
-  std::atomic<bool> answers{false}, unreachable{false}, alive{false}, failed{false}, writes{true};
+  std::atomic<bool> answers{false}, unreachable{false}, alive{false}, failed{false}, writes{true},
+      reads{true};
   std::atomic<double> x{0}, force{0};
 
 private:
@@ -191,6 +197,33 @@ TEST_CASE("an emergency stop at the server is a fault of the device here") {
     CHECK(server.force_x() == 0);
     wait_1ms();
   }
+}
+
+TEST_CASE("a failure waits for a servo that was late, and pauses of a servo start no motor") {
+  Serving server;
+  Using client(server.port());
+  CHECK(becomes([&] { return client.alive.load(); }));
+  client.force = 0.5;
+  CHECK(becomes([&] { return server.force_x() > 0.4; }));
+  client.reads = false;
+  server.stop_motors();
+  CHECK(becomes([&] { return client.device.trouble().find("stop") != std::string::npos; }));
+  server.release_motors();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300)); // longer than a failure is shown
+  client.reads = true;
+  CHECK(becomes([&] { return client.failed.load(); }));
+  CHECK(becomes([&] { return !client.failed; }));
+  client.writes = false;
+  std::this_thread::sleep_for(std::chrono::milliseconds(100)); // the force times out
+  client.writes = true;
+  for (int i = 0; i < 300; ++i) {
+    CHECK(server.force_x() == 0);
+    wait_1ms();
+  }
+  client.force = 0;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  client.force = 0.5;
+  CHECK(becomes([&] { return server.force_x() > 0.4; }));
 }
 
 TEST_CASE("opening ends soon when nobody answers, and when it is cancelled") {
