@@ -51,5 +51,6 @@ def test_the_resting_hand_feels_the_walker(walk, tmp_path):
         assert force.min() > 0  # it rests on the plank all the time
         return numpy.diff(force).std()
     _, still, steps = played(tmp_path, False)
+    assert still[still[:, 0] > 2000, 1].min() > 0.3
     assert all(t < 1000 for t in steps)  # the foot that was on its way
     assert shaken(walk[1]) > 10 * shaken(still) and shaken(walk[1]) > 0.01

@@ -49,7 +49,7 @@ TEST_CASE("a linear contact is as loud as the landing is fast; the ball has its 
   CHECK(factor(heel(0.5, "level 3\n"), heel(0.5, "level 1\n")) == test::approx(3));
   const auto ball = [](double speed, const std::string& more) {
     const auto ground = ground_of(board(more));
-    felt(*ground, heel_at(0.5), 24000); // a place for the foot; the heel's blow has died away
+    felt(*ground, heel_at(0.5), 24000); // a place for the foot; the heel's impact has died away
     SoleState sole;
     sole.ball_landing = speed;
     return felt(*ground, sole);
