@@ -99,12 +99,30 @@ public:
         unreachable = (state.flags & State::kUnreachable) != 0;
         alive = answered && (state.flags & State::kUnreachable) == 0;
         failed = answered && (state.flags & State::kFault) != 0;
+        failures += failed;
+        no_answers += !answered;
+        no_positions += answered && unreachable;
         x = state.position.x;
         if (writes)
           static_cast<void>(device.write({force.load(), 0, 0}));
         wait_1ms();
       }
     });
+  }
+  /// Writes no force, then this one, as an operator who lets go and takes hold again; on a computer
+  /// whose threads were late, as often as it takes. True if the server then has it.
+  bool takes_hold(const Serving& server, double force_n) {
+    for (int i = 0; i < 30; ++i) {
+      force = 0;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      force = force_n;
+      for (int j = 0; j < 1000; ++j) {
+        if (server.force_x() > 0.8 * force_n)
+          return true;
+        wait_1ms();
+      }
+    }
+    return false;
   }
   ~Using() {
     stop_ = true;
@@ -115,6 +133,8 @@ public:
   std::atomic<bool> answers{false}, unreachable{false}, alive{false}, failed{false}, writes{true},
       reads{true};
   std::atomic<double> x{0}, force{0};
+  /// Reads that showed a failure, no answer, an old position: a state may last a single tick.
+  std::atomic<int> failures{0}, no_answers{0}, no_positions{0};
 
 private:
   std::atomic<bool> stop_{false};
@@ -148,12 +168,8 @@ TEST_CASE("a server that ends is a failure of the device, and one that comes bac
   auto server = std::make_unique<Serving>();
   const int port = server->port();
   Using client(port);
-  client.force = 0;
   CHECK(becomes([&] { return client.alive.load(); }));
-  std::this_thread::sleep_for(
-      std::chrono::milliseconds(50)); // a servo without force, as at a start
-  client.force = 0.5;
-  CHECK(becomes([&] { return server->force_x() > 0.4; }));
+  CHECK(client.takes_hold(*server, 0.5));
   server.reset();
   CHECK(becomes([&] { return !client.alive; }));
   CHECK(becomes([&] { return !client.device.trouble().empty(); }));
@@ -163,10 +179,7 @@ TEST_CASE("a server that ends is a failure of the device, and one that comes bac
     CHECK(server->force_x() == 0);
     wait_1ms();
   }
-  client.force = 0; // as a latched servo writes
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  client.force = 0.5; // as after motors 1
-  CHECK(becomes([&] { return server->force_x() > 0.4; }));
+  CHECK(client.takes_hold(*server, 0.5)); // a latched servo writes 0 until motors 1
 }
 
 TEST_CASE("positions that stop coming take the force away, later they are a failure") {
@@ -174,10 +187,11 @@ TEST_CASE("positions that stop coming take the force away, later they are a fail
   Using client(server.port());
   CHECK(becomes([&] { return client.alive.load(); }));
   server.stall(0.3);
-  CHECK(becomes([&] { return client.answers && client.unreachable; }));
+  CHECK(becomes([&] { return client.no_positions > 0; }));
   CHECK(becomes([&] { return client.alive.load(); }));
+  client.no_answers = 0;
   server.stall(0.8);
-  CHECK(becomes([&] { return !client.answers; }));
+  CHECK(becomes([&] { return client.no_answers > 0; }));
   CHECK(becomes([&] { return client.alive.load(); }));
 }
 
@@ -185,11 +199,9 @@ TEST_CASE("an emergency stop at the server is a fault of the device here") {
   Serving server;
   Using client(server.port());
   CHECK(becomes([&] { return client.alive.load(); }));
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  client.force = 0.5;
-  CHECK(becomes([&] { return server.force_x() > 0.4; }));
+  CHECK(client.takes_hold(server, 0.5));
   server.stop_motors();
-  CHECK(becomes([&] { return client.failed.load(); }));
+  CHECK(becomes([&] { return client.failures > 0; }));
   CHECK(becomes([&] { return client.device.trouble().find("stop") != std::string::npos; }));
   server.release_motors();
   CHECK(becomes([&] { return !client.failed; }));
@@ -203,15 +215,15 @@ TEST_CASE("a failure waits for a servo that was late, and pauses of a servo star
   Serving server;
   Using client(server.port());
   CHECK(becomes([&] { return client.alive.load(); }));
-  client.force = 0.5;
-  CHECK(becomes([&] { return server.force_x() > 0.4; }));
+  CHECK(client.takes_hold(server, 0.5));
   client.reads = false;
+  client.failures = 0;
   server.stop_motors();
   CHECK(becomes([&] { return client.device.trouble().find("stop") != std::string::npos; }));
   server.release_motors();
   std::this_thread::sleep_for(std::chrono::milliseconds(300)); // longer than a failure is shown
   client.reads = true;
-  CHECK(becomes([&] { return client.failed.load(); }));
+  CHECK(becomes([&] { return client.failures > 0; }));
   CHECK(becomes([&] { return !client.failed; }));
   client.writes = false;
   std::this_thread::sleep_for(std::chrono::milliseconds(100)); // the force times out
@@ -220,10 +232,7 @@ TEST_CASE("a failure waits for a servo that was late, and pauses of a servo star
     CHECK(server.force_x() == 0);
     wait_1ms();
   }
-  client.force = 0;
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  client.force = 0.5;
-  CHECK(becomes([&] { return server.force_x() > 0.4; }));
+  CHECK(client.takes_hold(server, 0.5));
 }
 
 TEST_CASE("opening ends soon when nobody answers, and when it is cancelled") {
