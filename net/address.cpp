@@ -15,7 +15,7 @@ static_assert(kNames.size() == static_cast<std::size_t>(Address::kBye) + 1);
 } // namespace
 
 std::string_view name_of(Address address) noexcept {
-  return kNames[static_cast<std::size_t>(address)];
+  return address == Address::kTopic ? kNames[0] : kNames[static_cast<std::size_t>(address)];
 }
 
 Address find_address(std::string_view name) noexcept {

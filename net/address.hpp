@@ -38,9 +38,11 @@ enum class Address : std::uint8_t {
   kStatus,   ///< s word, ...
   kError,    ///< s code, s text
   kBye,      ///< s reason
+  // of a bus of modules, `/bus/TOPIC`; its name is the message's own
+  kTopic, ///< i sequence, i us, fields of the topic (net/bus_topic.hpp)
 };
 
-/// As in "cp/begin"; "?" of kUnknown.
+/// As in "cp/begin"; "?" of kUnknown and kTopic.
 [[nodiscard]] std::string_view name_of(Address address) noexcept;
 /// kUnknown when there is no such name.
 [[nodiscard]] Address find_address(std::string_view name) noexcept;

@@ -135,12 +135,13 @@ std::string_view decode_fudi(std::span<char> text, Message& message, bool& found
   }
   if (count == 0)
     return {};
-  if (words[0].text != "hap" || count == 1) {
+  const bool topic = words[0].text == "bus" && count > 1;
+  if (!topic && (words[0].text != "hap" || count == 1)) {
     message = Message(Address::kUnknown, words[0].text);
     return {};
   }
   std::size_t first = 2; // argument
-  Address address = find_address(words[1].text);
+  Address address = topic ? Address::kTopic : find_address(words[1].text);
   if (address == Address::kUnknown && count > 2) {
     address = find_address(words[1].text, words[2].text);
     first = address == Address::kUnknown ? 2 : 3;
@@ -156,9 +157,14 @@ std::string_view decode_fudi(std::span<char> text, Message& message, bool& found
 
 std::size_t encode_fudi(const Message& message, std::span<char> out) noexcept {
   Writer writer(out);
-  writer.raw("hap ");
-  for (const char c : message.name())
-    writer.raw(c == '/' ? " " : std::string_view(&c, 1));
+  if (message.address() == Address::kTopic) {
+    writer.raw("bus ");
+    writer.word(message.name());
+  } else {
+    writer.raw("hap ");
+    for (const char c : message.name())
+      writer.raw(c == '/' ? " " : std::string_view(&c, 1));
+  }
   for (std::size_t i = 0; i < message.size(); ++i) {
     writer.raw(" ");
     const Argument& argument = message[i];

@@ -28,14 +28,15 @@ public:
   Message() = default;
   explicit Message(Address address) noexcept : address_(address) {}
 
-  /// For kUnknown: the name that came, for the answer.
-  Message(Address address, std::string_view unknown_name) noexcept
-      : address_(address), unknown_name_(unknown_name) {}
+  /// For kUnknown: the name that came, for the answer; for kTopic: the topic.
+  Message(Address address, std::string_view own_name) noexcept
+      : address_(address), own_name_(own_name) {}
 
   [[nodiscard]] Address address() const noexcept { return address_; }
-  /// As in "cp/begin", or the unknown name that came.
+  /// As in "cp/begin", or the unknown name that came, or the topic.
   [[nodiscard]] std::string_view name() const noexcept {
-    return address_ == Address::kUnknown ? unknown_name_ : name_of(address_);
+    return address_ == Address::kUnknown || address_ == Address::kTopic ? own_name_
+                                                                        : name_of(address_);
   }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] const Argument& operator[](std::size_t i) const noexcept { return arguments_[i]; }
@@ -72,7 +73,7 @@ public:
 
 private:
   Address address_ = Address::kUnknown;
-  std::string_view unknown_name_{};
+  std::string_view own_name_{};
   std::array<Argument, kMaxArguments> arguments_{};
   std::size_t size_ = 0;
 };

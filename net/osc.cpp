@@ -8,7 +8,7 @@
 namespace tactus::net {
 namespace {
 
-constexpr std::string_view kPrefix = "/hap/";
+constexpr std::string_view kPrefix = "/hap/", kBusPrefix = "/bus/";
 
 class Reader {
 public:
@@ -123,9 +123,13 @@ std::string_view decode_osc(std::span<const std::uint8_t> packet, Message& messa
   tags.remove_prefix(1);
   if (tags.size() > Message::kMaxArguments)
     return "more than 16 arguments";
-  const bool ours = address.starts_with(kPrefix);
-  const std::string_view name = ours ? address.substr(kPrefix.size()) : address;
-  message = Message(ours ? find_address(name) : Address::kUnknown, name);
+  if (address.starts_with(kBusPrefix) && address.size() > kBusPrefix.size()) {
+    message = Message(Address::kTopic, address.substr(kBusPrefix.size()));
+  } else {
+    const bool ours = address.starts_with(kPrefix);
+    const std::string_view name = ours ? address.substr(kPrefix.size()) : address;
+    message = Message(ours ? find_address(name) : Address::kUnknown, name);
+  }
   for (const char tag : tags)
     if (const std::string_view reason = decode_argument(tag, reader, message); !reason.empty())
       return reason;
@@ -134,7 +138,7 @@ std::string_view decode_osc(std::span<const std::uint8_t> packet, Message& messa
 
 std::size_t encode_osc(const Message& message, std::span<std::uint8_t> out) noexcept {
   Writer writer(out);
-  writer.string(kPrefix, message.name());
+  writer.string(message.address() == Address::kTopic ? kBusPrefix : kPrefix, message.name());
   std::array<char, Message::kMaxArguments + 1> tags{','};
   for (std::size_t i = 0; i < message.size(); ++i)
     tags[i + 1] = static_cast<char>(message[i].type);

@@ -8,10 +8,13 @@
 namespace tactus::net {
 
 /// What waits to be sent to one client. Events are kept up to the capacity; samples of a stream are
-/// left out while more than kStreamLimit bytes wait, since an old position is worth nothing.
+/// left out while more than the stream limit waits, since an old position is worth nothing.
 class OutQueue {
 public:
   static constexpr std::size_t kCapacity = 1u << 20, kStreamLimit = 1u << 14;
+
+  explicit OutQueue(std::size_t stream_limit = kStreamLimit) noexcept
+      : stream_limit_(stream_limit) {}
 
   /// False when it does not fit: the client does not read.
   [[nodiscard]] bool add_event(std::span<const std::uint8_t> bytes);
@@ -29,6 +32,7 @@ public:
 private:
   void add(std::span<const std::uint8_t> bytes);
 
+  std::size_t stream_limit_;
   std::vector<std::uint8_t> bytes_{};
   std::size_t begin_ = 0; ///< of what was not sent yet
   std::uint64_t left_out_ = 0;

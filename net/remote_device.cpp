@@ -1,5 +1,7 @@
 #include "net/remote_device.hpp"
 
+#include "net/backoff.hpp"
+#include "net/client.hpp"
 #include "net/remote_wire.hpp"
 #include "net/token_file.hpp"
 
@@ -231,7 +233,8 @@ std::string RemoteDevice::talk(Wire& wire) {
   sent_force_ = {};
   const double began_s = now_s();
   client->connect(began_s);
-  wire.receive(*client);
+  wire.receive(
+      [&client](std::span<const std::uint8_t> bytes) { return client->receive(bytes, now_s()); });
   bool told = false;
   while (!stop_ && wire.open && !wire.refused && client->advance(now_s())) {
     exchange(*client, now_s());

@@ -13,6 +13,8 @@
 
 namespace tactus::net {
 
+struct Wire;
+
 /// A haptic device behind a server of the haptic protocol, as any other device of core/haptic.
 /// Sockets live in a thread of their own, which the servo meets in two mailboxes. Positions older
 /// than 100 ms take the force away until they come again; a lost connection, 500 ms without a
@@ -49,7 +51,6 @@ private:
     std::string token{};
     double rate_hz = 1000;
   };
-  struct Wire;
 
   void serve() noexcept;
   void connect_and_talk();

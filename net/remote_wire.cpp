@@ -3,7 +3,10 @@
 #include <boost/asio/connect.hpp>
 
 #include <chrono>
+#include <optional>
 #include <system_error>
+#include <thread>
+#include <vector>
 
 namespace tactus::net {
 
@@ -56,7 +59,7 @@ std::string look_up(const std::string& host, int port, Clock::time_point until,
 
 } // namespace
 
-std::string RemoteDevice::Wire::connect(const std::string& host, int port, double timeout_s) {
+std::string Wire::connect(const std::string& host, int port, double timeout_s) {
   const auto until = after(timeout_s);
   Endpoints endpoints;
   Error error;
@@ -84,23 +87,28 @@ std::string RemoteDevice::Wire::connect(const std::string& host, int port, doubl
   return {};
 }
 
-void RemoteDevice::Wire::receive(Client& client) {
-  socket.async_read_some(asio::buffer(received), [this, &client](Error error, std::size_t count) {
+void Wire::receive(Receiver takes) {
+  receiver = std::move(takes);
+  read_on();
+}
+
+void Wire::read_on() {
+  socket.async_read_some(asio::buffer(received), [this](Error error, std::size_t count) {
     if (error) {
       open = false;
       failure = error == asio::error::eof ? "the server closed it" : error.message();
       return;
     }
-    if (!client.receive({received.data(), count}, haptic::ForceTimeout::now_s())) {
+    if (!receiver({received.data(), count})) {
       refused = true;
       return;
     }
-    receive(client);
+    read_on();
   });
 }
 
 /// What the socket does not take now waits for the next millisecond.
-void RemoteDevice::Wire::send(OutQueue& out) {
+void Wire::send(OutQueue& out) {
   while (open && out.size() > 0) {
     Error error;
     const std::size_t sent =
@@ -116,7 +124,7 @@ void RemoteDevice::Wire::send(OutQueue& out) {
   }
 }
 
-void RemoteDevice::Wire::run() {
+void Wire::run() {
   bool due = false;
   timer.expires_after(kTick);
   timer.async_wait([&due](Error) { due = true; });

@@ -1,32 +1,42 @@
 #pragma once
 
-#include "net/client.hpp"
-#include "net/remote_device.hpp"
+#include "net/out_queue.hpp"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include <array>
+#include <atomic>
+#include <functional>
+#include <string>
+
 namespace tactus::net {
 
 /// One TCP connection of a client, in whose thread everything happens.
-struct RemoteDevice::Wire {
+struct Wire {
+  /// Takes what came; false when it wants no more of it.
+  using Receiver = std::function<bool(std::span<const std::uint8_t>)>;
+
   explicit Wire(const std::atomic<bool>& stop_flag) : stop(stop_flag) {}
 
   /// Empty, else why not. Ends within the time, or soon after `stop`.
   [[nodiscard]] std::string connect(const std::string& host, int port, double timeout_s);
-  /// Begins to hand what comes to the client.
-  void receive(Client& client);
+  /// Begins to hand over what comes.
+  void receive(Receiver receiver);
   void send(OutQueue& out);
   /// Runs what is due for a millisecond at most.
   void run();
+
+  void read_on();
 
   const std::atomic<bool>& stop;
   boost::asio::io_context context{1};
   boost::asio::ip::tcp::socket socket{context};
   boost::asio::steady_timer timer{context};
+  Receiver receiver{};
   std::array<std::uint8_t, 1u << 14> received{};
-  bool open = true, refused = false; ///< refused: the client wants no more of it
+  bool open = true, refused = false; ///< refused: by the receiver
   std::string failure{};
 };
 

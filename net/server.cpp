@@ -34,13 +34,9 @@ void Server::disconnect(ClientId client) {
 
 void Server::receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) {
   Session& session = *sessions_[client];
-  if (!session.reader.in_frame())
-    session.frame_since_s = now_s;
   while (!session.closing) {
     Message message;
-    const Outcome outcome = session.reader.next(bytes, message);
-    if (!session.reader.in_frame())
-      session.frame_since_s = now_s;
+    const Outcome outcome = session.next(bytes, message, now_s);
     if (outcome == Outcome::kNeedMore)
       return;
     take(session, outcome, message, now_s);
@@ -62,10 +58,10 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
   }
   session.flooding = false;
   if (outcome == Outcome::kBad)
-    return count_bad(session, "bad", session.reader.reason(), now_s);
+    return session.count_bad("bad", session.reader.reason(), now_s);
   const Refusal refusal = obey(session, message, now_s);
   if (refusal.bad)
-    return count_bad(session, refusal.code, refusal.text, now_s);
+    return session.count_bad(refusal.code, refusal.text, now_s);
   if (!refusal.code.empty())
     session.send_error(refusal.code, refusal.text, now_s);
   session.heard_s = now_s;
@@ -78,22 +74,6 @@ void Server::take(Session& session, Outcome outcome, const Message& message, dou
 /// What a slow line delivers may be older than its sender's life.
 bool Server::is_fresh(const Session& session, double now_s) noexcept {
   return !session.echoed_s || now_s - *session.echoed_s < kMaxAge_s;
-}
-
-void Server::count_bad(Session& session, std::string_view code, std::string_view text,
-                       double now_s) {
-  session.send_error(code, text, now_s);
-  if (session.bad_packets.add(now_s))
-    session.say_goodbye("bad");
-}
-
-void Server::check_time(Session& session, double now_s) {
-  if (session.closing)
-    return;
-  if (session.reader.in_frame() && now_s - session.frame_since_s >= kFrameTimeout_s)
-    session.say_goodbye("frame");
-  else if (now_s - session.heard_s >= kTimeout_s)
-    session.say_goodbye("timeout");
 }
 
 /// The force ends whether or not the session that had control still exists.
@@ -128,7 +108,7 @@ void Server::advance(const DeviceReport& report, double now_s) {
   report_ = report;
   for (const auto& session : sessions_)
     if (session)
-      check_time(*session, now_s);
+      session->check_time(now_s);
   if (controller_ && controller_->closing)
     release_control("closed");
   if (controller_ && (report.emergency_stopped || report.faults != faults_))

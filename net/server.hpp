@@ -2,6 +2,7 @@
 
 #include "core/haptic/device.hpp"
 #include "net/render_model.hpp"
+#include "net/service.hpp"
 #include "net/session.hpp"
 #include "net/token.hpp"
 
@@ -44,30 +45,30 @@ struct ServoOrders {
 /// orders for the servo come out (docs/haptic_network.md). One client controls; the force of a
 /// client never outlives it: stop, a lost connection and 500 ms of silence end it.
 /// For one thread. Times in s, by the clock of the servo's heartbeat, never decreasing.
-class Server {
+class Server final : public Service {
 public:
-  using ClientId = std::size_t; ///< 0 .. kMaxClients - 1
-
   explicit Server(ServerSettings settings) : settings_(std::move(settings)) {}
 
-  /// A connection from that address; nothing when there are as many as there may be.
-  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s);
-  void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s);
-  /// The connection is gone, or was closed after closing() and an empty queue.
-  void disconnect(ClientId client);
+  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s) override;
+  void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) override;
+  void disconnect(ClientId client) override;
 
   /// Once a servo's period: what depends on time alone, and streams.
   void advance(const DeviceReport& report, double now_s);
   /// A button of the device.
   void press(int number, bool on);
-  /// Everybody is shown out.
-  void close(std::string_view reason);
+  void close(std::string_view reason) override;
 
   [[nodiscard]] bool connected(ClientId client) const noexcept {
     return sessions_[client] != nullptr;
   }
-  [[nodiscard]] OutQueue& out(ClientId client) noexcept { return sessions_[client]->out; }
-  [[nodiscard]] bool closing(ClientId client) const noexcept { return sessions_[client]->closing; }
+  [[nodiscard]] OutQueue& out(ClientId client) noexcept override { return sessions_[client]->out; }
+  [[nodiscard]] bool closing(ClientId client) const noexcept override {
+    return sessions_[client]->closing;
+  }
+  [[nodiscard]] bool guarded() const noexcept override {
+    return settings_.token.size() >= kMinToken;
+  }
 
   [[nodiscard]] const ServoOrders& orders() const noexcept { return orders_; }
   [[nodiscard]] const ServerSettings& settings() const noexcept { return settings_; }
@@ -92,8 +93,6 @@ private:
 
   // server.cpp: connections and time
   void take(Session& session, FrameReader::Outcome outcome, const Message& message, double now_s);
-  void count_bad(Session& session, std::string_view code, std::string_view text, double now_s);
-  void check_time(Session& session, double now_s);
   [[nodiscard]] static bool is_fresh(const Session& session, double now_s) noexcept;
   void release_control(std::string_view why);
   void tell_all(const Message& message);

@@ -2,12 +2,9 @@
 
 #include "core/haptic/workspace.hpp"
 #include "core/stress/render.hpp"
-#include "net/framing.hpp"
-#include "net/limits.hpp"
-#include "net/out_queue.hpp"
+#include "net/peer_connection.hpp"
 
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace tactus::net {
@@ -67,26 +64,15 @@ private:
   double rate_hz_ = 0, next_s_ = 0;
 };
 
-/// One connection, from its first byte to its last.
-struct Session {
+/// One client of the haptic server.
+struct Session : PeerConnection {
   enum class Role : std::uint8_t { kNone, kObserve, kControl };
-  static constexpr double kPackets_hz = 5000, kErrors_hz = 20, kDefaultPoint_hz = 60;
+  static constexpr double kDefaultPoint_hz = 60;
 
-  Session(std::string peer_address, double now_s)
-      : peer(std::move(peer_address)), heard_s(now_s), frame_since_s(now_s) {}
+  using PeerConnection::PeerConnection;
 
-  std::string peer, name = "-";
   Role role = Role::kNone;
-  bool closing = false; ///< what waits is sent, then the connection ends
-
-  FrameReader reader{};
-  OutQueue out{};
-  double heard_s;                   ///< the last good message
   std::optional<double> echoed_s{}; ///< the server's time that the client has seen last
-  double frame_since_s;             ///< when last no frame was open
-  RateLimit packets{kPackets_hz}, errors{kErrors_hz};
-  BadPackets bad_packets{};
-  bool flooding = false; ///< and was told so
 
   Setup setup{};
   PointList list{};
@@ -95,12 +81,6 @@ struct Session {
   std::int32_t sample = 0; ///< counts samples of pos and vel
 
   [[nodiscard]] bool welcomed() const noexcept { return role != Role::kNone; }
-  /// Cannot be said in words before the first byte has chosen the framing.
-  void send_event(const Message& message);
-  void send_sample(const Message& message);
-  /// At most kErrors_hz a second are said.
-  void send_error(std::string_view code, std::string_view text, double now_s);
-  void say_goodbye(std::string_view reason);
 };
 
 } // namespace tactus::net

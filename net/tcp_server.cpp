@@ -30,7 +30,7 @@ constexpr auto kLastWords = std::chrono::milliseconds(200);
 struct Connection {
   explicit Connection(tcp::socket accepted) : socket(std::move(accepted)) {}
   tcp::socket socket;
-  Server::ClientId client = 0;
+  Service::ClientId client = 0;
   std::array<std::uint8_t, 1u << 14> received{};
   bool open = true, waiting_to_write = false;
   double closing_since_s = 0;
@@ -46,9 +46,9 @@ std::string text_of(const tcp::endpoint& endpoint) {
 } // namespace
 
 struct TcpServer::Parts {
-  Parts(Server& served, Hooks given) : server(served), hooks(std::move(given)) {}
+  Parts(Service& served, Hooks given) : service(served), hooks(std::move(given)) {}
 
-  Server& server;
+  Service& service;
   Hooks hooks;
   asio::io_context context{1};
   std::vector<tcp::acceptor> acceptors{};
@@ -102,7 +102,7 @@ struct TcpServer::Parts {
       socket.set_option(tcp::no_delay(true), error);
     if (error)
       return;
-    const auto client = server.connect(peer.address().to_string(), now_s());
+    const auto client = service.connect(peer.address().to_string(), now_s());
     if (!client)
       return; // the socket closes: there are as many as there may be
     auto connection = std::make_shared<Connection>(std::move(socket));
@@ -118,7 +118,7 @@ struct TcpServer::Parts {
             return;
           if (error)
             return drop(*connection);
-          server.receive(connection->client, {connection->received.data(), count}, now_s());
+          service.receive(connection->client, {connection->received.data(), count}, now_s());
           if (hooks.on_orders)
             hooks.on_orders();
           send_all();
@@ -131,7 +131,7 @@ struct TcpServer::Parts {
   void send(const ConnectionPtr& connection) {
     if (connection->waiting_to_write)
       return;
-    OutQueue& out = server.out(connection->client);
+    OutQueue& out = service.out(connection->client);
     while (out.size() > 0) {
       Error error;
       const std::span<const std::uint8_t> bytes = out.front();
@@ -165,12 +165,13 @@ struct TcpServer::Parts {
 
   /// A connection that the server has ended goes when its last words are out, or after a second.
   void end_if_done(Connection& connection) {
-    if (!connection.open || !server.closing(connection.client))
+    if (!connection.open || !service.closing(connection.client))
       return;
     const double now = now_s();
     if (connection.closing_since_s == 0)
       connection.closing_since_s = now;
-    if (server.out(connection.client).size() == 0 || now - connection.closing_since_s > kFarewell_s)
+    if (service.out(connection.client).size() == 0 ||
+        now - connection.closing_since_s > kFarewell_s)
       drop(connection);
   }
 
@@ -181,7 +182,7 @@ struct TcpServer::Parts {
     Error ignored;
     connection.socket.shutdown(tcp::socket::shutdown_both, ignored);
     connection.socket.close(ignored);
-    server.disconnect(connection.client);
+    service.disconnect(connection.client);
     connections[connection.client].reset();
     if (hooks.on_orders)
       hooks.on_orders();
@@ -205,7 +206,7 @@ struct TcpServer::Parts {
 
   /// Tells everybody and waits a moment for what is on its way.
   void say_goodbye() {
-    server.close("closing");
+    service.close("closing");
     tick();
     context.restart();
     const auto until = Clock::now() + kLastWords;
@@ -223,8 +224,8 @@ struct TcpServer::Parts {
   }
 };
 
-TcpServer::TcpServer(Server& server, Hooks hooks)
-    : parts_(std::make_unique<Parts>(server, std::move(hooks))) {}
+TcpServer::TcpServer(Service& service, Hooks hooks)
+    : parts_(std::make_unique<Parts>(service, std::move(hooks))) {}
 TcpServer::~TcpServer() = default;
 
 std::string TcpServer::open(const Settings& settings) {
@@ -240,7 +241,7 @@ std::string TcpServer::open(const Settings& settings) {
     const auto address = asio::ip::make_address(settings.listen, error);
     if (error)
       return settings.listen + " is no address: expected one in numbers, such as 192.168.1.5";
-    if (!address.is_loopback() && p.server.settings().token.size() < kMinToken)
+    if (!address.is_loopback() && !p.service.guarded())
       return "listening on " + settings.listen + " needs a token file of 16 bytes or more";
     if (const std::string reason = p.listen({address, port}); !reason.empty())
       return refused(settings.listen, reason);

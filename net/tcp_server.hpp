@@ -1,6 +1,7 @@
 #pragma once
 
-#include "net/server.hpp"
+#include "net/limits.hpp"
+#include "net/service.hpp"
 
 #include <functional>
 #include <memory>
@@ -23,7 +24,7 @@ public:
     std::function<void()> on_orders;
   };
 
-  TcpServer(Server& server, Hooks hooks);
+  TcpServer(Service& service, Hooks hooks);
   ~TcpServer();
   TcpServer(const TcpServer&) = delete;
   TcpServer& operator=(const TcpServer&) = delete;

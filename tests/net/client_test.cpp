@@ -1,3 +1,4 @@
+#include "net/backoff.hpp"
 #include "net/client.hpp"
 #include "tests/net/rig.hpp"
 

@@ -1,0 +1,193 @@
+#include "externals/ioa_link/ioa_link.hpp"
+
+#include "net/bus_topic.hpp"
+#include "net/token_file.hpp"
+
+#include <cmath>
+
+namespace tactus::ioa_link {
+namespace {
+
+using net::BusExchange;
+
+constexpr double kPerSecond = 1e3, kTell_ms = 500;
+
+std::string text_of(const Atom& atom) {
+  if (atom.is_word)
+    return std::string(atom.word);
+  std::string text = std::to_string(atom.number);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.')
+    text.pop_back();
+  return text;
+}
+
+/// A whole number from `least` to 65535; below 0 when the atom is none.
+int port_of(const Atom& atom, int least) noexcept {
+  const bool whole = !atom.is_word && atom.number == std::floor(atom.number);
+  return whole && atom.number >= least && atom.number <= 65535 ? static_cast<int>(atom.number) : -1;
+}
+
+} // namespace
+
+void IoaLink::send(std::span<const Atom> arguments, Host& host) {
+  if (!arguments[0].is_word || !net::is_topic_name(arguments[0].word))
+    return host.error("send " + text_of(arguments[0]) +
+                      ": expected a topic of 1 to 32 letters, digits, _ and -");
+  net::Message topic(net::Address::kTopic, arguments[0].word);
+  for (const Atom& atom : arguments.subspan(1)) {
+    const double number = atom.is_word ? 0 : static_cast<double>(static_cast<float>(atom.number));
+    if (!std::isfinite(number))
+      return host.error("send " + text_of(arguments[0]) + ": a field is not finite");
+    atom.is_word ? topic.string(atom.word) : topic.real(number);
+  }
+  const double now_ms = host.now_ms();
+  if (net::bus_topic(topic.name()).has_time) {
+    if (arguments.size() < 2 || arguments[1].is_word)
+      return host.error("send " + text_of(arguments[0]) + ": expected its time in ms first");
+    net::Message timed(net::Address::kTopic, topic.name());
+    timed.real(arguments[1].number - (now_ms + bus_ahead_ms_));
+    for (std::size_t i = 1; i < topic.size(); ++i)
+      timed.add(topic[i]);
+    topic = timed;
+  }
+  if (!link_.send(topic, now_ms / kPerSecond))
+    host.error("send " + text_of(arguments[0]) + ": longer than " + std::to_string(net::kMaxSent) +
+               " bytes");
+}
+
+void IoaLink::deliver(const net::BusLink::Delivered& delivered, Host& host) {
+  late_ += delivered.late ? 1 : 0;
+  const net::Message& topic = delivered.topic;
+  std::array<Atom, net::Message::kMaxArguments + 1> atoms{
+      topic.name(), 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.};
+  for (std::size_t i = 0; i < topic.size(); ++i)
+    atoms[i + 1] =
+        topic[i].type == net::Argument::Type::kString ? Atom(topic[i].text) : Atom(topic[i].number);
+  if (net::bus_topic(topic.name()).has_time && topic.size() > 0)
+    atoms[1] = topic[0].number + kPerSecond * delivered.sent_s + bus_ahead_ms_;
+  host.send(0, std::span(atoms).first(topic.size() + 1));
+}
+
+void IoaLink::listen(std::span<const Atom> arguments, Host& host) {
+  const int port = port_of(arguments[0], 0);
+  if (port < 0)
+    return host.error("listen " + text_of(arguments[0]) + ": expected a port from 0 to 65535");
+  std::string address = arguments.size() > 1 ? text_of(arguments[1]) : std::string();
+  disconnect(host);
+  link_.listen(port, address == "loopback" ? std::string() : address);
+  host.wake_in(0, 0);
+}
+
+void IoaLink::connect(std::span<const Atom> arguments, Host& host) {
+  const int port = port_of(arguments.back(), 1);
+  if (port < 0)
+    return host.error("connect " + text_of(arguments.back()) +
+                      ": expected [host] port, a port from 1 to 65535");
+  disconnect(host);
+  link_.connect(arguments.size() > 1 ? text_of(arguments[0]) : "127.0.0.1", port);
+  host.wake_in(0, 0);
+}
+
+void IoaLink::disconnect(Host& host) {
+  const bool was_connected = link_.peers() > 0;
+  link_.disconnect();
+  host.wake_in(0, -1);
+  if (was_connected)
+    host.info({"connected", 0.});
+}
+
+void IoaLink::set_playout(const Atom& delay, Host& host) {
+  constexpr double kMax_ms = net::PlayoutDelay::kMax_s * kPerSecond;
+  if (delay.is_word && delay.word == "auto")
+    return link_.set_playout({});
+  if (delay.is_word || !(delay.number >= 0 && delay.number <= kMax_ms))
+    return host.error("playout " + text_of(delay) + ": expected auto, or 0 to 400 ms");
+  link_.set_playout(delay.number / kPerSecond);
+}
+
+void IoaLink::set_token(const Atom& file, Host& host) {
+  const std::string path = host.find_file(text_of(file));
+  net::TokenFile read = net::read_token_file(path.empty() ? text_of(file) : path);
+  if (!read.error.empty())
+    return host.error("token: " + read.error);
+  if (read.open_to_others)
+    host.log("token: other users of this machine can read the file: chmod 600 it");
+  link_.set_token(std::move(read.token));
+}
+
+void IoaLink::tick(std::size_t, Host& host) {
+  if (!link_.open())
+    return;
+  tell(host);
+  const double now_s = host.now_ms() / kPerSecond;
+  const double next_s =
+      link_.poll(now_s, [&](const net::BusLink::Delivered& one) { deliver(one, host); });
+  if (link_.open()) // what was let out may have ended it
+    host.wake_in(0, std::max(0.0, kPerSecond * (next_s - now_s)));
+}
+
+void IoaLink::tell(Host& host) {
+  using What = BusExchange::News::What;
+  for (const BusExchange::News& news : link_.take_news()) {
+    switch (news.what) {
+    case What::kListening:
+      host.info({"status", "listening", static_cast<double>(news.number)});
+      break;
+    case What::kConnected:
+      host.info({"status", "connected", std::string_view(news.text)});
+      host.info({"connected", static_cast<double>(news.number)});
+      break;
+    case What::kEnded:
+      host.log("a connection ended: " + news.text);
+      host.info({"status", "ended"});
+      host.info({"connected", static_cast<double>(news.number)});
+      break;
+    case What::kLate:
+      host.info({"status", "late", std::string_view(news.text)});
+      break;
+    case What::kBack:
+      host.info({"status", "back", std::string_view(news.text)});
+      break;
+    case What::kComplaint:
+      host.error("the other side says " + news.text);
+      break;
+    case What::kFailed:
+      host.error(news.text);
+      break;
+    }
+  }
+  if (late_ != late_told_ && host.now_ms() - told_ms_ >= kTell_ms) {
+    told_ms_ = host.now_ms();
+    host.info({"late", static_cast<double>(late_ - late_told_)});
+    late_told_ = late_;
+  }
+}
+
+void IoaLink::dump(Host& host) {
+  host.info({"status", link_.open() ? "open" : "closed"});
+  host.info({"connected", static_cast<double>(link_.peers())});
+  host.info({"delay", kPerSecond * link_.delay_s()});
+  host.info({"transit", kPerSecond * link_.transit_s()});
+}
+
+void IoaLink::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+  const std::string_view name = kMessages[index].name;
+  if (name == "send")
+    return send(arguments, host);
+  if (name == "listen")
+    return listen(arguments, host);
+  if (name == "connect")
+    return connect(arguments, host);
+  if (name == "disconnect")
+    return disconnect(host);
+  if (name == "token")
+    return set_token(arguments[0], host);
+  if (name == "playout")
+    return set_playout(arguments[0], host);
+  if (arguments[0].is_word || !std::isfinite(arguments[0].number))
+    return host.error("time: expected a number of ms");
+  bus_ahead_ms_ = arguments[0].number - host.now_ms();
+}
+
+} // namespace tactus::ioa_link

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "net/bus_node.hpp"
+
+#include <functional>
+
+namespace tactus::net {
+
+/// A bus of modules mirrored over TCP, for a patch: its thread gives and takes messages, and never
+/// waits; a thread of its own serves the sockets. Times of the patch are its logical time, s.
+class BusLink {
+public:
+  struct Delivered {
+    const Message& topic; ///< its fields; a time among them counts from sent_s
+    double sent_s;        ///< logical time of this patch at which it was sent there
+    bool late;            ///< by more than kTolerance_s behind its playout time
+  };
+  using Receiver = std::function<void(const Delivered&)>;
+  /// poll() is called this often.
+  static constexpr double kPoll_s = 1e-3, kTolerance_s = 1.5e-3;
+
+  BusLink() = default;
+  ~BusLink() { disconnect(); }
+  BusLink(const BusLink&) = delete;
+  BusLink& operator=(const BusLink&) = delete;
+
+  /// Waits for others on a port of 127.0.0.1 and ::1, or of one numeric address, which needs a
+  /// token. What goes wrong comes as news.
+  void listen(int port, const std::string& address);
+  /// Calls that host, again and again until disconnect().
+  void connect(const std::string& host, int port);
+  /// Returns at once: the others are told in the background.
+  void disconnect() noexcept;
+  [[nodiscard]] bool open() const noexcept { return worker_ != nullptr; }
+
+  /// For connections from the next listen() or connect() on.
+  void set_token(std::string token) { token_ = std::move(token); }
+  /// s, up to PlayoutDelay::kMax_s; nothing: automatic.
+  void set_playout(std::optional<double> delay_s) noexcept;
+
+  /// A topic to all peers, from now_s by the patch. False: it is longer than what is sent.
+  [[nodiscard]] bool send(const Message& topic, double now_s) noexcept;
+  /// Lets out what is due. Returns the logical time of the next look.
+  double poll(double now_s, const Receiver& receiver);
+  /// What happened since the last call.
+  [[nodiscard]] std::vector<BusExchange::News> take_news();
+
+  [[nodiscard]] int peers() const noexcept;
+  /// The longest playout delay among the peers, and the longest way, s.
+  [[nodiscard]] double delay_s() const noexcept;
+  [[nodiscard]] double transit_s() const noexcept;
+
+private:
+  class Worker;
+
+  void start(std::shared_ptr<Worker> worker);
+  [[nodiscard]] BusSettings settings() const;
+  void observe(double logical_s) noexcept;
+
+  std::string token_{};
+  double playout_s_ = -1;
+  std::shared_ptr<Worker> worker_{};
+  /// Clock of the sockets minus logical time: logical time is never early, so the least is the true
+  /// one, whatever holds the patch's thread up.
+  MinimumFilter ahead_{};
+  SlewedOffset clock_{kClockWarmUp_s};
+  static constexpr double kClockWarmUp_s = 2;
+};
+
+} // namespace tactus::net

@@ -1,0 +1,116 @@
+#include "net/bus_node.hpp"
+
+#include "net/bus_topic.hpp"
+#include "net/osc.hpp"
+
+#include <utility>
+
+namespace tactus::net {
+
+using News = BusExchange::News;
+
+void BusExchange::tell(News news) {
+  constexpr std::size_t kMaxNews = 64;
+  const std::lock_guard lock(guard_);
+  if (news_.size() == kMaxNews)
+    news_.erase(news_.begin());
+  news_.push_back(std::move(news));
+}
+
+bool BusExchange::try_take(std::vector<News>& news) {
+  const std::unique_lock lock(guard_, std::try_to_lock);
+  if (lock)
+    news = std::exchange(news_, {});
+  return lock.owns_lock();
+}
+
+std::optional<Service::ClientId> BusNode::connect(std::string_view peer, double now_s) {
+  for (ClientId client = 0; client < kMaxClients; ++client) {
+    if (sessions_[client])
+      continue;
+    sessions_[client] =
+        std::make_unique<BusSession>(side_, settings_, lock_out_, std::string(peer), now_s);
+    told_ready_[client] = told_late_[client] = false;
+    return client;
+  }
+  return {};
+}
+
+void BusNode::receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) {
+  BusSession& session = *sessions_[client];
+  BusExchange::Incoming& incoming = exchange_.incoming[client];
+  session.receive(bytes, now_s, [&](const Message& message, double sent_s, bool late) {
+    Message topic(Address::kTopic, message.name());
+    for (std::size_t i = kTopicHead; i < message.size(); ++i)
+      topic.add(message[i]);
+    std::array<std::uint8_t, kMaxSent> packet;
+    const std::size_t size = encode_osc(topic, packet);
+    // Before the message can be seen, since it may have raised the delay.
+    incoming.delay_s = session.playout().value(now_s);
+    const std::size_t reserve = bus_topic(message.name()).is_event ? 0 : BusExchange::kReserve;
+    return size > 0 && incoming.ring.push(sent_s, {packet.data(), size}, late, reserve);
+  });
+  watch(client, now_s);
+}
+
+/// Tells what has changed since the last look.
+void BusNode::watch(ClientId client, double now_s) {
+  BusSession& session = *sessions_[client];
+  if (std::string complaint = session.take_complaint(); !complaint.empty())
+    exchange_.tell({News::What::kComplaint, std::move(complaint)});
+  if (session.ready() && !told_ready_[client]) {
+    told_ready_[client] = was_ready_ = true;
+    exchange_.tell({News::What::kConnected, session.name, ++exchange_.ready});
+  }
+  if (!told_ready_[client])
+    return;
+  exchange_.incoming[client].transit_s = session.clock().round_trip_s() / 2;
+  const bool late = session.late(now_s);
+  if (late != told_late_[client]) {
+    told_late_[client] = late;
+    exchange_.tell({late ? News::What::kLate : News::What::kBack, session.name});
+  }
+}
+
+void BusNode::disconnect(ClientId client) {
+  const BusSession& session = *sessions_[client];
+  last_reason_ = session.reason().empty() ? "the line was cut" : session.reason();
+  if (told_ready_[client])
+    exchange_.tell({News::What::kEnded, last_reason_, --exchange_.ready});
+  sessions_[client].reset();
+}
+
+void BusNode::close(std::string_view reason) {
+  for (const auto& session : sessions_)
+    if (session && !session->closing)
+      session->say_goodbye(reason);
+}
+
+void BusNode::send_all(double now_s) {
+  while (const auto packet = exchange_.outgoing.front()) {
+    Message topic;
+    if (decode_osc(packet->bytes, topic).empty())
+      for (const auto& session : sessions_)
+        if (session)
+          session->send(topic, stamp_of(packet->time_s), now_s);
+    exchange_.outgoing.pop();
+  }
+  if (exchange_.overflowed.exchange(false))
+    close("busy");
+}
+
+void BusNode::advance(double now_s) {
+  const double fixed_s = exchange_.playout_s;
+  send_all(now_s);
+  for (ClientId client = 0; client < kMaxClients; ++client) {
+    if (!sessions_[client])
+      continue;
+    BusSession& session = *sessions_[client];
+    session.playout().fix(fixed_s < 0 ? std::nullopt : std::optional(fixed_s));
+    session.advance(now_s);
+    exchange_.incoming[client].delay_s = session.playout().value(now_s);
+    watch(client, now_s);
+  }
+}
+
+} // namespace tactus::net

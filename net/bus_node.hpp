@@ -1,0 +1,93 @@
+#pragma once
+
+#include "net/bus_session.hpp"
+#include "net/packet_ring.hpp"
+#include "net/service.hpp"
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace tactus::net {
+
+/// What the thread of a bus link's sockets and the patch's thread exchange. Messages go through
+/// rings, wait-free for both; what is told goes through a lock that the patch's thread only tries.
+class BusExchange {
+public:
+  static constexpr std::size_t kOutgoing = 1u << 20, kIncoming = 1u << 20;
+  /// Free bytes that streams leave to events.
+  static constexpr std::size_t kReserve = 1u << 19;
+
+  /// From one peer.
+  struct Incoming {
+    PacketRing ring{kIncoming};     ///< a topic as an OSC packet; its time by this side's clock, s
+    std::atomic<double> delay_s{0}; ///< playout, after its time
+    std::atomic<double> transit_s{0}; ///< half the shortest round trip
+  };
+  /// What happened, for the info outlet: a word, then what belongs to it.
+  struct News {
+    enum class What { kListening, kConnected, kLate, kBack, kEnded, kComplaint, kFailed };
+    What what;
+    std::string text{};
+    int number = 0; ///< of kListening: port; of kConnected and kEnded: peers that are connected
+  };
+
+  PacketRing outgoing{kOutgoing};
+  std::array<Incoming, kMaxClients> incoming{};
+  std::atomic<int> ready{0};           ///< peers to whom messages go
+  std::atomic<double> playout_s{-1};   ///< fixed delay; below 0: automatic
+  std::atomic<bool> overflowed{false}; ///< an event did not fit: the connections end
+
+  void tell(News news);
+  /// False when the lock is held just now: ask again later.
+  [[nodiscard]] bool try_take(std::vector<News>& news);
+
+private:
+  std::mutex guard_{};
+  std::vector<News> news_{};
+};
+
+/// All connections of a bus link, without sockets, threads and clocks.
+class BusNode final : public Service {
+public:
+  BusNode(BusSession::Side side, BusSettings settings, BusExchange& exchange)
+      : side_(side), settings_(std::move(settings)), exchange_(exchange) {}
+
+  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s) override;
+  void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) override;
+  void disconnect(ClientId client) override;
+  void close(std::string_view reason) override;
+  [[nodiscard]] OutQueue& out(ClientId client) noexcept override { return sessions_[client]->out; }
+  [[nodiscard]] bool closing(ClientId client) const noexcept override {
+    return sessions_[client]->closing;
+  }
+  [[nodiscard]] bool guarded() const noexcept override {
+    return settings_.token.size() >= kMinToken;
+  }
+
+  /// Once a millisecond: sends what the patch has given, and what depends on time alone.
+  void advance(double now_s);
+
+  [[nodiscard]] const BusSession& session(ClientId client) const { return *sessions_[client]; }
+  /// There has been a connection over which messages went.
+  [[nodiscard]] bool was_ready() const noexcept { return was_ready_; }
+  /// Why the last connection ended.
+  [[nodiscard]] const std::string& last_reason() const noexcept { return last_reason_; }
+
+private:
+  void send_all(double now_s);
+  void watch(ClientId client, double now_s);
+
+  BusSession::Side side_;
+  BusSettings settings_;
+  BusExchange& exchange_;
+  LockOut lock_out_{};
+  std::array<std::unique_ptr<BusSession>, kMaxClients> sessions_{};
+  std::array<bool, kMaxClients> told_ready_{}, told_late_{};
+  bool was_ready_ = false;
+  std::string last_reason_{};
+};
+
+} // namespace tactus::net

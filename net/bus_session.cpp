@@ -1,0 +1,268 @@
+#include "net/bus_session.hpp"
+
+#include "net/bus_topic.hpp"
+
+namespace tactus::net {
+namespace {
+
+constexpr std::string_view kRole = "bus";
+constexpr std::size_t kMaxText = 256;
+
+/// A stranger's text, to be shown.
+std::string shown(std::string_view text) {
+  std::string clean(text.substr(0, kMaxText));
+  for (char& c : clean)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      c = '?';
+  return clean;
+}
+
+std::int32_t wire_integer(std::uint32_t value) noexcept { return static_cast<std::int32_t>(value); }
+
+} // namespace
+
+BusSession::BusSession(Side side, const BusSettings& settings, LockOut& lock_out,
+                       std::string peer_address, double now_s)
+    : PeerConnection(std::move(peer_address), now_s, kStreamLimit), side_(side),
+      settings_(settings), lock_out_(lock_out), began_s_(now_s) {
+  if (side == Side::kListens)
+    return;
+  begins_in = Framing::kSlip;
+  send_event(Message(Address::kHello)
+                 .integer(kProtocol)
+                 .string(settings_.name)
+                 .string(kRole)
+                 .string(settings_.token));
+}
+
+void BusSession::end(std::string_view why) {
+  if (reason_.empty())
+    reason_ = why;
+  if (!closing)
+    say_goodbye(why);
+}
+
+void BusSession::receive(std::span<const std::uint8_t> bytes, double now_s,
+                         const Receiver& receiver) {
+  while (!closing) {
+    Message message;
+    const FrameReader::Outcome outcome = next(bytes, message, now_s);
+    if (outcome == FrameReader::Outcome::kNeedMore)
+      return;
+    take(outcome, message, now_s, receiver);
+  }
+  if (reason_.empty()) // said by what all connections have in common
+    reason_ = "bad";
+}
+
+void BusSession::take(FrameReader::Outcome outcome, const Message& message, double now_s,
+                      const Receiver& receiver) {
+  if (outcome == FrameReader::Outcome::kBroken) {
+    send_error("frame", reader.reason(), now_s);
+    return end("frame");
+  }
+  // Above the rate streams are left out; events are taken as long as there is room.
+  const bool event = outcome == FrameReader::Outcome::kMessage &&
+                     message.address() == Address::kTopic && bus_topic(message.name()).is_event;
+  if (!packets.allow(now_s) && !event) {
+    if (!flooding)
+      send_error("flood", "more than 5000 packets a second: streams are dropped", now_s);
+    flooding = true;
+    return;
+  }
+  flooding = false;
+  const Refusal refusal = outcome == FrameReader::Outcome::kBad ? Refusal{"bad", reader.reason()}
+                                                                : obey(message, now_s, receiver);
+  if (!refusal.code.empty())
+    return count_bad(refusal.code, refusal.text, now_s);
+  heard_s = now_s;
+}
+
+BusSession::Refusal BusSession::obey(const Message& message, double now_s,
+                                     const Receiver& receiver) {
+  switch (message.address()) {
+  case Address::kHello:
+    return on_hello(message, now_s);
+  case Address::kWelcome:
+    return on_welcome(message, now_s);
+  case Address::kError: {
+    const auto code = message.string_at(0), text = message.string_at(1);
+    complaint_ = shown(code.value_or("-")) + ": " + shown(text.value_or("-"));
+    return {};
+  }
+  case Address::kBye:
+    reason_ = "the other side has ended it: " + shown(message.string_at(0).value_or("no reason"));
+    closing = true;
+    return {};
+  default:
+    break;
+  }
+  if (!welcomed_)
+    return {"hello", "say hello first: hello protocol name bus token"};
+  switch (message.address()) {
+  case Address::kPing:
+  case Address::kPong:
+    return on_clock(message, now_s);
+  case Address::kTopic:
+    return on_topic(message, now_s, receiver);
+  default:
+    return {"unknown", "a bus takes ping, pong, error, bye and /bus/TOPIC"};
+  }
+}
+
+BusSession::Refusal BusSession::on_hello(const Message& message, double now_s) {
+  const auto protocol = message.integer_at(0);
+  const auto their_name = message.string_at(1), role = message.string_at(2);
+  if (side_ == Side::kCalls || welcomed_)
+    return {"hello", "hello is said once, by who calls"};
+  if (!protocol || !their_name || !role || message.size() > 4 ||
+      (message.size() == 4 && !message.string_at(3)))
+    return {"arguments", "expected hello protocol name bus token"};
+  if (*role != kRole)
+    return {"arguments", "the role is bus"};
+  if (lock_out_.locked(peer, now_s)) {
+    send_error("locked", "too many wrong tokens: wait ten seconds", now_s);
+    end("locked");
+    return {};
+  }
+  if (!settings_.token.empty()) {
+    if (!equal_in_constant_time(settings_.token, message.string_at(3).value_or(""))) {
+      lock_out_.fail(peer, now_s);
+      send_error("token", "the token is wrong", now_s);
+      end("token");
+      return {};
+    }
+    lock_out_.succeed(peer);
+  }
+  if (*protocol < kProtocol) {
+    send_error("version", "this side speaks protocol 1", now_s);
+    end("version");
+    return {};
+  }
+  name = shown(their_name->substr(0, kMaxName));
+  send_event(Message(Address::kWelcome).integer(kProtocol).string(settings_.name));
+  welcome(now_s);
+  return {};
+}
+
+BusSession::Refusal BusSession::on_welcome(const Message& message, double now_s) {
+  const auto protocol = message.integer_at(0);
+  const auto their_name = message.string_at(1);
+  if (side_ == Side::kListens || welcomed_)
+    return {"hello", "welcome answers hello, once"};
+  if (!protocol || !their_name || message.size() != 2)
+    return {"arguments", "expected welcome protocol name"};
+  name = shown(their_name->substr(0, kMaxName));
+  welcome(now_s);
+  return {};
+}
+
+void BusSession::welcome(double now_s) {
+  welcomed_ = true;
+  ping(now_s);
+}
+
+/// Both ping and pong carry the clock of who sends and the minimum of its samples.
+void BusSession::send_clock(Address address, std::int32_t sequence, double now_s) {
+  Message message(address);
+  message.integer(sequence).integer(wire_integer(stamp_of(now_s)));
+  if (const auto minimum_us = clock_.minimum_us(now_s))
+    message.integer(wire_integer(*minimum_us));
+  send_event(message);
+}
+
+void BusSession::ping(double now_s) {
+  pinged_s_ = now_s;
+  send_clock(Address::kPing, ++pings_, now_s);
+}
+
+BusSession::Refusal BusSession::on_clock(const Message& message, double now_s) {
+  const auto sequence = message.integer_at(0), clock_us = message.integer_at(1),
+             minimum_us = message.integer_at(2);
+  const bool complete = message.size() == 2 || (message.size() == 3 && minimum_us);
+  if (!sequence || !clock_us || !complete)
+    return {"arguments", "expected ping or pong sequence clock [minimum], integers of us"};
+  const auto stamp = static_cast<std::uint32_t>(*clock_us);
+  clock_.add(stamp, now_s);
+  if (minimum_us)
+    clock_.hear_minimum(static_cast<std::uint32_t>(*minimum_us), now_s);
+  if (message.address() == Address::kPing)
+    send_clock(Address::kPong, *sequence, now_s);
+  if (clock_.known()) {
+    playout_.add(clock_.delay_s(stamp, now_s), now_s);
+    ready_ = ready_ || ++clocks_ >= kFirstPings;
+  }
+  return {};
+}
+
+BusSession::Refusal BusSession::on_topic(const Message& message, double now_s,
+                                         const Receiver& receiver) {
+  const auto sequence = message.integer_at(0), clock_us = message.integer_at(1);
+  if (!sequence || !clock_us)
+    return {"arguments", "expected /bus/TOPIC sequence clock fields..., two integers first"};
+  if (!is_topic_name(message.name()))
+    return {"arguments", "a topic is 1 to 32 letters, digits, _ and -"};
+  const BusTopic topic = bus_topic(message.name());
+  if (topic.has_time && !message.number_at(kTopicHead))
+    return {"arguments", "the first field of this topic is its time, ms after the message's"};
+  // Numbered from 1 on; 0 of who does not count.
+  if (*sequence != 0 && topic.is_event) {
+    const auto gap = static_cast<std::uint32_t>(*sequence) - events_taken_ - 1;
+    if (gap != 0) {
+      lost_events_ += gap;
+      send_error("sequence", "events are missing: they are numbered from 1 on", now_s);
+    }
+    events_taken_ = static_cast<std::uint32_t>(*sequence);
+  }
+  const auto stamp = static_cast<std::uint32_t>(*clock_us);
+  clock_.add(stamp, now_s);
+  const double delay_s = clock_.delay_s(stamp, now_s);
+  const bool late = clock_.known() && delay_s > playout_.value(now_s);
+  if (clock_.known())
+    playout_.add(delay_s, now_s);
+  const bool taken = receiver(message, now_s - delay_s, late);
+  if (!taken && topic.is_event)
+    end("busy");
+  left_out_ += taken ? 0 : 1;
+  return {};
+}
+
+void BusSession::send(const Message& topic, std::uint32_t sent, double now_s) {
+  if (!ready())
+    return;
+  const bool event = bus_topic(topic.name()).is_event;
+  // What the other side would drop is not sent; events count, and go.
+  if (!sending_.allow(now_s) && !event) {
+    ++left_out_;
+    return;
+  }
+  Message message(Address::kTopic, topic.name());
+  message.integer(wire_integer(event ? ++events_sent_ : events_sent_)).integer(wire_integer(sent));
+  for (std::size_t i = 0; i < topic.size(); ++i)
+    message.add(topic[i]);
+  if (!event)
+    left_out_ += send_sample(message) ? 0 : 1;
+  else if (send_event(message); closing && reason_.empty())
+    reason_ = "the other side does not read what it is sent";
+}
+
+void BusSession::advance(double now_s) {
+  if (closing)
+    return;
+  check_time(now_s);
+  if (closing) {
+    reason_ = now_s - heard_s >= kTimeout_s ? "nothing came for 5 s"
+                                            : "a frame was not complete after 2 s";
+    return;
+  }
+  if (!welcomed_ && now_s - began_s_ >= (side_ == Side::kCalls ? kWelcome_s : kTimeout_s)) {
+    end("timeout");
+    reason_ = side_ == Side::kCalls ? "no bus answers there" : "hello was never said";
+    return;
+  }
+  const double pause_s = ready_ ? kPingInterval_s : kFirstPing_s;
+  if (welcomed_ && now_s - pinged_s_ >= pause_s)
+    ping(now_s);
+}
+
+} // namespace tactus::net

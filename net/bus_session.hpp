@@ -1,0 +1,90 @@
+#pragma once
+
+#include "net/peer_connection.hpp"
+#include "net/playout_clock.hpp"
+#include "net/playout_delay.hpp"
+#include "net/token.hpp"
+
+#include <functional>
+#include <utility>
+
+namespace tactus::net {
+
+/// What one end of a bus link says of itself and asks of the other.
+struct BusSettings {
+  std::string name = "tactus";
+  std::string token{}; ///< who calls brings it, who listens asks for it; empty: none is needed
+};
+
+/// One connection between two buses of modules (docs/haptic_network.md, "Buses"): who calls says
+/// hello, who listens welcome; after that both are alike. No sockets, threads or clocks; times in s
+/// by one clock, never decreasing.
+class BusSession : public PeerConnection {
+public:
+  enum class Side { kListens, kCalls };
+  /// Takes a topic's fields behind its head, `sent_s` by this side's clock; late: it came after its
+  /// playout time. False: no room for it.
+  using Receiver = std::function<bool(const Message& message, double sent_s, bool late)>;
+
+  /// Bytes of a stream that may wait: 0.75 s of 1000 positions a second, so that a line which
+  /// hesitates loses no contact.
+  static constexpr std::size_t kStreamLimit = 1u << 16;
+  /// Exchanges of clocks before messages go, and their distance.
+  static constexpr int kFirstPings = 8;
+  static constexpr double kFirstPing_s = 0.01;
+  static constexpr double kWelcome_s = 2; ///< to wait for it
+
+  BusSession(Side side, const BusSettings& settings, LockOut& lock_out, std::string peer,
+             double now_s);
+
+  void receive(std::span<const std::uint8_t> bytes, double now_s, const Receiver& receiver);
+  void advance(double now_s);
+  /// A topic with its fields; `sent`: of this side's clock. A sample of a stream may be left out.
+  void send(const Message& topic, std::uint32_t sent, double now_s);
+
+  /// Both have said hello and know each other's clock: messages go.
+  [[nodiscard]] bool ready() const noexcept { return ready_ && !closing; }
+  /// Nothing has come for 500 ms.
+  [[nodiscard]] bool late(double now_s) const noexcept { return now_s - heard_s >= kSilence_s; }
+  [[nodiscard]] PlayoutDelay& playout() noexcept { return playout_; }
+  [[nodiscard]] const PlayoutClock& clock() const noexcept { return clock_; }
+  /// Why it ends, one sentence or a word of the protocol.
+  [[nodiscard]] const std::string& reason() const noexcept { return reason_; }
+  /// What the other side has complained of since the last call; empty when of nothing.
+  [[nodiscard]] std::string take_complaint() { return std::exchange(complaint_, {}); }
+  /// Events that the other side had sent and that did not come: 0 while both keep to the protocol.
+  [[nodiscard]] std::uint64_t lost_events() const noexcept { return lost_events_; }
+  [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
+
+private:
+  struct Refusal {
+    std::string_view code{}, text{};
+  };
+
+  void take(FrameReader::Outcome outcome, const Message& message, double now_s,
+            const Receiver& receiver);
+  [[nodiscard]] Refusal obey(const Message& message, double now_s, const Receiver& receiver);
+  [[nodiscard]] Refusal on_hello(const Message& message, double now_s);
+  [[nodiscard]] Refusal on_welcome(const Message& message, double now_s);
+  [[nodiscard]] Refusal on_clock(const Message& message, double now_s);
+  [[nodiscard]] Refusal on_topic(const Message& message, double now_s, const Receiver& receiver);
+  void welcome(double now_s);
+  void ping(double now_s);
+  void send_clock(Address address, std::int32_t sequence, double now_s);
+  void end(std::string_view why);
+
+  Side side_;
+  const BusSettings& settings_;
+  LockOut& lock_out_;
+  PlayoutClock clock_{};
+  PlayoutDelay playout_{};
+  RateLimit sending_{kPackets_hz};
+  double began_s_, pinged_s_ = -1e18;
+  bool welcomed_ = false, ready_ = false;
+  std::int32_t pings_ = 0, clocks_ = 0; ///< sent; clocks of the other side that were taken
+  std::uint32_t events_sent_ = 0, events_taken_ = 0;
+  std::uint64_t lost_events_ = 0, left_out_ = 0;
+  std::string reason_{}, complaint_{};
+};
+
+} // namespace tactus::net

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "net/message.hpp"
+
+namespace tactus::net {
+
+/// How a topic of the modules' bus (docs/audiohaptics.md) travels.
+struct BusTopic {
+  /// An event is never left out while its connection stands; of a stream an old sample may be.
+  bool is_event = true;
+  /// The first field is a time in ms by the bus of who sends. On the wire it is counted from the
+  /// message's own time.
+  bool has_time = false;
+};
+/// A topic that is not in the table is an event without a time.
+[[nodiscard]] BusTopic bus_topic(std::string_view name) noexcept;
+
+/// 1 to 32 letters, digits, `_` and `-`.
+[[nodiscard]] bool is_topic_name(std::string_view name) noexcept;
+
+/// Before the fields of a topic stand its sequence number and its time.
+inline constexpr std::size_t kTopicHead = 2;
+inline constexpr std::size_t kMaxTopicFields = Message::kMaxArguments - kTopicHead;
+
+} // namespace tactus::net

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "net/framing.hpp"
+#include "net/limits.hpp"
+#include "net/out_queue.hpp"
+
+#include <string>
+
+namespace tactus::net {
+
+/// One connection, from its first byte to its last: what every protocol over it has in common.
+struct PeerConnection {
+  static constexpr double kPackets_hz = 5000, kErrors_hz = 20;
+
+  PeerConnection(std::string peer_address, double now_s,
+                 std::size_t stream_limit = OutQueue::kStreamLimit)
+      : peer(std::move(peer_address)), out(stream_limit), heard_s(now_s), frame_since_s(now_s) {}
+
+  std::string peer, name = "-";
+  bool closing = false; ///< what waits is sent, then the connection ends
+
+  FrameReader reader{};
+  OutQueue out;
+  double heard_s;       ///< the last good message
+  double frame_since_s; ///< when last no frame was open
+  RateLimit packets{kPackets_hz}, errors{kErrors_hz};
+  BadPackets bad_packets{};
+  bool flooding = false; ///< and was told so
+
+  /// Cannot be said in words before the first byte has chosen the framing.
+  void send_event(const Message& message);
+  /// False when the sample was left out.
+  bool send_sample(const Message& message);
+  /// At most kErrors_hz a second are said.
+  void send_error(std::string_view code, std::string_view text, double now_s);
+  void say_goodbye(std::string_view reason);
+
+  /// The next frame of what came, and since when none is open.
+  [[nodiscard]] FrameReader::Outcome next(std::span<const std::uint8_t>& bytes, Message& message,
+                                          double now_s) noexcept;
+  /// Answers a packet that is dropped; the 20th within a second ends the connection.
+  void count_bad(std::string_view code, std::string_view text, double now_s);
+  /// No frame stays open for 2 s, nobody silent for 5 s.
+  void check_time(double now_s);
+
+protected:
+  /// The framing of who speaks first; who answers follows the other's.
+  std::optional<Framing> begins_in{};
+
+private:
+  [[nodiscard]] std::span<const std::uint8_t> encoded(const Message& message,
+                                                      std::span<std::uint8_t> buffer) noexcept;
+};
+
+} // namespace tactus::net

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+/// Times of messages from another computer. Seconds by this side's clock, never decreasing, unless
+/// said otherwise.
+namespace tactus::net {
+
+/// A clock's reading in microseconds modulo 2^32 (71 minutes), as it goes over the line.
+[[nodiscard]] std::uint32_t stamp_of(double clock_s) noexcept;
+
+/// The smallest sample of the last seconds: what a delay is without its queueing. One minimum is
+/// kept for each second, so that a clock's drift r shows within kWindow_s, with an error of at most
+/// r kWindow_s.
+class MinimumFilter {
+public:
+  static constexpr double kWindow_s = 8;
+
+  void add(double sample, double now_s) noexcept;
+  /// Nothing before the first sample. Without new ones the last stay.
+  [[nodiscard]] std::optional<double> value(double now_s) const noexcept;
+
+private:
+  struct Bin {
+    std::int64_t second = -1;
+    double minimum = 0;
+  };
+  std::array<Bin, static_cast<std::size_t>(kWindow_s) + 1> bins_{};
+  std::int64_t newest_ = -1;
+};
+
+/// An offset that follows its target without ever being stepped: time that is translated by it
+/// never goes back. The rate is kMin_rate, more when the error is large (a time constant of
+/// kTimeConstant_s), kMax_rate at most. While it warms up, kWarmUp_s from the first target on,
+/// nothing rests on it yet, and it takes the target as it is.
+class SlewedOffset {
+public:
+  static constexpr double kMin_rate = 2e-3, kMax_rate = 0.5, kTimeConstant_s = 4;
+
+  explicit SlewedOffset(double warm_up_s) noexcept : warm_up_s_(warm_up_s) {}
+  void follow(double target_s, double now_s) noexcept;
+  [[nodiscard]] bool known() const noexcept { return known_; }
+  [[nodiscard]] double value() const noexcept { return value_s_; }
+
+private:
+  double warm_up_s_, value_s_ = 0, first_s_ = 0, last_s_ = 0;
+  bool known_ = false;
+};
+
+/// How far the other side's clock is from this one's, by the least one-way delays both ways.
+///
+/// A message stamped S by the other side that arrives at R by this side's clock gives the sample
+/// x = R - S = offset + delay. Both sides keep the minimum of their samples and tell it to each
+/// other; if the shortest delays there and back are equal (as NTP assumes, Mills 1991), offset =
+/// (x_min - x'_min)/2. An asymmetry of the shortest delays is an error of half of it, which nobody
+/// can see from the ends of a line; it is of opposite sign on both sides, so a time that goes there
+/// and back is right all the same.
+class PlayoutClock {
+public:
+  /// Stamps that differ by more than this from the first would be ambiguous.
+  void add(std::uint32_t stamp, double arrived_s) noexcept;
+  /// What the other side says of its minimum.
+  void hear_minimum(std::uint32_t minimum_us, double now_s) noexcept;
+
+  /// For the other side; nothing before the first sample.
+  [[nodiscard]] std::optional<std::uint32_t> minimum_us(double now_s) const noexcept;
+  /// Both sides have measured.
+  [[nodiscard]] bool known() const noexcept { return offset_.known(); }
+  /// How long that message was on its way, 0 or more; before known(), how much longer than the
+  /// fastest.
+  [[nodiscard]] double delay_s(std::uint32_t stamp, double arrived_s) const noexcept;
+  /// The shortest there and back, without what computers add.
+  [[nodiscard]] double round_trip_s() const noexcept { return round_trip_s_; }
+
+private:
+  static constexpr double kWarmUp_s = 1;
+  [[nodiscard]] double sample_of(std::uint32_t stamp, double arrived_s) const noexcept;
+
+  std::optional<std::uint32_t> origin_{}; ///< the first sample, us
+  MinimumFilter minimum_{};
+  SlewedOffset offset_{kWarmUp_s};
+  double round_trip_s_ = 0;
+};
+
+} // namespace tactus::net
