@@ -2,48 +2,14 @@
 import os
 import re
 import signal
-import subprocess
 import time
 
 import pytest
 
+from pd_process import Pd
 from peer import Peer, Program, last_force, near
 
-PD = [os.environ.get("TACTUS_PD", "pd"), "-nogui", "-oss", "-noaudio", "-nomidi", "-noprefs",
-      "-stderr", "-path", os.environ["TACTUS_STAGE"]]
 SILENCE_S, STALL_S = 0.5, 0.25
-
-
-class Pd:
-    """A patch from its lines; what it prints."""
-
-    def __init__(self, folder, *lines):
-        file = folder / "patch.pd"
-        file.write_text("#N canvas 0 0 600 400 12;\n" + "\n".join(lines) + "\n")
-        self.process = subprocess.Popen([*PD, "-open", str(file)], stdin=subprocess.DEVNULL,
-                                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        os.set_blocking(self.process.stderr.fileno(), False)
-        self.text, self.bytes = "", b""
-
-    def read(self):
-        self.bytes += self.process.stderr.read() or b""
-        whole, end, self.bytes = self.bytes.rpartition(b"\n")
-        self.text += (whole + end).decode()
-        return self.text
-
-    def wait_for(self, pattern, seconds=60):
-        end = time.monotonic() + seconds
-        while True:
-            found = re.findall(pattern, self.read(), re.M)
-            if found:
-                return found[-1]
-            assert time.monotonic() < end, f"no {pattern!r} in:\n{self.text[-3000:]}"
-            assert self.process.poll() is None, f"Pd ended:\n{self.text[-3000:]}"
-            time.sleep(0.02)
-
-    def close(self):
-        self.process.kill()
-        self.process.wait()
 
 
 @pytest.fixture

@@ -1,4 +1,6 @@
 """The seven modules of patches/audiohaptics/ioa on one bus, drawn for the tests."""
+import numpy
+
 from harness import Patch, stage_folder
 
 SCENE = stage_folder() / "disk_scene.txt"  # the disk: 50 mm radius, 12 mm thick, facing z
@@ -21,6 +23,26 @@ def taps(path, *places, speed=0.25, start=0.0, high=20.1, deep=3.0):
         points += [(ms, x, y, high), (ms + down, x, y, deep), (ms + 2 * down, x, y, high)]
         ms += 2 * down + 50
     return rows(path, *points)
+
+
+BODIES_APART = ("add disk disk 0 0 0 0 0 1 40 12\nadd 7 sphere 90 10 -5 20\n"
+                "add box box -90 0 0 30 20 8\n")
+
+
+def wandering(path, seed, start=0.0):
+    """A hand that taps twelve times anywhere over three bodies, some of the times beside them."""
+    draw = numpy.random.default_rng(seed)
+    points, ms = [(start, 0, 0, 40)], start
+    for _ in range(12):
+        x, y = draw.uniform((-120, -25), (110, 25))
+        speed, deep = draw.uniform(0.1, 0.6), draw.uniform(0, 7)  # mm/ms, mm
+        ms += 60
+        points.append((ms, x, y, 40))
+        ms += (40 - deep) / speed
+        points.append((ms, x, y, deep))
+        ms += (40 - deep) / speed
+        points.append((ms, x, y, 40))
+    return rows(path, *points), ms / 1000
 
 
 class System:

@@ -3,7 +3,7 @@ import numpy
 import pytest
 
 from harness import Patch
-from ioa_system import SERVERS, System, hits, of, render, rows, taps
+from ioa_system import BODIES_APART, SERVERS, System, hits, of, render, rows, taps, wandering
 
 
 # ---- interaction server ------------------------------------------------------------------------
@@ -45,26 +45,6 @@ def test_the_spring_is_k_times_the_depth_of_every_body(tmp_path, name):
         assert len(hits(result)) == 1
         assert of(result, "lab", "contact")[-1][3:] == pytest.approx(force, abs=2e-4)
     assert of(result, "lab", "force")[-1][1:] == pytest.approx(force, abs=2e-4)
-
-
-BODIES_APART = ("add disk disk 0 0 0 0 0 1 40 12\nadd 7 sphere 90 10 -5 20\n"
-                "add box box -90 0 0 30 20 8\n")
-
-
-def wandering(path, seed):
-    """A hand that taps twelve times anywhere over three bodies, some of the times beside them."""
-    draw = numpy.random.default_rng(seed)
-    points, ms = [(0, 0, 0, 40)], 0
-    for _ in range(12):
-        x, y = draw.uniform((-120, -25), (110, 25))
-        speed, deep = draw.uniform(0.1, 0.6), draw.uniform(0, 7)  # mm/ms, mm
-        ms += 60
-        points.append((ms, x, y, 40))
-        ms += (40 - deep) / speed
-        points.append((ms, x, y, deep))
-        ms += (40 - deep) / speed
-        points.append((ms, x, y, 40))
-    return rows(path, *points), ms / 1000
 
 
 @pytest.mark.parametrize("seed", (1, 2))
