@@ -70,6 +70,9 @@ public:
   /// Once a millisecond: sends what the patch has given, and what depends on time alone.
   void advance(double now_s);
 
+  [[nodiscard]] bool connected(ClientId client) const noexcept {
+    return sessions_[client] != nullptr;
+  }
   [[nodiscard]] const BusSession& session(ClientId client) const { return *sessions_[client]; }
   /// There has been a connection over which messages went.
   [[nodiscard]] bool was_ready() const noexcept { return was_ready_; }

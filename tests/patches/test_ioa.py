@@ -80,6 +80,36 @@ def test_a_script_and_osc_packets_of_the_same_positions_give_the_same_hits(tmp_p
     assert of(result, "osc", "hit") == of(result, "script", "hit")
 
 
+@pytest.mark.parametrize("server", SERVERS)
+def test_positions_that_come_together_give_the_hits_that_they_give_one_by_one(tmp_path, server):
+    """As a line that stalls brings them: nothing for 350 ms, twice, and then all at once."""
+    script, seconds = wandering(tmp_path / "hand.txt", 1)
+    scene = tmp_path / "scene.txt"
+    scene.write_text(BODIES_APART)
+    patch = Patch()
+    near = System(patch, "near", sdd=["ioa_sdd_script", script], r_modal=None,
+                  mm_haptic=["ioa_mm_haptic", str(scene)], **{"is": server})
+    System(patch, "far", sdd=None, re=None, r_modal=None, mm_haptic=["ioa_mm_haptic", str(scene)],
+           **{"is": server})
+    both = patch.obj("ioa_bus", "near", "hand") >> patch.obj("route", "hand") >> patch.obj("t l l")
+    wait = patch.obj("pipe", *[0] * 8)
+    both[1] >> patch.obj("list split 1") >> patch.obj(
+        "expr", "if($f1 > 600 && $f1 < 950, 950 - $f1, if($f1 > 1500 && $f1 < 1850, 1850 - $f1, 0))"
+    ) >> wait[7]
+    both >> wait
+    again = patch.obj("pack", *["f"] * 7)
+    for i in reversed(range(7)):
+        wait[i] >> again[i]
+    again >> patch.obj("list prepend hand") >> patch.obj("list trim") >> patch.obj("ioa_bus", "far")
+    patch.at(0, near.box["sdd"], "bang")
+    result = patch.render(seconds + 0.7)
+    local, held = of(result, "near", "hit"), of(result, "far", "hit")
+    assert len(local) >= 5 and [hit[1] for hit in held] == [hit[1] for hit in local]
+    assert any(600 < hit[0] < 950 or 1500 < hit[0] < 1850 for hit in local)
+    for one, other in zip(held, local):
+        assert one[0] == pytest.approx(other[0], abs=2) and one[2:5] == pytest.approx(other[2:5], abs=1)
+
+
 @pytest.mark.parametrize("amplitude, hz, expected", [(0.15, 40, 1), (1.0, 40, 10), (1.0, 100, 1)])
 def test_a_chattering_hand_hits_again_after_a_real_departure_only(tmp_path, amplitude, hz, expected):
     """By docs/scene.md 0.2 mm and 10 ms away: 12.5 ms in the air at 40 Hz, 5 ms at 100 Hz."""

@@ -1,0 +1,487 @@
+#include "net/bus_node.hpp"
+#include "net/bus_topic.hpp"
+#include "net/osc.hpp"
+#include "tests/net/bytes.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <functional>
+
+/// Both ends of a bus link in a time of their own, over a line that can hesitate and be cut.
+using namespace tactus;
+using namespace tactus::net;
+
+namespace {
+
+constexpr double kTick_s = 1e-3;
+constexpr std::string_view kToken = "sixteen bytes ok";
+
+/// One end with the patch's side of its exchange.
+struct End {
+  explicit End(BusSession::Side side, std::string_view token = {})
+      : node(side, {side == BusSession::Side::kCalls ? "caller" : "listener", std::string(token)},
+             *exchange) {}
+
+  struct Heard {
+    std::string text;
+    double sent_s;
+    bool late;
+  };
+  void take() {
+    for (auto& incoming : exchange->incoming)
+      while (const auto packet = incoming.ring.front()) {
+        Message message;
+        REQUIRE(decode_osc(packet->bytes, message).empty());
+        heard.push_back({shown(message), packet->time_s, packet->late});
+        incoming.ring.pop();
+      }
+  }
+  void send(const Message& topic, double sent_s) {
+    std::array<std::uint8_t, kMaxSent> packet;
+    const std::size_t size = encode_osc(topic, packet);
+    REQUIRE(size > 0);
+    REQUIRE(exchange->outgoing.push(sent_s, {packet.data(), size}));
+  }
+  [[nodiscard]] std::vector<BusExchange::News> news() const {
+    std::vector<BusExchange::News> taken;
+    static_cast<void>(exchange->try_take(taken));
+    return taken;
+  }
+  [[nodiscard]] bool alive() const { return id && node.connected(*id); }
+
+  std::unique_ptr<BusExchange> exchange = std::make_unique<BusExchange>();
+  BusNode node;
+  std::optional<BusNode::ClientId> id{};
+  std::vector<Heard> heard{};
+};
+
+/// Two ends and what is on its way between them.
+struct Link {
+  explicit Link(std::string_view listener_token = {}, std::string_view caller_token = {})
+      : listener(BusSession::Side::kListens, listener_token),
+        caller(BusSession::Side::kCalls, caller_token) {
+    connect();
+  }
+  void connect() {
+    listener.id = listener.node.connect("127.0.0.1", listener_time());
+    caller.id = caller.node.connect("127.0.0.1", now_s);
+    to_listener.clear();
+    to_caller.clear();
+  }
+  struct Piece {
+    double due_s;
+    Bytes bytes;
+  };
+  [[nodiscard]] double listener_time() const { return now_s + ahead_s; }
+
+  void carry(End& from, std::vector<Piece>& way) const {
+    if (!from.alive() || !reads)
+      return;
+    OutQueue& out = from.node.out(*from.id);
+    if (out.size() > 0)
+      way.push_back({now_s + delay_s, Bytes(out.front().begin(), out.front().end())});
+    out.consume(out.size());
+  }
+  void bring(std::vector<Piece>& way, End& to, double time_s) const {
+    while (!stalled && !way.empty() && way.front().due_s <= now_s) {
+      const Bytes bytes = std::move(way.front().bytes);
+      way.erase(way.begin());
+      if (to.alive())
+        to.node.receive(*to.id, bytes, time_s);
+    }
+  }
+  void tick() {
+    now_s += kTick_s;
+    caller.node.advance(now_s);
+    listener.node.advance(listener_time());
+    carry(caller, to_listener);
+    carry(listener, to_caller);
+    bring(to_listener, listener, listener_time());
+    bring(to_caller, caller, now_s);
+    for (End* end : {&listener, &caller})
+      if (end->alive() && end->node.closing(*end->id) && end->node.out(*end->id).size() == 0)
+        end->node.disconnect(*end->id);
+    listener.take();
+    caller.take();
+  }
+  void run(double seconds) {
+    for (const double until_s = now_s + seconds; now_s < until_s;)
+      tick();
+  }
+
+  double now_s = 100, ahead_s = 5000, delay_s = 0.02;
+  bool stalled = false, reads = true;
+  End listener, caller;
+  std::vector<Piece> to_listener{}, to_caller{};
+};
+
+Message hit(int number) {
+  return Message(Address::kTopic, "hit").real(0).string("disk").real(number);
+}
+Message hand(int number) { return Message(Address::kTopic, "hand").real(0).real(number); }
+
+/// A stranger who speaks the protocol by hand to a listener.
+struct Stranger {
+  explicit Stranger(std::string_view token = {}) : end(BusSession::Side::kListens, token) {
+    connect();
+  }
+  void connect() {
+    if (end.alive())
+      end.node.disconnect(*end.id);
+    end.id = end.node.connect("192.0.2.1", now_s);
+  }
+  void say(const Message& message) { say(frame(Framing::kSlip, message)); }
+  void say(const Bytes& bytes) {
+    if (end.alive())
+      end.node.receive(*end.id, bytes, now_s);
+  }
+  /// All that the listener has answered since.
+  [[nodiscard]] std::string answer() {
+    OutQueue& out = end.node.out(*end.id);
+    const Bytes bytes(out.front().begin(), out.front().end());
+    out.consume(out.size());
+    std::string text;
+    for (const std::string& line : read_all(bytes))
+      text += line + "\n";
+    return text;
+  }
+  void hello(std::string_view token = {}) {
+    say(Message(Address::kHello).integer(1).string("stranger").string("bus").string(token));
+  }
+  [[nodiscard]] bool closing() const { return end.node.closing(*end.id); }
+  void pass(double seconds) {
+    for (const double until_s = now_s + seconds; now_s < until_s; now_s += 0.01)
+      end.node.advance(now_s);
+  }
+  double now_s = 10;
+  End end;
+};
+
+Message topic(std::string_view name, int sequence, std::uint32_t stamp) {
+  return Message(Address::kTopic, name)
+      .integer(sequence)
+      .integer(static_cast<std::int32_t>(stamp))
+      .real(0);
+}
+
+} // namespace
+
+TEST_CASE("messages pass both ways with their fields, and times in the receiver's clock") {
+  Link link;
+  link.run(0.5);
+  REQUIRE(link.caller.exchange->ready == 1);
+  REQUIRE(link.listener.exchange->ready == 1);
+  const double sent_s = link.now_s;
+  link.caller.send(Message(Address::kTopic, "model").string("add").string("disk").real(0.5),
+                   sent_s);
+  link.caller.send(hit(7), sent_s);
+  link.listener.send(Message(Address::kTopic, "publish"), link.listener_time());
+  link.run(0.1);
+  REQUIRE(link.listener.heard.size() == 2);
+  CHECK(link.listener.heard[0].text == "model 'add' 'disk' 0.500000");
+  CHECK(link.listener.heard[1].text == "hit 0.000000 'disk' 7.000000");
+  for (const auto& heard : link.listener.heard)
+    CHECK(heard.sent_s == doctest::Approx(sent_s + link.ahead_s).epsilon(1e-7));
+  REQUIRE(link.caller.heard.size() == 1);
+  CHECK(link.caller.heard[0].sent_s == doctest::Approx(sent_s).epsilon(1e-5));
+  CHECK(link.listener.exchange->incoming[0].transit_s == doctest::Approx(0.02).epsilon(0.1));
+}
+
+TEST_CASE("nothing is sent before clocks are known, and news tells when") {
+  Link link;
+  link.caller.send(hit(1), link.now_s);
+  link.run(0.03);
+  CHECK(link.caller.exchange->ready == 0);
+  link.run(1);
+  CHECK(link.listener.heard.empty());
+  const auto news = link.listener.news();
+  REQUIRE(news.size() == 1);
+  CHECK(news[0].what == BusExchange::News::What::kConnected);
+  CHECK(news[0].text == "caller");
+}
+
+TEST_CASE("a line that stalls loses no event, whatever it loses of streams") {
+  Link link;
+  link.run(0.5);
+  int number = 0;
+  const auto play = [&](double seconds) {
+    for (const double until_s = link.now_s + seconds; link.now_s < until_s; link.tick())
+      for (int i = 0; i < 3; ++i) { // 3000 positions a second
+        link.caller.send(hand(number), link.now_s);
+        if (i == 0)
+          link.caller.send(hit(++number), link.now_s);
+      }
+  };
+  play(1);
+  link.stalled = true; // on the line, as a lost segment does
+  play(2.5);
+  link.stalled = false;
+  play(1);
+  link.reads = false; // in the queue, as a peer that does not read
+  play(2.5);
+  link.reads = true;
+  play(2);
+  link.run(1);
+  std::vector<std::string> events;
+  std::size_t hands = 0;
+  for (const auto& heard : link.listener.heard)
+    if (heard.text.starts_with("hit"))
+      events.push_back(heard.text);
+    else
+      ++hands;
+  REQUIRE(events.size() == static_cast<std::size_t>(number));
+  for (int i = 0; i < number; ++i)
+    CHECK(events[static_cast<std::size_t>(i)] == shown(hit(i + 1)));
+  CHECK(hands < 3 * events.size());
+  CHECK(link.caller.node.session(0).left_out() > 0);
+  CHECK(link.listener.node.session(0).lost_events() == 0);
+}
+
+TEST_CASE("a burst above the rate, as after a stall, costs streams alone") {
+  Stranger stranger;
+  stranger.hello();
+  for (int i = 1; i <= 20000; ++i) {
+    stranger.say(topic("hit", i, 0));
+    stranger.say(topic("hand", i, 0));
+    if (i % 1000 == 0)
+      stranger.end.take();
+  }
+  stranger.end.take();
+  std::size_t hits = 0, hands = 0;
+  for (const auto& heard : stranger.end.heard)
+    (heard.text.starts_with("hit") ? hits : hands) += 1;
+  CHECK(hits == 20000);
+  CHECK(hands <= 5000);
+  CHECK(hands > 1000);
+  CHECK(stranger.answer().find("5000 packets a second") != std::string::npos);
+  CHECK_FALSE(stranger.closing());
+}
+
+TEST_CASE("a patch that takes nothing ends the connection before an event is lost") {
+  Stranger stranger;
+  stranger.hello();
+  int sent = 0;
+  for (; sent < 100000 && !stranger.closing(); ++sent)
+    stranger.say(topic("hit", sent + 1, 0));
+  CHECK(stranger.closing());
+  CHECK(stranger.answer().find("bye 'busy'") != std::string::npos);
+  stranger.end.take();
+  CHECK(stranger.end.heard.size() == static_cast<std::size_t>(sent - 1)); // all but the refused one
+}
+
+TEST_CASE("a peer that does not read is given up when a megabyte of events waits") {
+  Link link;
+  link.run(0.5);
+  link.reads = false;
+  int number = 0;
+  while (link.caller.alive() && !link.caller.node.closing(*link.caller.id) && number < 100000) {
+    for (int i = 0; i < 10; ++i)
+      link.caller.send(hit(++number), link.now_s);
+    link.tick();
+  }
+  CHECK(number > 10000);
+  CHECK(number < 30000);
+  CHECK(link.caller.node.out(0).size() <= OutQueue::kCapacity);
+}
+
+TEST_CASE("half a second of silence is late, five end the connection, and it can be taken up") {
+  Link link;
+  link.run(1);
+  static_cast<void>(link.caller.news());
+  link.stalled = true;
+  link.run(0.22); // a ping may have come a quarter of a second before
+  CHECK(link.caller.news().empty());
+  link.run(0.4);
+  auto news = link.caller.news();
+  REQUIRE(news.size() == 1);
+  CHECK(news[0].what == BusExchange::News::What::kLate);
+  link.stalled = false;
+  link.run(0.3);
+  news = link.caller.news();
+  REQUIRE(news.size() == 1);
+  CHECK(news[0].what == BusExchange::News::What::kBack);
+  link.stalled = true;
+  link.run(4.6);
+  CHECK(link.caller.alive());
+  link.run(0.6);
+  CHECK_FALSE(link.caller.alive());
+  CHECK(link.caller.node.last_reason() == "nothing came for 5 s");
+  CHECK(link.caller.exchange->ready == 0);
+  link.stalled = false;
+  link.run(0.1);
+  link.connect();
+  link.run(0.5);
+  CHECK(link.caller.exchange->ready == 1);
+}
+
+TEST_CASE("tokens: the right one enters, three wrong ones lock out") {
+  CHECK([] {
+    Link link(kToken, kToken);
+    link.run(0.5);
+    return link.caller.exchange->ready == 1;
+  }());
+  Stranger stranger(kToken);
+  for (int i = 0; i < 3; ++i) {
+    stranger.connect();
+    stranger.hello(i == 0 ? "" : "sixteen bytes no");
+    CHECK(stranger.closing());
+    CHECK(stranger.answer().find("error 'token'") != std::string::npos);
+  }
+  stranger.connect();
+  stranger.hello(kToken);
+  CHECK(stranger.answer().find("error 'locked'") != std::string::npos);
+  stranger.now_s += 10.1;
+  stranger.connect();
+  stranger.hello(kToken);
+  CHECK(stranger.answer().find("welcome") != std::string::npos);
+}
+
+TEST_CASE("before hello nothing is taken") {
+  Stranger stranger;
+  stranger.say(topic("hit", 1, 0));
+  CHECK(stranger.answer().find("say hello first") != std::string::npos);
+  stranger.say(Message(Address::kPing).integer(1).integer(2));
+  CHECK(stranger.answer().find("say hello first") != std::string::npos);
+  stranger.end.take();
+  CHECK(stranger.end.heard.empty());
+}
+
+TEST_CASE("messages that are wrong are answered with what was expected, and twenty end it") {
+  struct Case {
+    Message message;
+    std::string_view expected;
+  };
+  const Message nameless(Address::kTopic, "a topic with blanks");
+  for (const Case& one :
+       {Case{Message(Address::kTopic, "hit").real(0.5).real(0), "two integers first"},
+        {Message(Address::kTopic, "hit"), "two integers first"},
+        {Message(nameless).integer(1).integer(0), "letters, digits"},
+        {Message(Address::kTopic, "hit").integer(1).integer(0).string("disk"), "time"},
+        {Message(Address::kPing).integer(1), "integers of us"},
+        {Message(Address::kPong).integer(1).integer(1).string("x"), "integers of us"},
+        {Message(Address::kHello).integer(1).string("a").string("bus"), "once"},
+        {Message(Address::kWelcome).integer(1).string("a"), "hello"},
+        {Message(Address::kForce).real(1).real(2).real(3), "a bus takes"},
+        {Message(Address::kUnknown, "x"), ""}}) {
+    Stranger stranger;
+    stranger.hello();
+    static_cast<void>(stranger.answer());
+    if (one.expected.empty())
+      continue;
+    for (int i = 0; i < 19; ++i)
+      stranger.say(one.message);
+    CHECK_FALSE(stranger.closing());
+    CHECK(stranger.answer().find(one.expected) != std::string::npos);
+    stranger.say(one.message);
+    CHECK(stranger.closing());
+    stranger.end.take();
+    CHECK(stranger.end.heard.empty());
+  }
+}
+
+TEST_CASE("who says hello in another role or an older protocol is told") {
+  Stranger control;
+  control.say(Message(Address::kHello).integer(1).string("a").string("control"));
+  CHECK(control.answer().find("the role is bus") != std::string::npos);
+  Stranger old;
+  old.say(Message(Address::kHello).integer(0).string("a").string("bus"));
+  CHECK(old.answer().find("protocol 1") != std::string::npos);
+  CHECK(old.closing());
+  Stranger newer;
+  newer.say(Message(Address::kHello).integer(9).string("a").string("bus"));
+  CHECK(newer.answer().find("welcome 1.000000 'listener'") != std::string::npos);
+}
+
+TEST_CASE("half a frame for two seconds, no hello for five, a framing that is none") {
+  Stranger half;
+  half.hello();
+  half.say(Bytes{0xC0, '/', 'b'});
+  half.pass(1.9);
+  CHECK_FALSE(half.closing());
+  half.pass(0.2);
+  CHECK(half.answer().find("bye 'frame'") != std::string::npos);
+  Stranger mute;
+  mute.pass(4.9);
+  CHECK_FALSE(mute.closing());
+  mute.pass(0.2);
+  CHECK(mute.closing());
+  Stranger odd;
+  odd.say(Bytes{0x07});
+  CHECK(odd.closing());
+}
+
+TEST_CASE("a gap in the numbers of events is counted and said") {
+  Stranger stranger;
+  stranger.hello();
+  stranger.say(topic("hit", 1, 0));
+  stranger.say(topic("hand", 1, 0));
+  stranger.say(topic("hit", 2, 0));
+  CHECK(stranger.end.node.session(0).lost_events() == 0);
+  stranger.say(topic("hit", 0, 0)); // does not count
+  stranger.say(topic("hit", 5, 0));
+  CHECK(stranger.end.node.session(0).lost_events() == 2);
+  CHECK(stranger.answer().find("error 'sequence'") != std::string::npos);
+}
+
+TEST_CASE("whatever time a message claims, it was sent before it came") {
+  Stranger stranger;
+  stranger.hello();
+  for (const std::uint32_t stamp : {0u, 1u, 0x7fffffffu, 0x80000000u, 0xffffffffu, 12345678u}) {
+    stranger.now_s += 0.1;
+    stranger.say(Message(Address::kPing)
+                     .integer(1)
+                     .integer(static_cast<std::int32_t>(stamp))
+                     .integer(static_cast<std::int32_t>(~stamp)));
+    stranger.say(topic("hit", 0, stamp));
+    stranger.end.take();
+    CHECK(stranger.end.heard.back().sent_s <= stranger.now_s);
+    CHECK(std::isfinite(stranger.end.heard.back().sent_s));
+    CHECK(stranger.end.exchange->incoming[0].delay_s <= PlayoutDelay::kMax_s);
+  }
+}
+
+TEST_CASE("late is what came after its playout time, and a fixed delay is kept") {
+  Link link;
+  link.listener.exchange->playout_s = 0.05;
+  link.run(1);
+  link.delay_s = 0.04;
+  link.caller.send(hand(1), link.now_s);
+  link.run(0.3);
+  link.delay_s = 0.08;
+  link.caller.send(hand(2), link.now_s);
+  link.run(0.3);
+  REQUIRE(link.listener.heard.size() == 2);
+  CHECK_FALSE(link.listener.heard[0].late);
+  CHECK(link.listener.heard[1].late);
+  CHECK(link.listener.exchange->incoming[0].delay_s == 0.05);
+}
+
+TEST_CASE("text and length framing are answered in kind") {
+  Stranger text;
+  text.say(bytes_of("hap hello 1 script bus;\n"));
+  CHECK(text.answer().find("welcome 1.000000 'listener'") == 0);
+  text.say(bytes_of("bus hit 1 0 0 disk 25;\n"));
+  text.say(bytes_of("bus 7 2 0 0;\n"));
+  text.end.take();
+  REQUIRE(text.end.heard.size() == 2);
+  CHECK(text.end.heard[0].text == "hit 0.000000 'disk' 25.000000");
+  CHECK(text.end.heard[1].text == "7 0.000000");
+  Stranger length;
+  length.say(
+      frame(Framing::kLength, Message(Address::kHello).integer(1).string("script").string("bus")));
+  CHECK(length.answer().find("welcome") == 0);
+}
+
+TEST_CASE("which topics are events, and which have a time") {
+  for (const std::string_view name : {"hit", "release", "excite", "button", "rawbutton", "grip"})
+    CHECK((bus_topic(name).is_event && bus_topic(name).has_time));
+  for (const std::string_view name : {"model", "table", "quit", "publish", "anything"})
+    CHECK((bus_topic(name).is_event && !bus_topic(name).has_time));
+  for (const std::string_view name : {"raw", "hand", "contact", "force", "listener"})
+    CHECK((!bus_topic(name).is_event && bus_topic(name).has_time));
+  CHECK(is_topic_name("raw-2_B"));
+  for (const std::string_view name :
+       {"", "a b", "a/b", "a.b", "0123456789012345678901234567890123"})
+    CHECK_FALSE(is_topic_name(name));
+}
