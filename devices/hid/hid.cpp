@@ -98,6 +98,7 @@ std::string Hid::prepare(const Settings& settings, const Entry& entry) {
   knobs_.write(Knob{});
   battery_percent_ = -1;
   position_ = {};
+  glide_.reset();
   begun_ = false;
   return {};
 }
@@ -172,8 +173,9 @@ bool Hid::read(const haptic::Tick& tick, haptic::State& state) noexcept {
     for (int axis = 0; axis < 3; ++axis)
       position_[axis] =
           std::clamp(position_[axis] + share[axis] * speed * passed_s, -kHalf_m, kHalf_m);
+    glide_.reset();
   } else {
-    position_ = share * kHalf_m;
+    position_ = glide_.update(share * kHalf_m, tick.time_s);
   }
   state.position = position_;
   state.rotation = turn;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/haptic/device.hpp"
+#include "core/haptic/linear_glide.hpp"
 #include "core/haptic/mailbox.hpp"
 #include "devices/hid/axis_table.hpp"
 #include "devices/hid/catalogue.hpp"
@@ -12,9 +13,11 @@
 namespace tactus::devices::hid {
 
 /// A SpaceMouse, or any HID with axes: position without force. A thread of its own waits for
-/// reports and decodes them; the servo takes the newest out of a mailbox. Settings: device WHICH,
-/// mapping position|rate, speed MM_PER_S, deadzone PERCENT, led 0|1, table FILE,
-/// transport any|hidraw|libusb. docs/devices/hid.md
+/// reports and decodes them; the servo takes the newest out of a mailbox. Deflection that is
+/// position glides from report to report, which come several ticks apart (linear_glide.hpp): so its
+/// velocity is the hand's, and a scene's contact is a hit. Settings: device WHICH, mapping
+/// position|rate, speed MM_PER_S, deadzone PERCENT, led 0|1, table FILE, transport
+/// any|hidraw|libusb. docs/devices/hid.md
 class Hid final : public haptic::Backend {
 public:
   ~Hid() override { close(); }
@@ -64,6 +67,7 @@ private:
 
   // the servo's
   haptic::Vec3 position_{};
+  haptic::LinearGlide glide_; // of deflection as position
   double time_s_ = 0;
   bool begun_ = false;
 };

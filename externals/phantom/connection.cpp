@@ -364,6 +364,9 @@ void Phantom::opened(const Answer& answer, Host& host) {
   send_identity(host);
   if (caps.axes_out == 0)
     send_status("noforce", host);
+  warn_of_scene(host); // what was asked for while its limits were not known
+  for (const char* effect : {"spring", "viscous", "inertia", "friction", "texture"})
+    warn_of_effect(effect, host);
   begin(host);
 }
 

@@ -171,7 +171,10 @@ void Phantom::on_effect(Words words, Host& host) {
   if (const std::string refusal = phantom::read_effect(words, effect_settings_); !refusal.empty())
     return host.error(refusal);
   rig_->effects.set(effect_settings_);
-  const std::string name = phantom::text_of(words[0]);
+  warn_of_effect(phantom::text_of(words[0]), host);
+}
+
+void Phantom::warn_of_effect(const std::string& name, Host& host) {
   warn_of_stiffness("effect " + name, phantom::effect_stiffness(name, effect_settings_), host);
   warn_of_damping("effect " + name, phantom::effect_damping(name, effect_settings_), host);
 }

@@ -117,18 +117,29 @@ void Phantom::on_scene(Words words, Host& host) {
   if (const std::string refusal = scene_.obey(words, host); !refusal.empty())
     return host.error(refusal);
   rig_->scene.publish(scene_.snapshot());
-  if (is(words[0], "move") || is(words[0], "del"))
-    return;
+  if (!is(words[0], "move") && !is(words[0], "del"))
+    warn_of_scene(host);
+}
+
+void Phantom::warn_of_scene(Host& host) {
   const SceneBook::Stiffest stiffest = scene_.stiffest();
   warn_of_stiffness("scene: " + stiffest.name, stiffest.stiffness_n_per_m, host);
   const SceneBook::LargestDamping damped = scene_.largest_damping();
   warn_of_damping("scene: " + damped.name, damped.damping_n_s_per_m, host);
 }
 
+/// A device without motors renders no spring that could hum; what a driver's device can do is
+/// known once it is open.
+bool Phantom::renders_force() const noexcept {
+  return !driver_ || (open() && device_->caps().axes_out > 0);
+}
+
 /// Colgate's bound on a sampled spring: K < 2 (B + b)/T; or the device's own word.
 /// A model whose force comes later than at the tick has a share of that.
 void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host,
                                 double share) {
+  if (!renders_force())
+    return;
   const double own = device().caps().stiffness_limit_n_per_m;
   const double viscous = driver_ ? 0.0 : values_[kViscous];
   const double bound = share * (own > 0 ? own : 2 * (values_[kDamp] + viscous) / period_s());
@@ -144,6 +155,8 @@ void Phantom::warn_of_stiffness(const std::string& what, double stiffness_n_per_
 }
 
 void Phantom::warn_of_damping(const std::string& what, double damping_n_s_per_m, Host& host) {
+  if (!renders_force())
+    return;
   const double bound =
       haptic::EffectModel::damping_bound(device().caps().damping_limit_n_s_per_m, period_s());
   if (!(damping_n_s_per_m > bound) || damping_n_s_per_m <= warned_n_s_per_m_)

@@ -152,6 +152,8 @@ private:
   void on_interp(Words, Host&);
   void on_watchdog(Words, Host&);
   void on_scene(Words, Host&);
+  [[nodiscard]] bool renders_force() const noexcept;
+  void warn_of_scene(Host&);
   void warn_of_stiffness(const std::string& what, double stiffness_n_per_m, Host& host,
                          double share = 1);
   void warn_of_damping(const std::string& what, double damping_n_s_per_m, Host& host);
@@ -163,6 +165,7 @@ private:
 
   // effect_message.cpp: force effects by name
   void on_effect(Words, Host&);
+  void warn_of_effect(const std::string& name, Host&);
 
   // torque.cpp: torque and gripper force
   void on_torques(Words, Host&);

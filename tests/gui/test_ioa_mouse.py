@@ -1,4 +1,5 @@
 """The screen of patches/audiohaptics is dragged with a mouse: the disk is struck and the picture changes."""
+import contextlib
 import importlib.machinery
 import importlib.util
 import os
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import types
 
 import pytest
 
@@ -54,15 +56,14 @@ def drag(ask, place, points, pause=0.02):
     ask("xdotool", "mouseup", "1")
 
 
-def test_dragging_the_cross_onto_the_disk_strikes_it_there(tmp_path):
+@contextlib.contextmanager
+def opened(patch, height, *options):
+    """A patch of that height in a Pd with a screen of its own: what asks the screen, what Pd said, what
+    moves the mouse to a point of the patch, and the window."""
     tools = photograph()
-    patch = tmp_path / "drag.pd"
-    patch.write_text(PATCH)
-    folder = BUILD / "photographs"
-    folder.mkdir(exist_ok=True)
     with tools.screen() as environment, tempfile.TemporaryFile("w+") as said, \
             tempfile.TemporaryDirectory() as hosts:
-        command = ["pd", "-noprefs", "-nosound", "-stderr", "-path", str(STAGE), "-open", str(patch)]
+        command = ["pd", "-noprefs", "-nosound", "-stderr", "-path", str(STAGE), *options, "-open", str(patch)]
         with tools.running(command, env=tools.with_localhost(environment, hosts), stdout=said,
                            stderr=said):
             def ask(*words):
@@ -70,30 +71,71 @@ def test_dragging_the_cross_onto_the_disk_strikes_it_there(tmp_path):
 
             def words():
                 return os.pread(said.fileno(), 1 << 20, 0).decode(errors="replace")
-
-            def struck():
-                return re.findall(r"^bus: hit \S+ disk (\S+) (\S+) (\S+)", words(), re.M)
+            title = re.escape(patch.name)
             window = tools.wait_for(lambda: ask("xdotool", "search", "--onlyvisible", "--name",
-                                                r"drag\.pd").split(), 30, "the window")[-1]
+                                                title).split(), 30, "the window")[-1]
             time.sleep(2)
             geometry = dict(line.split("=") for line in
                             ask("xdotool", "getwindowgeometry", "--shell", window).split())
-            bar = int(geometry["HEIGHT"]) - 420
+            bar = int(geometry["HEIGHT"]) - height
 
             def place(x, y):
                 ask("xdotool", "mousemove", "--sync", "--window", window, str(round(x)),
                     str(round(y) + bar))
-            # 2 pixels a mm: the cross begins at x = 25, z = 40 of the right view, whose middle is
-            # x = 0 at 417 and whose z = 0 lies 60 above its lower end at 292.
-            ask("import", "-window", window, str(folder / "ioa_drag_before.png"))
-            assert not struck()
-            drag(ask, place, [(467, 153), (427, 153), (427, 243)])
-            tools.wait_for(struck, 60, "a hit")
-            x, y, z = map(float, struck()[0])
-            assert abs(x - 5) < 4 and abs(y) < 1 and z == pytest.approx(6)
-            ask("import", "-window", window, str(folder / "ioa_drag_after.png"))
-            assert not re.search(r"error|couldn't create", words()), words()
+            yield types.SimpleNamespace(ask=ask, words=words, place=place, window=window,
+                                        wait_for=tools.wait_for)
+
+
+def test_dragging_the_cross_onto_the_disk_strikes_it_there(tmp_path):
+    patch = tmp_path / "drag.pd"
+    patch.write_text(PATCH)
+    folder = BUILD / "photographs"
+    folder.mkdir(exist_ok=True)
+    with opened(patch, 420) as desk:
+        def struck():
+            return re.findall(r"^bus: hit \S+ disk (\S+) (\S+) (\S+)", desk.words(), re.M)
+        # 2 pixels a mm: the cross begins at x = 25, z = 40 of the right view, whose middle is
+        # x = 0 at 417 and whose z = 0 lies 60 above its lower end at 292.
+        desk.ask("import", "-window", desk.window, str(folder / "ioa_drag_before.png"))
+        assert not struck()
+        drag(desk.ask, desk.place, [(467, 153), (427, 153), (427, 243)])
+        desk.wait_for(struck, 60, "a hit")
+        x, y, z = map(float, struck()[0])
+        assert abs(x - 5) < 4 and abs(y) < 1 and z == pytest.approx(6)
+        desk.ask("import", "-window", desk.window, str(folder / "ioa_drag_after.png"))
+        assert not re.search(r"error|couldn't create", desk.words()), desk.words()
     changed = subprocess.run(["compare", "-metric", "AE", str(folder / "ioa_drag_before.png"),
                               str(folder / "ioa_drag_after.png"), "null:"],
                              capture_output=True, text=True).stderr
     assert float(changed.split()[0]) > 300
+
+
+LISTENER = """#N canvas 900 40 200 200 12;
+#X obj 20 20 r finger-force-now;
+#X obj 20 50 print force;
+#X obj 20 80 r finger-level-now;
+#X obj 20 110 print level;
+#X connect 0 0 1 0;
+#X connect 2 0 3 0;
+"""
+
+
+def test_dragging_the_finger_onto_the_reed_is_felt_and_ends_the_note(tmp_path):
+    (tmp_path / "listener.pd").write_text(LISTENER)
+    with opened(ROOT / "patches" / "audiohaptics" / "finger_on_reed.pd", 690, "-open",
+                str(tmp_path / "listener.pd"), "-send", "pd dsp 1", "-send", "finger-breath 2200") as desk:
+        def last(name):
+            found = re.findall(rf"^{name}: (\S+)$", desk.words(), re.M)
+            return float(found[-1]) if found else None
+        # 70 mm over 250 pixels; the view's left is -35 mm at 282, its top 53.2 mm at 162.
+        def pixel(x, z):
+            return 282 + (x + 35) / 70 * 250, 162 + (53.2 - z) / 70 * 248
+        desk.wait_for(lambda: (last("level") or -100) > -30 and last("force") == 0, 60, "a note")
+        drag(desk.ask, desk.place, [pixel(15, 40), pixel(15, 20), pixel(15, -14)])
+        # The reed is shut, so the hand feels 10 x 300 N/m of its depth over 20: 0.15 N/mm from z = 3 mm on
+        # against the 0.5 N/mm between hand and cross.
+        y_f = (-14 + 10 * 0.3 * 17 / 20 / (0.5 + 0.15) - 3) / 20
+        desk.wait_for(lambda: abs(last("force") + 0.3 * y_f) < 0.02 and last("level") < -60, 60, "silence")
+        drag(desk.ask, desk.place, [pixel(15, -14), pixel(15, 40)])
+        desk.wait_for(lambda: last("force") == 0 and last("level") > -30, 60, "the note")
+        assert not re.search(r"error|couldn't create", desk.words()), desk.words()

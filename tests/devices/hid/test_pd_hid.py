@@ -89,3 +89,22 @@ def test_settings_of_the_driver_reach_it_and_its_refusals_are_printed(tmp_path):
         assert live.printed("deadzone 99 is not possible: expected 0 to 90 % of full deflection")
         live.tell("report 01 5e01 0000 0000")
         live.wait_for(lambda: live.last("x") == "0")
+
+
+def test_strokes_onto_a_body_are_hits_and_no_stiffness_is_warned_of(tmp_path):
+    """Reports 10 ms apart and 2 mm each: 0.2 m/s, more or less on a busy machine, where it strokes again."""
+    messages = "driver deadzone 0 \\, scene add floor plane 0 1 0 0 \\, open"
+    with Live(tmp_path, PATCH.replace("msg 10 70 open", f"msg 10 70 {messages}")) as live:
+        live.wait_for(lambda: live.printed("status open hid"))
+
+        def hits_after_a_stroke():
+            for mm in (*range(31, -13, -2), *range(-13, 31, 6)):
+                counts = -7 * mm & 0xffff  # of 350 at 50 mm, and HID's Z points down
+                live.tell(f"report 01 0000 0000 {counts & 255:02x}{counts >> 8:02x}")
+                time.sleep(0.01)
+            return live.printed(r"^info: hit (.*)$")
+        live.wait_for(hits_after_a_stroke, 60)
+        t, body, *numbers = live.printed(r"^info: hit (.*)$")[0].split()
+        x, y, z, nx, ny, nz, speed, along = map(float, numbers)
+        assert body == "floor" and abs(y) < 1e-6 and abs(ny - 1) < 1e-6 and 0.02 < speed < 2, numbers
+        assert not live.printed("N/m"), live.text[-2000:]

@@ -109,6 +109,33 @@ TEST_CASE("buttons come, the light goes out and on" * doctest::skip(skipped())) 
   CHECK(rig.control.ask("state").find("last=0400") != std::string::npos);
 }
 
+TEST_CASE("a report is reached by a glide, whose speed is that of the hand" *
+          doctest::skip(skipped())) {
+  Rig rig;
+  REQUIRE(rig.device.open() == "");
+  rig.control.ask(report(0, 0, 0));
+  int resting = 0; // an earlier case's report may still be on its way
+  REQUIRE(rig.until(
+      [&] { return (resting = norm(rig.state.position) < 1e-9 ? resting + 1 : 0) > 100; }));
+  rig.control.ask(report(350, 0, 0));
+  REQUIRE(rig.until([&] { return rig.state.position.x > 0; }));
+  // After a pause the usual 10 ms between reports, a quarter longer: 4 mm a tick to 50 mm. When the
+  // report came between two ticks does not matter: it counts from the tick that took it.
+  double before = rig.state.position.x * 1e3;
+  CHECK(before <= doctest::Approx(4));
+  int ticks = 1;
+  for (; before < 50 - 1e-9 && ticks < 100; ++ticks) {
+    rig.step();
+    const double now = rig.state.position.x * 1e3;
+    CHECK(now - before <= doctest::Approx(4));
+    CHECK(now > before);
+    before = now;
+  }
+  CHECK(ticks == 13);
+  rig.control.ask(report(0, 0, 0));
+  CHECK(rig.reaches({0, 0, 0}));
+}
+
 TEST_CASE("as a rate, deflection moves and the workspace ends it" * doctest::skip(skipped())) {
   Rig rig;
   REQUIRE(rig.set({"mapping", "rate"}) == "");
