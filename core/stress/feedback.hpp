@@ -21,9 +21,9 @@
 namespace tactus::stress {
 
 enum class Mapping : std::uint8_t { kMean, kWeighted, kAxis };
-enum class Range : std::uint8_t { kInitial, kCurrent, kFixed };
-enum class Weights : std::uint8_t { kVolume, kUniform };
-enum class Sensitivity : std::uint8_t { kAbsolute, kSigned };
+enum class Range : std::uint8_t { kCurrent, kInitial, kFixed };
+enum class Weights : std::uint8_t { kUniform, kVolume };
+enum class Sensitivity : std::uint8_t { kSigned, kAbsolute };
 enum class State : std::uint8_t { kVonMises, kShear };
 enum class Norm : std::uint8_t { kMean, kSum };
 
@@ -31,7 +31,7 @@ struct FeedbackSettings {
   Mapping mapping = Mapping::kMean;
   Range range = Range::kInitial;
   double fixed_min = 0, fixed_max = 1; ///< Pa, or Pa^2/m in the weighted and axis mappings
-  Weights weights = Weights::kVolume;  ///< uniform where the table has no volumes
+  Weights weights = Weights::kUniform; ///< volume: uniform where the table has none
   Sensitivity sensitivity = Sensitivity::kAbsolute;
   State state = State::kVonMises;
   Norm norm = Norm::kMean; ///< kSum: N times the mean
@@ -47,7 +47,7 @@ struct Extremes {
 
 /// A row of the sensitivities and the displacement that multiplies it.
 struct TaylorTerm {
-  const float* row;      ///< [N] Pa/m
+  const float* row; ///< [N] Pa/m
   double displacement_m;
 };
 
@@ -55,18 +55,23 @@ struct TaylorTerm {
 struct FeedbackTask {
   std::span<const float> stress; ///< [N] Pa
   std::span<const TaylorTerm> terms;
-  const float* weight = nullptr;        ///< [N]; null: 1
-  std::array<const float*, 3> h{};      ///< [N] each; null: 0
-  bool absolute = false;                ///< |h| for h
+  const float* weight = nullptr;   ///< [N]; null: 1
+  std::array<const float*, 3> h{}; ///< [N] each; null: 0
+  bool absolute = false;           ///< |h| for h
   Mapping mapping = Mapping::kMean;
 };
 
-/// s = stress + sum of terms, tile by tile; result[0] of s or h s, or one for each axis. Every
-/// instruction set gives the same bits.
+struct FeedbackSums {
+  Extremes stress; ///< of s
+  std::array<Extremes, 3>
+      product{}; ///< of h s: [0] in the weighted mapping, one an axis in the other
+};
+
+/// s = stress + sum of terms, tile by tile. Every instruction set gives the same bits.
 class FeedbackKernel {
 public:
   virtual ~FeedbackKernel() = default;
-  virtual void run(const FeedbackTask& task, std::array<Extremes, 3>& result) const noexcept = 0;
+  [[nodiscard]] virtual FeedbackSums run(const FeedbackTask& task) const noexcept = 0;
 };
 /// The fastest that this processor runs.
 [[nodiscard]] const FeedbackKernel& feedback_kernel() noexcept;

@@ -4,8 +4,8 @@
 #include "core/stress/feedback.hpp"
 
 /// The pass over the elements, written once for any instruction set; a template on the set, so that
-/// the linker never takes a newer processor's code for an older one's. Sums run over eight lanes and
-/// then over these in one order, without fused operations: every set gives the same bits.
+/// the linker never takes a newer processor's code for an older one's. Sums run over eight lanes
+/// and then over these in one order, without fused operations: every set gives the same bits.
 namespace tactus::stress {
 
 template <class Set>
@@ -56,11 +56,10 @@ class FeedbackLanes final : public FeedbackKernel, simd::Vectors<Set, double, 8>
                                                       (dc * widen(c + i) + dd * widen(d + i))));
           },
           [&](std::size_t i) {
-            to.value[i] +=
-                (term[0].displacement_m * static_cast<double>(a[i]) +
-                 term[1].displacement_m * static_cast<double>(b[i])) +
-                (term[2].displacement_m * static_cast<double>(c[i]) +
-                 term[3].displacement_m * static_cast<double>(d[i]));
+            to.value[i] += (term[0].displacement_m * static_cast<double>(a[i]) +
+                            term[1].displacement_m * static_cast<double>(b[i])) +
+                           (term[2].displacement_m * static_cast<double>(c[i]) +
+                            term[3].displacement_m * static_cast<double>(d[i]));
           });
     }
     for (; t < task.terms.size(); ++t) {
@@ -72,9 +71,7 @@ class FeedbackLanes final : public FeedbackKernel, simd::Vectors<Set, double, 8>
           [&](std::size_t i, std::size_t) {
             store(to.value + i, load(to.value + i) + displacement * widen(row + i));
           },
-          [&](std::size_t i) {
-            to.value[i] += term.displacement_m * static_cast<double>(row[i]);
-          });
+          [&](std::size_t i) { to.value[i] += term.displacement_m * static_cast<double>(row[i]); });
     }
   }
 
@@ -125,17 +122,16 @@ class FeedbackLanes final : public FeedbackKernel, simd::Vectors<Set, double, 8>
   }
 
 public:
-  void run(const FeedbackTask& task, std::array<Extremes, 3>& result) const noexcept override {
-    result = {};
+  [[nodiscard]] FeedbackSums run(const FeedbackTask& task) const noexcept override {
+    FeedbackSums result;
     Tile stress, product;
     for (std::size_t first = 0; first < task.stress.size(); first += kTile) {
       const std::size_t count = std::min(kTile, task.stress.size() - first);
       const float* weight = task.weight ? task.weight + first : nullptr;
       evaluate(task, first, count, stress);
-      if (task.mapping == Mapping::kMean) {
-        reduce(stress, weight, count, result[0]);
+      reduce(stress, weight, count, result.stress);
+      if (task.mapping == Mapping::kMean)
         continue;
-      }
       const bool weighted = task.mapping == Mapping::kWeighted;
       const double share = weighted ? 1.0 / 3.0 : 1.0;
       for (std::size_t axis = 0; axis < 3; axis += weighted ? 3 : 1) {
@@ -150,9 +146,10 @@ public:
               store(product.value + i, load(product.value + i) * part * load(stress.value + i));
             },
             [&](std::size_t i) { product.value[i] = product.value[i] * share * stress.value[i]; });
-        reduce(product, weight, count, result[axis]);
+        reduce(product, weight, count, result.product[axis]);
       }
     }
+    return result;
   }
 };
 

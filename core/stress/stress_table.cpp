@@ -30,8 +30,8 @@ void read_description(TableArrays& arrays, StressTable& table) {
     return;
   table.name = json.text_or("name", json.text_or("body_name", ""));
   if (const Json* material = json.find("material"))
-    table.material = material->kind == Json::Kind::kText ? material->text
-                                                         : material->text_or("name", "");
+    table.material =
+        material->kind == Json::Kind::kText ? material->text : material->text_or("name", "");
   if (const Json* loads = json.find("loads"))
     table.loads = loads->kind == Json::Kind::kText ? loads->text : loads->text_or("name", "");
   const Json* units = json.find("units");
@@ -39,8 +39,8 @@ void read_description(TableArrays& arrays, StressTable& table) {
     return;
   const auto check = [&](std::string_view quantity, std::string_view expected) {
     if (const std::string unit = units->text_or(quantity, expected); unit != expected)
-      arrays.refuse("meta says that " + std::string(quantity) + " is in " + unit +
-                    ": expected " + std::string(expected));
+      arrays.refuse("meta says that " + std::string(quantity) + " is in " + unit + ": expected " +
+                    std::string(expected));
   };
   check("stress", "Pa");
   check("length", "m");
@@ -94,13 +94,11 @@ void read_control_points(TableArrays& arrays, const NpzFile& file, StressTable& 
 
 /// One field; the number of elements follows from the first one that is read.
 StressField read_field(TableArrays& arrays, const NpzFile& file, std::string_view stress,
-                       std::string_view sensitivity, std::size_t elements,
-                       std::size_t parameters) {
+                       std::string_view sensitivity, std::size_t elements, std::size_t parameters) {
   StressField field;
-  if (const NpzArray* found = file.find(stress); found && !found->shape.empty() &&
-                                                 elements == TableArrays::kAny &&
-                                                 (found->shape[0] > kMaxElements ||
-                                                  found->shape[0] > kMaxSensitivities / parameters))
+  if (const NpzArray* found = file.find(stress);
+      found && !found->shape.empty() && elements == TableArrays::kAny &&
+      (found->shape[0] > kMaxElements || found->shape[0] > kMaxSensitivities / parameters))
     arrays.refuse("array '" + std::string(stress) + "' has " + std::to_string(found->shape[0]) +
                   " elements for " + std::to_string(parameters) + " parameters: expected at most " +
                   std::to_string(std::min(kMaxElements, kMaxSensitivities / parameters)));
@@ -163,8 +161,8 @@ std::string read_stress_table(std::span<const std::byte> file, StressTable& tabl
     read.base.von_mises =
         read_field(arrays, archive, "s0", "S", TableArrays::kAny, read.parameters.size());
   if (arrays.good() && (arrays.has("shear0") || arrays.has("S_shear")))
-    read.base.max_shear = read_field(arrays, archive, "shear0", "S_shear", read.elements(),
-                                     read.parameters.size());
+    read.base.max_shear =
+        read_field(arrays, archive, "shear0", "S_shear", read.elements(), read.parameters.size());
   read.base.displacement_m.assign(read.parameters.size(), 0);
   if (arrays.good())
     read.weight = arrays.singles("weights", {read.elements()}, false);

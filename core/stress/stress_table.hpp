@@ -29,7 +29,7 @@ struct StressBase {
 /// One coordinate of one control point.
 struct DesignParameter {
   std::size_t control_point = 0;
-  int axis = 0;                ///< 0 x, 1 y, 2 z
+  int axis = 0;                 ///< 0 x, 1 y, 2 z
   double low_m = 0, high_m = 0; ///< of its displacement; low <= 0 <= high
 };
 
