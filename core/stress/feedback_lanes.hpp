@@ -75,40 +75,71 @@ class FeedbackLanes final : public FeedbackKernel, simd::Vectors<Set, double, 8>
     }
   }
 
-  /// to += |h| or h, for each axis that has one.
-  static void add_axis(const float* h, bool absolute, std::size_t count, Tile& to) noexcept {
-    over(
-        count,
-        [&](std::size_t i, std::size_t) {
-          const V value = widen(h + i);
-          store(to.value + i,
-                load(to.value + i) + (absolute ? (value < 0 ? -value : value) : value));
-        },
-        [&](std::size_t i) {
-          const double value = h[i];
-          to.value[i] += absolute && value < 0 ? -value : value;
-        });
+  [[gnu::always_inline]] static V smaller(V a, V b) noexcept {
+#if defined(__SSE2__)
+    if constexpr (sizeof(V) == 16)
+      return _mm_min_pd(a, b);
+#endif
+#if defined(__AVX2__)
+    if constexpr (sizeof(V) == 32)
+      return _mm256_min_pd(a, b);
+#endif
+    return a < b ? a : b;
+  }
+  [[gnu::always_inline]] static V larger(V a, V b) noexcept { return -smaller(-a, -b); }
+  /// |h| or h.
+  [[gnu::always_inline]] static V sensitivity(const float* from, bool absolute) noexcept {
+    const V value = widen(from);
+    return absolute ? larger(value, -value) : value;
+  }
+  [[gnu::always_inline]] static double one_sensitivity(float value, bool absolute) noexcept {
+    return static_cast<double>(absolute && value < 0 ? -value : value);
   }
 
-  /// Sum of weight value, and extremes of value.
-  static void reduce(const Tile& tile, const float* weight, std::size_t count,
-                     Extremes& result) noexcept {
+  /// to = sum over the given axes of |h| or h.
+  static void add_sensitivities(std::span<const float* const> axes, std::size_t first,
+                                bool absolute, std::size_t count, Tile& to) noexcept {
+    bool empty = true;
+    for (const float* axis : axes) {
+      if (!axis)
+        continue;
+      const float* h = axis + first;
+      over(
+          count,
+          [&](std::size_t i, std::size_t) {
+            const V value = sensitivity(h + i, absolute);
+            store(to.value + i, empty ? value : load(to.value + i) + value);
+          },
+          [&](std::size_t i) {
+            const double value = one_sensitivity(h[i], absolute);
+            to.value[i] = empty ? value : to.value[i] + value;
+          });
+      empty = false;
+    }
+    if (empty)
+      std::fill_n(to.value, count, 0.0);
+  }
+
+  /// Sum of weight times value, and extremes of value: wide(i) in vectors, one(i) after them.
+  template <class Wide, class One>
+  [[gnu::always_inline]] static void reduce(const Wide& wide, const One& one, const float* weight,
+                                            std::size_t count, Extremes& result) noexcept {
     V sum[kRegisters] = {}, low[kRegisters], high[kRegisters];
     for (std::size_t r = 0; r < kRegisters; ++r) {
       low[r] = all(result.min);
-      high[r] = all(result.max);
+      high[r] = all(-result.max);
     }
     double rest = 0;
     over(
         count,
         [&](std::size_t i, std::size_t r) {
-          const V value = load(tile.value + i);
+          const V value = wide(i);
           sum[r] += weight ? widen(weight + i) * value : value;
-          low[r] = value < low[r] ? value : low[r];
-          high[r] = value > high[r] ? value : high[r];
+          low[r] = smaller(value, low[r]);
+          high[r] = smaller(-value, high[r]);
         },
         [&](std::size_t i) {
-          const double value = tile.value[i];
+          const double value = one(i);
           rest += weight ? static_cast<double>(weight[i]) * value : value;
           result.min = std::min(result.min, value);
           result.max = std::max(result.max, value);
@@ -117,36 +148,31 @@ class FeedbackLanes final : public FeedbackKernel, simd::Vectors<Set, double, 8>
     for (std::size_t r = 0; r < kRegisters; ++r)
       for (std::size_t lane = 0; lane < kWidth; ++lane) {
         result.min = std::min(result.min, low[r][lane]);
-        result.max = std::max(result.max, high[r][lane]);
+        result.max = std::max(result.max, -high[r][lane]);
       }
   }
 
 public:
   [[nodiscard]] FeedbackSums run(const FeedbackTask& task) const noexcept override {
     FeedbackSums result;
-    Tile stress, product;
+    Tile stress, h;
+    const bool weighted = task.mapping == Mapping::kWeighted;
+    const double share = weighted ? 1.0 / 3.0 : 1.0;
+    const V part = all(share);
     for (std::size_t first = 0; first < task.stress.size(); first += kTile) {
       const std::size_t count = std::min(kTile, task.stress.size() - first);
       const float* weight = task.weight ? task.weight + first : nullptr;
       evaluate(task, first, count, stress);
-      reduce(stress, weight, count, result.stress);
+      reduce([&](std::size_t i) { return load(stress.value + i); },
+             [&](std::size_t i) { return stress.value[i]; }, weight, count, result.stress);
       if (task.mapping == Mapping::kMean)
         continue;
-      const bool weighted = task.mapping == Mapping::kWeighted;
-      const double share = weighted ? 1.0 / 3.0 : 1.0;
-      for (std::size_t axis = 0; axis < 3; axis += weighted ? 3 : 1) {
-        std::fill_n(product.value, count, 0.0);
-        for (std::size_t a = axis; a < (weighted ? 3 : axis + 1); ++a)
-          if (task.h[a])
-            add_axis(task.h[a] + first, task.absolute, count, product);
-        const V part = all(share);
-        over(
-            count,
-            [&](std::size_t i, std::size_t) {
-              store(product.value + i, load(product.value + i) * part * load(stress.value + i));
-            },
-            [&](std::size_t i) { product.value[i] = product.value[i] * share * stress.value[i]; });
-        reduce(product, weight, count, result.product[axis]);
+      for (std::size_t axis = 0; axis < (weighted ? 1 : 3); ++axis) {
+        add_sensitivities(std::span(task.h).subspan(axis, weighted ? 3 : 1), first, task.absolute,
+                          count, h);
+        reduce([&](std::size_t i) { return load(h.value + i) * part * load(stress.value + i); },
+               [&](std::size_t i) { return h.value[i] * share * stress.value[i]; }, weight, count,
+               result.product[axis]);
       }
     }
     return result;

@@ -85,6 +85,7 @@ const SessionResult& StressSession::step(double now_s, const SessionRequest& req
     failed_ = false;
   }
   request_ = request;
+  stepped_s_ = now_s;
   result_.table = request.table;
   result_.feedback = model_.update(request.displacement_m);
   const double ratio = result_.feedback.trust_ratio;
@@ -97,7 +98,7 @@ const SessionResult& StressSession::step(double now_s, const SessionRequest& req
 
 double StressSession::due_in_s(double now_s) const noexcept {
   if (result_.solving)
-    return kPoll_s;
+    return std::max(0.0, stepped_s_ + kPoll_s - now_s);
   if (!reanalysis_ || failed_ || request_.resolve == Resolve::kTaylor ||
       !(result_.feedback.trust_ratio > UpdatePolicy::kMinRatio))
     return std::numeric_limits<double>::infinity();

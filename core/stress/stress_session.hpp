@@ -64,6 +64,7 @@ private:
   Method base_method_ = Method::kTaylor;
   std::vector<double> factorised_m_; ///< [P] shape of the last full solution
   double error_at_trust_ = kTrustError;
+  double stepped_s_ = 0;
   bool selected_ = false, failed_ = false;
   std::string refusal_;
 };

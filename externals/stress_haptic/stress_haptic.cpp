@@ -9,7 +9,7 @@ namespace tactus::stress {
 using namespace stress_haptic;
 using haptic::Vec3;
 
-StressHaptic::StressHaptic() {
+StressHaptic::StressHaptic(StressWorker::SolverFactory solvers) : worker_(std::move(solvers)) {
   for (std::size_t i = 0; i < value_.size(); ++i)
     value_[i] = kParameters[i].initial;
 }
@@ -44,20 +44,22 @@ void StressHaptic::set(std::size_t parameter, double value) noexcept {
   }
   if (!host_)
     return;
-  warn_of_settings(*host_);
+  warn_of(parameter, *host_);
   submit(*host_);
 }
 
-/// What the table or the object cannot do; it goes on with what it can.
-void StressHaptic::warn_of_settings(Host& host) {
+void StressHaptic::warn_of(std::size_t parameter, Host& host) const {
   const auto& settings = request_.settings;
-  if (table_ && settings.state == State::kShear && !table_->has_shear())
+  const Resolve resolve = request_.resolve;
+  if (parameter == kState && table_ && settings.state == State::kShear && !table_->has_shear())
     host.error("state shear: the table has no arrays shear0 and S_shear: expected vonmises, which "
                "is used");
-  if (table_ && settings.weights == Weights::kVolume && table_->weight.empty())
+  if (parameter == kWeights && table_ && settings.weights == Weights::kVolume &&
+      table_->weight.empty())
     host.error("weights volume: the table has no array weights: expected uniform, which is used");
-  if (request_.resolve == Resolve::kPcg || request_.resolve == Resolve::kFull)
-    host.error("resolve " + std::string(kResolves[static_cast<std::size_t>(request_.resolve)]) +
+  if (parameter == kResolve && !worker_.can_solve() &&
+      (resolve == Resolve::kPcg || resolve == Resolve::kFull))
+    host.error("resolve " + std::string(kResolves[static_cast<std::size_t>(resolve)]) +
                ": no solver is attached: expected auto or taylor; Taylor's series goes on");
 }
 
@@ -100,7 +102,8 @@ void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
              static_cast<double>(table_->elements()),
              static_cast<double>(table_->parameters.size()),
              static_cast<double>(table_->control_point_m.size())});
-  warn_of_settings(host);
+  for (const std::size_t parameter : {kState, kWeights, kResolve})
+    warn_of(parameter, host);
   submit(host);
 }
 

@@ -30,7 +30,8 @@ public:
       stress_haptic::kArguments};
   static constexpr std::size_t timers = 1;
 
-  StressHaptic();
+  explicit StressHaptic(StressWorker::SolverFactory solvers);
+  StressHaptic() : StressHaptic(StressWorker::SolverFactory{}) {}
   void set(std::size_t parameter, double value) noexcept;
   [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
@@ -63,7 +64,8 @@ private:
   /// Displacements of a control point's parameters, within their bounds.
   void displace(std::size_t control_point, const haptic::Vec3& displacement_m) noexcept;
   [[nodiscard]] haptic::Vec3 displacement_of(std::size_t control_point) const noexcept;
-  void warn_of_settings(Host& host);
+  /// What the table or the object cannot do; it goes on with what it can.
+  void warn_of(std::size_t parameter, Host& host) const;
   void submit(Host& host);
   void collect(Host& host);
   void send(Host& host, bool all);

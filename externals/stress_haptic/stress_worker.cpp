@@ -93,7 +93,8 @@ void StressWorker::carry_out_load(const std::string& path, std::uint64_t number)
       loaded.refusal = read_stress_table(bytes, table);
     if (loaded.refusal.empty()) {
       loaded.table = std::make_shared<const StressTable>(std::move(table));
-      session_ = std::make_unique<StressSession>(loaded.table);
+      session_ = std::make_unique<StressSession>(
+          loaded.table, solvers_ ? solvers_(*loaded.table, path) : nullptr);
       number_ = number;
     }
   } catch (const std::bad_alloc&) {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace tactus::stress {
 
@@ -24,11 +25,16 @@ public:
     std::uint64_t number = 0; ///< to be named in requests
   };
 
-  StressWorker() = default;
+  /// Makes the solver of a part, given its table's path; null when there is none for it.
+  using SolverFactory =
+      std::function<std::unique_ptr<Reanalysis>(const StressTable& table, const std::string& path)>;
+
+  explicit StressWorker(SolverFactory solvers = {}) : solvers_(std::move(solvers)) {}
   ~StressWorker();
   StressWorker(const StressWorker&) = delete;
   StressWorker& operator=(const StressWorker&) = delete;
 
+  [[nodiscard]] bool can_solve() const noexcept { return static_cast<bool>(solvers_); }
   /// Without a thread: everything is done when it is asked for. `ready` is called in the thread
   /// when a table, a result or a sentence waits. Returns why no thread starts, else an empty
   /// sentence.
@@ -55,6 +61,7 @@ private:
   void carry_out_load(const std::string& path, std::uint64_t number);
   void step(double now_s);
 
+  SolverFactory solvers_;
   haptic::Mailbox<SessionRequest> requests_;
   haptic::Mailbox<SessionResult> results_;
   // The worker's alone.
