@@ -21,7 +21,8 @@ struct Parameter {
 
 /// An inlet or outlet.
 struct Port {
-  enum class Kind { kSignal, kControl };
+  /// kList: a control inlet, not the first, that takes whole lists.
+  enum class Kind { kSignal, kControl, kList };
   Kind kind;
   std::string_view name;
   std::string_view unit;

@@ -19,6 +19,7 @@
 ///   double get(std::size_t parameter) const noexcept;
 ///   void message(std::size_t index, std::span<const Atom>, Host&);   declared messages
 ///   void scalar(std::size_t inlet, double value, Host&);       a number to a control inlet
+///   void list(std::size_t inlet, std::span<const Atom>, Host&);  a list to an inlet of that kind
 ///   template <class S> void process(const Block<S>&) noexcept; audio; inputs may alias outputs
 ///   void report(Host&);              called in host time after a block: control outlets
 ///   void tick(std::size_t timer, Host&);                       answer to Host::wake_in
@@ -109,6 +110,7 @@ public:
   [[nodiscard]] virtual double get(std::size_t parameter) const = 0;
   virtual void message(std::size_t index, std::span<const Atom> arguments, Host& host) = 0;
   virtual void scalar(std::size_t inlet, double value, Host& host) = 0;
+  virtual void list(std::size_t inlet, std::span<const Atom> atoms, Host& host) = 0;
   virtual void process(const Block<S>& block) noexcept = 0;
   virtual void report(Host& host) = 0;
   virtual void tick(std::size_t timer, Host& host) = 0;
@@ -159,6 +161,9 @@ public:
   void scalar(std::size_t inlet, double value, Host& host) override {
     if constexpr (requires { object_.scalar(inlet, value, host); })
       object_.scalar(inlet, value, host);
+  }
+  void list(std::size_t inlet, std::span<const Atom> atoms, Host& host) override {
+    if constexpr (requires { object_.list(inlet, atoms, host); }) object_.list(inlet, atoms, host);
   }
   void process(const Block<S>& block) noexcept override {
     if constexpr (requires { object_.process(block); }) object_.process(block);

@@ -4,20 +4,6 @@ namespace tactus::net {
 
 using haptic::Vec3;
 
-void LinearGlide::go(const Vec3& target, double now_s) noexcept {
-  from_ = at(now_s);
-  length_s_ = std::clamp(now_s - since_s_, 0.0, kMax_s);
-  since_s_ = now_s;
-  target_ = target;
-}
-
-Vec3 LinearGlide::at(double now_s) noexcept {
-  if (value_ == target_)
-    return value_;
-  const double share = length_s_ > 0 ? (now_s - since_s_) / length_s_ : 1.0;
-  return value_ = share >= 1 ? target_ : from_ + (target_ - from_) * std::max(0.0, share);
-}
-
 Vec3 RenderModel::force(const haptic::Tick& tick, const haptic::State& state) noexcept {
   const bool fresh = requests_.read();
   const RenderRequest& request = requests_.latest();

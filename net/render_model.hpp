@@ -2,6 +2,7 @@
 
 #include "core/haptic/mailbox.hpp"
 #include "core/haptic/servo.hpp"
+#include "core/stress/linear_glide.hpp"
 #include "core/stress/render.hpp"
 
 #include <cstdint>
@@ -21,21 +22,6 @@ struct RenderRequest {
   friend bool operator==(const RenderRequest&, const RenderRequest&) = default;
 };
 
-/// A value that goes linearly to each new target, for as long as the targets were apart, 50 ms at
-/// most: slow feedback becomes a smooth force.
-class LinearGlide {
-public:
-  static constexpr double kMax_s = 0.05;
-  void jump(const haptic::Vec3& value) noexcept { value_ = target_ = value; }
-  [[nodiscard]] const haptic::Vec3& target() const noexcept { return target_; }
-  void go(const haptic::Vec3& target, double now_s) noexcept;
-  [[nodiscard]] haptic::Vec3 at(double now_s) noexcept;
-
-private:
-  haptic::Vec3 value_{}, target_{}, from_{};
-  double since_s_ = 0, length_s_ = 0;
-};
-
 /// Spring and damper of the stress feedback, computed inside the servo. Force mode adds nothing
 /// here: its forces are the servo's commands.
 class RenderModel final : public haptic::LocalModel {
@@ -48,7 +34,7 @@ public:
 
 private:
   haptic::Mailbox<RenderRequest> requests_;
-  LinearGlide gamma_{}, anchor_{};
+  stress::LinearGlide gamma_{}, anchor_{};
   std::uint64_t starts_ = 0;
   bool waiting_ = false; ///< for a position to be the anchor
 };

@@ -105,6 +105,11 @@ public:
     for (auto& voice : voices_) voice->scalar(inlet, value, *this);
   }
 
+  void list(std::size_t inlet, int count, const t_atom* atoms) {
+    const std::vector<Atom> given = to_atoms(count, atoms);
+    for (auto& voice : voices_) voice->list(inlet, given, *this);
+  }
+
   void dsp(t_signal** signals) {
     const auto& features = host_features();
     const auto frames = static_cast<std::size_t>(signals[0]->s_n);
@@ -203,6 +208,8 @@ private:
     for (std::size_t i = 1; i < declaration_.inlets.size(); ++i) {
       if (declaration_.inlets[i].kind == Port::Kind::kSignal)
         inlet_new(object, &object->ob_pd, &s_signal, &s_signal);
+      else if (declaration_.inlets[i].kind == Port::Kind::kList)
+        inlet_new(object, &object->ob_pd, &s_list, gensym(("_list" + std::to_string(i)).c_str()));
       else
         inlet_new(object, &object->ob_pd, &s_float, gensym(("_inlet" + std::to_string(i)).c_str()));
     }
@@ -352,14 +359,20 @@ void on_message(Instance* instance, t_symbol* selector, int count, t_atom* atoms
 
 void on_dsp(Instance* instance, t_signal** signals) { instance->self->dsp(signals); }
 
-/// Numbers to the control inlets right of the first arrive as `_inletN value`.
+/// Numbers to the control inlets right of the first arrive as `_inletN value`, lists as `_listN ...`.
 template <std::size_t N> void on_inlet(Instance* instance, t_floatarg value) {
   instance->self->scalar(N, static_cast<double>(value));
+}
+template <std::size_t N> void on_list(Instance* instance, t_symbol*, int count, t_atom* atoms) {
+  instance->self->list(N, count, atoms);
 }
 
 template <std::size_t... N> void add_inlets(t_class* handle, std::index_sequence<N...>) {
   (class_addmethod(handle, method(&on_inlet<N + 1>),
                    gensym(("_inlet" + std::to_string(N + 1)).c_str()), A_FLOAT, 0),
+   ...);
+  (class_addmethod(handle, method(&on_list<N + 1>),
+                   gensym(("_list" + std::to_string(N + 1)).c_str()), A_GIMME, 0),
    ...);
 }
 

@@ -1,7 +1,7 @@
 #include "core/modal/modal_table.hpp"
 
-#include "core/modal/json.hpp"
-#include "core/modal/table_arrays.hpp"
+#include "core/table/json.hpp"
+#include "core/table/table_arrays.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,28 +9,20 @@
 namespace tactus::modal {
 namespace {
 
+using table::Json;
+using table::NpzArray;
+using table::NpzFile;
+using table::TableArrays;
+
 constexpr double kMostShape = 1e6;     // 1/sqrt(kg): a body of a picogram
 constexpr double kMostFrequency = 1e8; // Hz
 constexpr double kMostSize = 1e4;      // m
 constexpr double kMostDecay = 1e9;     // 1/s
 
 void read_description(TableArrays& arrays, ModalTable& table) {
-  const NpzArray* meta = arrays.take("meta", "u", {TableArrays::kAny});
-  if (!meta)
+  const Json json = arrays.description("modal-table");
+  if (!arrays.good())
     return;
-  if (meta->item_bytes != 1)
-    return arrays.refuse("array 'meta' is not bytes of JSON");
-  Json json;
-  const std::string_view text(reinterpret_cast<const char*>(meta->bytes.data()),
-                              meta->bytes.size());
-  if (!read_json(text, json) || json.kind != Json::Kind::kObject)
-    return arrays.refuse("array 'meta' is not JSON");
-  if (json.text_or("format", "") != "modal-table")
-    return arrays.refuse("it is no modal table: meta says format '" + json.text_or("format", "") +
-                         "', expected 'modal-table'");
-  const std::string version = json.text_or("version", "");
-  if (version != "1" && !version.starts_with("1."))
-    return arrays.refuse("table version '" + version + "': this release reads version 1");
   table.body_name = json.text_or("body_name", "");
   if (const Json* boundary = json.find("bc")) {
     table.boundary = boundary->kind == Json::Kind::kText ? boundary->text : "held";

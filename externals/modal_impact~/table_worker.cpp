@@ -1,33 +1,14 @@
 #include "externals/modal_impact~/table_worker.hpp"
 
+#include "externals/read_file.hpp"
+
 #include <cstddef>
-#include <fstream>
 #include <new>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 namespace tactus::modal {
-namespace {
-
-constexpr std::streamoff kMostBytes = std::streamoff{2} << 30;
-
-std::string read_file(const std::string& path, std::vector<std::byte>& bytes) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file)
-    return "it cannot be opened";
-  const std::streamoff size = file.tellg();
-  if (size < 0 || size > kMostBytes)
-    return "it is no file of less than 2 GB";
-  bytes.resize(static_cast<std::size_t>(size));
-  file.seekg(0);
-  if (!file.read(reinterpret_cast<char*>(bytes.data()), size))
-    return "it cannot be read";
-  return {};
-}
-
-} // namespace
-
 TableWorker::~TableWorker() {
   if (!thread_.joinable())
     return;

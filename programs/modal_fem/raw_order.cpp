@@ -1,7 +1,7 @@
 #include "programs/modal_fem/outputs.hpp"
 #include "programs/modal_fem/raw.hpp"
 
-#include "core/modal/npz.hpp"
+#include "core/table/npz.hpp"
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/words.hpp"
@@ -109,11 +109,11 @@ int run_raw(const std::vector<std::string>& words) {
     throw Refusal(input + ": " + refusal);
   const modal::RawTable raw = make_raw(table, settings);
 
-  modal::NpzFile archive;
+  table::NpzFile archive;
   if (const std::string refusal = archive.open(bytes); !refusal.empty())
     throw Refusal(input + ": " + refusal);
   NpzWriter npz;
-  for (const modal::NpzArray& a : archive.arrays()) {
+  for (const table::NpzArray& a : archive.arrays()) {
     if (a.name.starts_with("raw_"))
       continue; // made anew
     if (a.big_endian || a.fortran_order)

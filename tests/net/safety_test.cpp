@@ -336,16 +336,6 @@ TEST_CASE("without an anchor the spring begins where the handle is") {
   CHECK(rig.force_n.x == 0);
 }
 
-TEST_CASE("feedback is interpolated over the time between two values") {
-  LinearGlide glide;
-  glide.go({1, 0, 0}, 10);
-  CHECK(glide.at(10.05).x == 1); // the first is due at once, after 50 ms at most
-  glide.go({3, 0, 0}, 10.02 + 0.05);
-  CHECK(glide.at(10.08).x == doctest::Approx(1.4));
-  CHECK(glide.at(10.12).x == doctest::Approx(3));
-  CHECK(glide.at(20).x == 3);
-}
-
 TEST_CASE("a start begins with gamma 0, whatever the last client felt") {
   RenderModel model;
   haptic::State state;

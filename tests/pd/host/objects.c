@@ -230,7 +230,7 @@ void host_message(host_object* o, int inlet, const char* selector, int count,
     t_inlet* i = o->inlets[inlet - 1];
     if (s == &s_list && count == 1 && given[0].a_type == A_FLOAT) s = &s_float;
     if (is_signal_inlet(i) && s == &s_float) i->value = given[0].a_w.w_float;
-    else if (s == i->from) pd_typedmess(i->target, i->to, count, given);
+    else if (s == i->from || (i->from == &s_list && s == &s_float)) pd_typedmess(i->target, i->to, count, given);
     else host_say_error("inlet: expected another type of message");
   }
   free(given);

@@ -18,6 +18,7 @@ struct Probe {
       Port{Port::Kind::kSignal, "a", "", "first factor"},
       Port{Port::Kind::kSignal, "b", "", "second factor"},
       Port{Port::Kind::kControl, "number", "", "echoed with its inlet number"},
+      Port{Port::Kind::kList, "list", "", "echoed with its inlet number"},
   };
   static constexpr std::array kOutlets{
       Port{Port::Kind::kSignal, "product", "", "gain a b"},
@@ -43,6 +44,11 @@ struct Probe {
   }
   void scalar(std::size_t inlet, double value, Host& host) {
     host.info({"scalar", static_cast<double>(inlet), value});
+  }
+  void list(std::size_t inlet, std::span<const Atom> atoms, Host& host) {
+    std::vector<Atom> echo{"list", static_cast<double>(inlet)};
+    echo.insert(echo.end(), atoms.begin(), atoms.end());
+    host.info(echo);
   }
   template <class S> void process(const Block<S>& block) noexcept {
     const double factor = values[0] * (values[1] > 0 ? -1 : 1);

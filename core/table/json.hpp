@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactus::modal {
+namespace tactus::table {
 
 /// A value of a JSON text (RFC 8259), for the tables' description of themselves.
 struct Json {
@@ -25,4 +25,4 @@ struct Json {
 /// Reads a whole text; false when it is not JSON, or deeper than 32 levels.
 [[nodiscard]] bool read_json(std::string_view text, Json& value);
 
-} // namespace tactus::modal
+} // namespace tactus::table

@@ -1,6 +1,6 @@
-#include "core/modal/npz.hpp"
+#include "core/table/npz.hpp"
 
-#include "core/modal/npy_header.hpp"
+#include "core/table/npy_header.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <limits>
 
-namespace tactus::modal {
+namespace tactus::table {
 namespace {
 
 constexpr std::size_t kEndRecord = 22, kCentralEntry = 46, kLocalEntry = 30;
@@ -237,4 +237,4 @@ const NpzArray* NpzFile::find(std::string_view name) const noexcept {
   return nullptr;
 }
 
-} // namespace tactus::modal
+} // namespace tactus::table

@@ -1,12 +1,13 @@
 #pragma once
 
-#include "core/modal/npz.hpp"
+#include "core/table/json.hpp"
+#include "core/table/npz.hpp"
 
 #include <initializer_list>
 #include <string>
 #include <vector>
 
-namespace tactus::modal {
+namespace tactus::table {
 
 /// Takes arrays out of an archive by name, type and shape; the first thing that is wrong is kept as
 /// a sentence and everything after it is skipped.
@@ -26,6 +27,9 @@ public:
                             bool needed);
   std::vector<float> singles(std::string_view name, std::initializer_list<std::size_t> shape,
                              bool needed);
+  /// What the table says of itself: array `meta`, bytes of a JSON object that names `format`, of
+  /// version 1 or 1.x. `format` is words joined by hyphens: "modal-table".
+  Json description(std::string_view format);
   void refuse(std::string sentence) {
     if (refusal_.empty())
       refusal_ = std::move(sentence);
@@ -42,4 +46,4 @@ private:
   std::string refusal_;
 };
 
-} // namespace tactus::modal
+} // namespace tactus::table

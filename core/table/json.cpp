@@ -1,9 +1,9 @@
-#include "core/modal/json.hpp"
+#include "core/table/json.hpp"
 
 #include <charconv>
 #include <cmath>
 
-namespace tactus::modal {
+namespace tactus::table {
 namespace {
 
 class Reader {
@@ -168,4 +168,4 @@ bool read_json(std::string_view text, Json& value) {
   return Reader(text).whole(value);
 }
 
-} // namespace tactus::modal
+} // namespace tactus::table

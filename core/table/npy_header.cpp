@@ -1,9 +1,9 @@
-#include "core/modal/npy_header.hpp"
+#include "core/table/npy_header.hpp"
 
 #include <charconv>
 #include <cstring>
 
-namespace tactus::modal {
+namespace tactus::table {
 namespace {
 
 /// The text after 'key': in the header, which is a Python dictionary of three entries.
@@ -91,4 +91,4 @@ std::string read_npy_header(std::span<const std::byte> bytes, NpzArray& array, s
   return read_shape(entry(header, "shape"), array);
 }
 
-} // namespace tactus::modal
+} // namespace tactus::table

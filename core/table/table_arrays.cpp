@@ -1,9 +1,9 @@
-#include "core/modal/table_arrays.hpp"
+#include "core/table/table_arrays.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace tactus::modal {
+namespace tactus::table {
 namespace {
 
 std::string text_of(std::span<const std::size_t> shape) {
@@ -42,6 +42,32 @@ const NpzArray* TableArrays::take(std::string_view name, std::string_view kinds,
   return array;
 }
 
+Json TableArrays::description(std::string_view format) {
+  Json json;
+  const NpzArray* meta = take("meta", "u", {kAny});
+  if (!meta)
+    return json;
+  if (meta->item_bytes != 1) {
+    refuse("array 'meta' is not bytes of JSON");
+    return json;
+  }
+  const std::string_view text(reinterpret_cast<const char*>(meta->bytes.data()),
+                              meta->bytes.size());
+  if (!read_json(text, json) || json.kind != Json::Kind::kObject) {
+    refuse("array 'meta' is not JSON");
+    return json;
+  }
+  std::string words(format);
+  std::replace(words.begin(), words.end(), '-', ' ');
+  if (const std::string found = json.text_or("format", ""); found != format)
+    refuse("it is no " + words + ": meta says format '" + found + "', expected '" +
+           std::string(format) + "'");
+  else if (const std::string version = json.text_or("version", "");
+           version != "1" && !version.starts_with("1."))
+    refuse("table version '" + version + "': this release reads version 1");
+  return json;
+}
+
 template <class T>
 std::vector<T> TableArrays::numbers(std::string_view name, std::initializer_list<std::size_t> shape,
                                     bool needed, std::vector<T> (NpzArray::*values)() const) {
@@ -66,4 +92,4 @@ std::vector<float> TableArrays::singles(std::string_view name,
   return numbers(name, shape, needed, &NpzArray::single_values);
 }
 
-} // namespace tactus::modal
+} // namespace tactus::table

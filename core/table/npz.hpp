@@ -9,7 +9,7 @@
 
 /// Reads NumPy's archives of arrays: a ZIP of stored .npy members, as numpy.savez writes it.
 /// Format: PKWARE APPNOTE 6.3 sections 4.3.7, 4.3.12, 4.3.16; NumPy enhancement proposal 1.
-namespace tactus::modal {
+namespace tactus::table {
 
 /// One array. Its bytes stay in the file's memory; `values` copies them out.
 struct NpzArray {
@@ -46,4 +46,4 @@ private:
 /// CRC-32 of ZIP (ISO 3309).
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes) noexcept;
 
-} // namespace tactus::modal
+} // namespace tactus::table

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "core/haptic/vec3.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+/// One number, or one for each axis, out of the stress of all elements: Fischer, Vance & Vo,
+/// "Haptic feedback to guide interactive product design", WINVR 2009, equations (1) to (4).
+///   (1) g   = (1/N) sum s            mean
+///   (2) g   = (1/N) sum h s          weighted, with (3) h = (h_x + h_y + h_z)/3
+///       g_a = (1/N) sum h_a s        axis
+///   (4) gamma = (g - min)/(max - min), within 0..1; 0 when max = min
+/// s: stress of an element, Pa. h_a = ds/dp_a: its sensitivity to the control point's coordinate
+/// along axis a, Pa/m. min, max: of s in (1), of h s or h_a s in the others, over all elements. The
+/// paper prints (1) and (2) without 1/N; only a mean lies between min and max.
+namespace tactus::stress {
+
+enum class Mapping : std::uint8_t { kMean, kWeighted, kAxis };
+enum class Range : std::uint8_t { kCurrent, kInitial, kFixed };
+enum class Weights : std::uint8_t { kUniform, kVolume };
+enum class Sensitivity : std::uint8_t { kSigned, kAbsolute };
+enum class State : std::uint8_t { kVonMises, kShear };
+enum class Norm : std::uint8_t { kMean, kSum };
+
+struct FeedbackSettings {
+  Mapping mapping = Mapping::kMean;
+  Range range = Range::kInitial;
+  double fixed_min = 0, fixed_max = 1; ///< Pa, or Pa^2/m in the weighted and axis mappings
+  Weights weights = Weights::kUniform; ///< volume: uniform where the table has none
+  Sensitivity sensitivity = Sensitivity::kAbsolute;
+  State state = State::kVonMises;
+  Norm norm = Norm::kMean; ///< kSum: N times the mean
+  friend bool operator==(const FeedbackSettings&, const FeedbackSettings&) = default;
+};
+
+/// Weighted sum and extremes of a quantity over the elements.
+struct Extremes {
+  double sum = 0;
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+};
+
+/// A row of the sensitivities and the displacement that multiplies it.
+struct TaylorTerm {
+  const float* row; ///< [N] Pa/m
+  double displacement_m;
+};
+
+/// What one pass over the elements computes.
+struct FeedbackTask {
+  std::span<const float> stress; ///< [N] Pa
+  std::span<const TaylorTerm> terms;
+  const float* weight = nullptr;   ///< [N]; null: 1
+  std::array<const float*, 3> h{}; ///< [N] each; null: 0
+  bool absolute = false;           ///< |h| for h
+  Mapping mapping = Mapping::kMean;
+};
+
+struct FeedbackSums {
+  Extremes stress; ///< of s
+  std::array<Extremes, 3>
+      product{}; ///< of h s: [0] in the weighted mapping, one an axis in the other
+};
+
+/// s = stress + sum of terms, tile by tile. Every instruction set gives the same bits.
+class FeedbackKernel {
+public:
+  virtual ~FeedbackKernel() = default;
+  [[nodiscard]] virtual FeedbackSums run(const FeedbackTask& task) const noexcept = 0;
+};
+/// The fastest that this processor runs.
+[[nodiscard]] const FeedbackKernel& feedback_kernel() noexcept;
+[[nodiscard]] const FeedbackKernel& baseline_feedback_kernel() noexcept;
+
+/// Equation (4).
+[[nodiscard]] inline double gamma_of(double raw, double min, double max) noexcept {
+  const double gamma = (raw - min) / (max - min);
+  return max > min && gamma > 0 ? std::min(gamma, 1.0) : 0.0;
+}
+
+} // namespace tactus::stress

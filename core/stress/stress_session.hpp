@@ -1,0 +1,72 @@
+#pragma once
+
+#include "core/stress/stress_model.hpp"
+#include "core/stress/update_policy.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tactus::stress {
+
+/// What the user wants evaluated; newest wins.
+struct SessionRequest {
+  std::uint64_t table = 0; ///< number of the table that it was made for
+  FeedbackSettings settings;
+  Resolve resolve = Resolve::kAuto;
+  int control_point = -1;             ///< grabbed; -1: none
+  std::vector<double> displacement_m; ///< [P]
+};
+
+struct SessionResult {
+  std::uint64_t table = 0;
+  std::uint64_t swaps = 0; ///< counts new bases and settings: gamma is cross-faded
+  Feedback feedback;
+  Method method = Method::kTaylor; ///< of this value
+  unsigned iterations = 0;         ///< of the last solve
+  double solve_s = 0;              ///< duration of the last solve; 0 before the first
+  double update_s = 0;             ///< duration of the last evaluation, measured by the caller
+  double error = 0;                ///< estimate of the relative error of the mean stress
+  bool outside_trust = false;
+  bool solving = false;
+};
+
+/// A part that is reshaped: Taylor's series at each step, a new solution when the policy asks for
+/// one. Holds no thread and no clock; solves go through a Reanalysis, if there is one.
+class StressSession {
+public:
+  /// Relative error of the mean stress at the trust size: measured on a cantilever moved by 0.1 of
+  /// its height. Solves replace it by the part's own.
+  static constexpr double kTrustError = 0.01;
+
+  explicit StressSession(std::shared_ptr<const StressTable> table,
+                         std::unique_ptr<Reanalysis> reanalysis = {});
+
+  /// request.displacement_m has the table's size. May allocate when settings or the base change.
+  const SessionResult& step(double now_s, const SessionRequest& request);
+  /// When the next step is due although nothing is requested: seconds, or infinity.
+  [[nodiscard]] double due_in_s(double now_s) const noexcept;
+  /// What a solve failed with since the last call.
+  [[nodiscard]] std::string take_refusal() { return std::exchange(refusal_, {}); }
+  [[nodiscard]] const StressTable& table() const noexcept { return model_.table(); }
+
+private:
+  void take_solution();
+  void start_solve(double now_s, const SessionRequest& request);
+
+  StressModel model_;
+  std::unique_ptr<Reanalysis> reanalysis_;
+  UpdatePolicy policy_;
+  SessionRequest request_;
+  SessionResult result_;
+  Method base_method_ = Method::kTaylor;
+  std::vector<double> factorised_m_; ///< [P] shape of the last full solution
+  double error_at_trust_ = kTrustError;
+  double stepped_s_ = 0;
+  bool selected_ = false, failed_ = false;
+  std::string refusal_;
+};
+
+} // namespace tactus::stress

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "core/haptic/vec3.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+/// Stress of a part as a function of its shape: values at one shape and their derivatives with
+/// respect to the coordinates of control points.
+namespace tactus::stress {
+
+/// One scalar of the stress tensor in every element: s = stress + sensitivity dp.
+struct StressField {
+  std::vector<float> stress;      ///< [N] Pa
+  std::vector<float> sensitivity; ///< [P][N] Pa/m
+};
+
+/// Both scalars, at the shape for which they were solved.
+struct StressBase {
+  StressField von_mises;
+  StressField max_shear;              ///< empty when the table has none
+  std::vector<double> displacement_m; ///< [P] of the parameters; zeros in a table
+};
+
+/// One coordinate of one control point.
+struct DesignParameter {
+  std::size_t control_point = 0;
+  int axis = 0;                 ///< 0 x, 1 y, 2 z
+  double low_m = 0, high_m = 0; ///< of its displacement; low <= 0 <= high
+};
+
+/// Written by an offline finite-element program; docs/stress_haptic.md lists the arrays.
+struct StressTable {
+  StressBase base;
+  std::vector<float> weight; ///< [N] m^3, or empty
+  std::vector<DesignParameter> parameters;
+  std::vector<haptic::Vec3> control_point_m;
+  double trust_m = 0; ///< largest displacement of a control point for which Taylor's error is small
+  std::vector<haptic::Vec3> surface_node_m;                  ///< for drawing, or empty
+  std::vector<std::array<std::int32_t, 3>> surface_triangle; ///< counterclockwise from outside
+  std::vector<std::int32_t> surface_node_element;            ///< [V] element that colours the node
+  std::string name, material, loads;
+
+  [[nodiscard]] std::size_t elements() const noexcept { return base.von_mises.stress.size(); }
+  [[nodiscard]] bool has_shear() const noexcept { return !base.max_shear.stress.empty(); }
+};
+
+inline constexpr std::size_t kMaxElements = 5'000'000;
+inline constexpr std::size_t kMaxControlPoints = 4096;       // as the haptic protocol's
+inline constexpr std::size_t kMaxSensitivities = 1ULL << 28; // N P: 1 GB a field
+
+/// Reads a `.stress.npz` that lies in memory. Returns a sentence that names the array, its shape or
+/// value and what was expected, and then leaves `table` as it was; else an empty one. Allocates.
+[[nodiscard]] std::string read_stress_table(std::span<const std::byte> file, StressTable& table);
+
+/// Why a re-solved base does not fit the table (sizes, numbers that are not finite), else empty.
+[[nodiscard]] std::string check_base(const StressTable& table, const StressBase& base);
+
+} // namespace tactus::stress

@@ -1,0 +1,250 @@
+#include "core/words.hpp"
+#include "externals/stress_haptic/stress_haptic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace tactus::stress {
+
+using namespace stress_haptic;
+using haptic::Vec3;
+
+namespace {
+
+constexpr double kM_per_mm = 1e-3, kFarthest_mm = 1e6, kFastest_m_per_s = 100;
+
+/// The numbers of a message; empty after one sentence when one is a word or not of a sane size.
+std::vector<double> numbers_of(std::string_view message, std::span<const Atom> atoms, Host& host) {
+  std::vector<double> numbers;
+  for (const Atom& atom : atoms) {
+    if (atom.is_word || !(std::abs(atom.number) <= kFarthest_mm)) {
+      host.error(std::string(message) + ": '" +
+                 (atom.is_word ? std::string(atom.word) : number_text(atom.number)) +
+                 "': expected numbers within -1e+06..1e+06");
+      return {};
+    }
+    numbers.push_back(atom.number);
+  }
+  return numbers;
+}
+
+} // namespace
+
+void StressHaptic::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
+  switch (index) {
+  case kLoad:
+    return load(arguments[0], host);
+  case kRange:
+    return set_range(arguments, host);
+  case kAnchor:
+    return set_anchor(arguments, host);
+  case kRelease:
+    return release(host);
+  case kReset:
+    if (has_table("reset", host)) {
+      std::fill(request_.displacement_m.begin(), request_.displacement_m.end(), 0.0);
+      submit(host);
+    }
+    return;
+  case kBang:
+    if (host_)
+      send(host, true);
+    return;
+  case kPoints:
+    return send_points(host);
+  default:
+    break;
+  }
+  const std::vector<double> numbers = numbers_of(kMessages[index].name, arguments, host);
+  if (numbers.empty())
+    return;
+  switch (index) {
+  case kCp:
+    return set_control_point(numbers, host);
+  case kList:
+    return set_parameters(numbers, host);
+  case kGrab:
+    return grab(numbers, host);
+  default:
+    return set_gains(numbers, host);
+  }
+}
+
+void StressHaptic::scalar(std::size_t inlet, double value, Host& host) {
+  const Atom atom(value);
+  if (inlet == 0)
+    message(kList, std::span(&atom, 1), host);
+}
+
+/// Inlet 2: position, or position and velocity, of the handle.
+void StressHaptic::list(std::size_t, std::span<const Atom> atoms, Host& host) {
+  if (atoms.size() != 3 && atoms.size() != 6)
+    return host.error("device: " + std::to_string(atoms.size()) +
+                      " numbers: expected x y z in mm, or x y z vx vy vz in mm and m/s");
+  const std::vector<double> numbers = numbers_of("device", atoms, host);
+  if (numbers.empty())
+    return;
+  const double now_s = 1e-3 * host.now_ms();
+  const Vec3 position_m = Vec3{numbers[0], numbers[1], numbers[2]} * kM_per_mm;
+  const Vec3 estimate = velocity_estimate_.update(position_m, now_s);
+  const Vec3 velocity = numbers.size() == 6 ? Vec3{numbers[3], numbers[4], numbers[5]} : estimate;
+  position_m_ = position_m;
+  velocity_m_per_s_ = haptic::limited(velocity, kFastest_m_per_s);
+  placed_ = true;
+  sent_force_n_.reset(); // every position is answered
+  if (!anchored_) {
+    anchor_.jump(position_m_);
+    anchored_ = true;
+  }
+  if (table_ && request_.control_point >= 0 && value_[kDrag] >= 0.5) {
+    displace(static_cast<std::size_t>(request_.control_point),
+             grab_displacement_m_ + (position_m_ - grab_position_m_) * value_[kScale]);
+    submit(host);
+  }
+  collect(host);
+}
+
+bool StressHaptic::has_table(std::string_view message, Host& host) const {
+  if (!table_)
+    host.error(std::string(message) + ": no table is loaded: expected load FILE first");
+  return table_ != nullptr;
+}
+
+std::optional<std::size_t> StressHaptic::control_point(std::string_view message, double id,
+                                                       Host& host) const {
+  if (!has_table(message, host))
+    return {};
+  const std::size_t count = table_->control_point_m.size();
+  const std::string named = std::string(message) + ": control point " + number_text(id);
+  if (!(id >= 0 && id < static_cast<double>(count)) || id != std::floor(id)) {
+    host.error(named + ": expected 0.." + std::to_string(count - 1));
+    return {};
+  }
+  const auto index = static_cast<std::size_t>(id);
+  const auto& parameters = table_->parameters;
+  if (std::none_of(parameters.begin(), parameters.end(),
+                   [index](const DesignParameter& p) { return p.control_point == index; })) {
+    host.error(named + " has no parameters in this table: expected control point " +
+               std::to_string(parameters.front().control_point) + " or another that can move");
+    return {};
+  }
+  return index;
+}
+
+void StressHaptic::displace(std::size_t control_point, const Vec3& displacement_m) noexcept {
+  for (std::size_t p = 0; p < table_->parameters.size(); ++p)
+    if (const DesignParameter& parameter = table_->parameters[p];
+        parameter.control_point == control_point)
+      request_.displacement_m[p] =
+          std::clamp(displacement_m[parameter.axis], parameter.low_m, parameter.high_m);
+}
+
+Vec3 StressHaptic::displacement_of(std::size_t control_point) const noexcept {
+  Vec3 displacement_m;
+  for (std::size_t p = 0; p < table_->parameters.size(); ++p)
+    if (const DesignParameter& parameter = table_->parameters[p];
+        parameter.control_point == control_point)
+      displacement_m[parameter.axis] = request_.displacement_m[p];
+  return displacement_m;
+}
+
+void StressHaptic::set_control_point(Numbers numbers, Host& host) {
+  const auto point = control_point("cp", numbers[0], host);
+  if (!point)
+    return;
+  displace(*point,
+           Vec3{numbers[1], numbers[2], numbers[3]} * kM_per_mm - table_->control_point_m[*point]);
+  submit(host);
+}
+
+void StressHaptic::set_parameters(Numbers numbers, Host& host) {
+  if (!has_table("list", host))
+    return;
+  const auto& parameters = table_->parameters;
+  if (numbers.size() != parameters.size())
+    return host.error("list: " + std::to_string(numbers.size()) + " numbers: expected " +
+                      std::to_string(parameters.size()) + ", one for each parameter of the table");
+  for (std::size_t p = 0; p < parameters.size(); ++p)
+    request_.displacement_m[p] =
+        std::clamp(numbers[p] * kM_per_mm, parameters[p].low_m, parameters[p].high_m);
+  submit(host);
+}
+
+void StressHaptic::grab(Numbers numbers, Host& host) {
+  const auto point = control_point("grab", numbers[0], host);
+  if (!point)
+    return;
+  if (numbers.size() == 2 && numbers[1] == 0) {
+    if (request_.control_point == static_cast<int>(*point))
+      release(host);
+    return;
+  }
+  request_.control_point = static_cast<int>(*point);
+  grab_position_m_ = position_m_;
+  grab_displacement_m_ = displacement_of(*point);
+  submit(host);
+}
+
+void StressHaptic::release(Host& host) {
+  if (request_.control_point < 0)
+    return;
+  request_.control_point = -1;
+  submit(host);
+}
+
+void StressHaptic::set_range(std::span<const Atom> arguments, Host& host) {
+  auto& settings = request_.settings;
+  const std::string_view word = arguments[0].is_word ? arguments[0].word : std::string_view();
+  if (arguments.size() == 1 && (word == "current" || word == "initial")) {
+    settings.range = word == "current" ? Range::kCurrent : Range::kInitial;
+  } else if (arguments.size() == 3 && word == "fixed" && !arguments[1].is_word &&
+             !arguments[2].is_word && std::isfinite(arguments[1].number) &&
+             std::isfinite(arguments[2].number) && arguments[1].number < arguments[2].number) {
+    settings.range = Range::kFixed;
+    settings.fixed_min = arguments[1].number;
+    settings.fixed_max = arguments[2].number;
+  } else {
+    return host.error("range: expected current, initial, or fixed a b with a below b");
+  }
+  submit(host);
+}
+
+void StressHaptic::set_gains(Numbers numbers, Host& host) {
+  if (std::any_of(numbers.begin(), numbers.end(), [](double x) { return x < 0; }))
+    return host.error("gains: expected kmin kmax bmin bmax, each 0 or more (N/m, N s/m)");
+  gains_ = {numbers[0], numbers[1], numbers[2], numbers[3]};
+  if (const double k = std::max(numbers[0], numbers[1]); k > stiffness_limit())
+    host.error("gains: " + number_text(k) + " N/m: expected at most " +
+               number_text(stiffness_limit()) +
+               ", share times nominal stiffness of the device; it is cut to that");
+  else if (const double b = std::max(numbers[2], numbers[3]); b > value_[kDamping])
+    host.error("gains: " + number_text(b) + " N s/m: expected at most " +
+               number_text(value_[kDamping]) + ", the limit damping; it is cut to that");
+  if (host_)
+    collect(host);
+}
+
+void StressHaptic::set_anchor(std::span<const Atom> arguments, Host& host) {
+  Vec3 anchor_m = position_m_;
+  if (arguments.size() == 3) {
+    const std::vector<double> numbers = numbers_of("anchor", arguments, host);
+    if (numbers.empty())
+      return;
+    anchor_m = Vec3{numbers[0], numbers[1], numbers[2]} * kM_per_mm;
+  } else if (arguments.size() != 1 || !arguments[0].is_word || arguments[0].word != "here") {
+    return host.error("anchor: expected here, or x y z in mm");
+  } else if (!placed_) {
+    anchored_ = false; // the first position that comes
+    return;
+  }
+  if (placed_ && anchored_)
+    anchor_.fade(anchor_m, 1e-3 * host.now_ms(), kFade_s);
+  else
+    anchor_.jump(anchor_m);
+  anchored_ = true;
+  if (host_)
+    collect(host);
+}
+
+} // namespace tactus::stress

@@ -1,0 +1,163 @@
+#include "externals/stress_haptic/stress_haptic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tactus::stress {
+
+using namespace stress_haptic;
+using haptic::Vec3;
+
+StressHaptic::StressHaptic(StressWorker::SolverFactory solvers) : worker_(std::move(solvers)) {
+  for (std::size_t i = 0; i < value_.size(); ++i)
+    value_[i] = kParameters[i].initial;
+}
+
+void StressHaptic::set(std::size_t parameter, double value) noexcept {
+  if (value_[parameter] == value)
+    return;
+  value_[parameter] = value;
+  auto& settings = request_.settings;
+  const auto word = static_cast<std::uint8_t>(value);
+  switch (parameter) {
+  case kMode:
+    settings.mapping = static_cast<Mapping>(word);
+    break;
+  case kWeights:
+    settings.weights = static_cast<Weights>(word);
+    break;
+  case kSens:
+    settings.sensitivity = static_cast<Sensitivity>(word);
+    break;
+  case kState:
+    settings.state = static_cast<State>(word);
+    break;
+  case kNorm:
+    settings.norm = static_cast<Norm>(word);
+    break;
+  case kResolve:
+    request_.resolve = static_cast<Resolve>(word);
+    break;
+  default:
+    return;
+  }
+  if (!host_)
+    return;
+  warn_of(parameter, *host_);
+  submit(*host_);
+}
+
+void StressHaptic::warn_of(std::size_t parameter, Host& host) const {
+  const auto& settings = request_.settings;
+  const Resolve resolve = request_.resolve;
+  if (parameter == kState && table_ && settings.state == State::kShear && !table_->has_shear())
+    host.error("state shear: the table has no arrays shear0 and S_shear: expected vonmises, which "
+               "is used");
+  if (parameter == kWeights && table_ && settings.weights == Weights::kVolume &&
+      table_->weight.empty())
+    host.error("weights volume: the table has no array weights: expected uniform, which is used");
+  if (parameter == kResolve && !worker_.can_solve() &&
+      (resolve == Resolve::kPcg || resolve == Resolve::kFull))
+    host.error("resolve " + std::string(kResolves[static_cast<std::size_t>(resolve)]) +
+               ": no solver is attached: expected auto or taylor; Taylor's series goes on");
+}
+
+void StressHaptic::created(Host& host) {
+  host_ = &host;
+  if (host.real_time())
+    if (const std::string refusal = worker_.start([this] { host_->wake_from_thread(); });
+        !refusal.empty())
+      host.error(refusal);
+  if (!first_name_.empty())
+    load(Atom(std::string_view(first_name_)), host);
+}
+
+void StressHaptic::load(const Atom& name, Host& host) {
+  if (!name.is_word)
+    return host.error("load: expected the name of a file");
+  if (!host_) {
+    first_name_ = name.word;
+    return;
+  }
+  const std::string path = host.find_file(name.word);
+  if (path.empty())
+    return host.error("load " + std::string(name.word) +
+                      ": there is no such file beside the patch or in the search path");
+  first_name_ = name.word;
+  worker_.load(path, ++loads_);
+  collect(host);
+}
+
+void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
+  if (loaded.number != loads_ && loaded.refusal.empty())
+    return; // a newer one is on its way
+  if (!loaded.refusal.empty())
+    return host.error("load " + first_name_ + ": " + loaded.refusal);
+  table_ = std::move(loaded.table);
+  request_.table = loaded.number;
+  request_.control_point = -1;
+  request_.displacement_m.assign(table_->parameters.size(), 0);
+  host.info({"loaded", std::string_view(table_->name.empty() ? "part" : table_->name),
+             static_cast<double>(table_->elements()),
+             static_cast<double>(table_->parameters.size()),
+             static_cast<double>(table_->control_point_m.size())});
+  for (const std::size_t parameter : {kState, kWeights, kResolve})
+    warn_of(parameter, host);
+  submit(host);
+}
+
+void StressHaptic::submit(Host& host) {
+  if (!table_)
+    return;
+  worker_.request(request_, 1e-3 * host.now_ms());
+  if (!worker_.threaded())
+    collect(host);
+}
+
+/// Takes what the worker has done.
+void StressHaptic::collect(Host& host) {
+  if (auto loaded = worker_.take_loaded())
+    take_table(std::move(*loaded), host);
+  if (const std::string refusal = worker_.take_refusal(); !refusal.empty())
+    host.error(refusal);
+  const double now_s = 1e-3 * host.now_ms();
+  if (worker_.read() && worker_.latest().table == request_.table) {
+    const bool swapped =
+        worker_.latest().swaps != result_.swaps || worker_.latest().table != result_.table;
+    result_ = worker_.latest();
+    if (swapped)
+      gamma_.fade(result_.feedback.gamma, now_s, kFade_s);
+    else if (!(result_.feedback.gamma == gamma_.target()))
+      gamma_.go(result_.feedback.gamma, now_s);
+    info_due_ = true;
+  }
+  send(host, false);
+  schedule(host);
+}
+
+RenderGains StressHaptic::gains_in_force() const noexcept {
+  RenderGains gains = gains_;
+  for (double* k : {&gains.stiffness_min_n_per_m, &gains.stiffness_max_n_per_m})
+    *k = std::min(*k, stiffness_limit());
+  for (double* b : {&gains.damping_min_n_s_per_m, &gains.damping_max_n_s_per_m})
+    *b = std::min(*b, value_[kDamping]);
+  return gains;
+}
+
+Vec3 StressHaptic::force(double now_s) noexcept {
+  enum { kSpring, kDamper, kBoth, kOff };
+  const auto render = static_cast<int>(value_[kRender]);
+  if (!table_ || !placed_ || render == kOff)
+    return {};
+  const Vec3 gamma = gamma_.at(now_s);
+  const RenderGains gains = gains_in_force();
+  Vec3 force_n;
+  if (render == kSpring || render == kBoth)
+    force_n += spring_force(gains, gamma, position_m_ - anchor_.at(now_s));
+  if (render == kDamper || render == kBoth)
+    force_n += damper_force(gains, gamma, velocity_m_per_s_);
+  return force_n;
+}
+
+} // namespace tactus::stress

@@ -1,0 +1,149 @@
+#include "externals/stress_haptic/stress_worker.hpp"
+
+#include "externals/read_file.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <new>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace tactus::stress {
+namespace {
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+constexpr double kLongestSleep_s = 3600;
+
+} // namespace
+
+StressWorker::~StressWorker() {
+  if (!thread_.joinable())
+    return;
+  thread_.request_stop();
+  wake_.notify_all();
+  thread_.join();
+}
+
+std::string StressWorker::start(std::function<void()> ready) {
+  ready_ = std::move(ready);
+  try {
+    thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+  } catch (const std::system_error& error) {
+    return std::string("no thread starts for the stress (") + error.what() +
+           "); it is computed in the host's time, which the audio may miss";
+  }
+  return {};
+}
+
+void StressWorker::load(const std::string& path, std::uint64_t number) {
+  if (!threaded())
+    return carry_out_load(path, number);
+  {
+    const std::lock_guard lock(mutex_);
+    to_load_ = {path, number};
+    awake_ = true;
+  }
+  wake_.notify_all();
+}
+
+void StressWorker::request(const SessionRequest& request, double now) {
+  requests_.write(request);
+  if (!threaded())
+    return step(now);
+  {
+    const std::lock_guard lock(mutex_);
+    awake_ = true;
+  }
+  wake_.notify_all();
+}
+
+void StressWorker::poll(double now) {
+  if (due_in_s(now) <= 0)
+    step(now);
+}
+
+double StressWorker::due_in_s(double now) const noexcept {
+  return !threaded() && session_ ? session_->due_in_s(now)
+                                 : std::numeric_limits<double>::infinity();
+}
+
+std::optional<StressWorker::Loaded> StressWorker::take_loaded() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(loaded_, std::nullopt);
+}
+
+std::string StressWorker::take_refusal() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(refusal_, {});
+}
+
+void StressWorker::carry_out_load(const std::string& path, std::uint64_t number) {
+  Loaded loaded;
+  loaded.number = number;
+  try {
+    std::vector<std::byte> bytes;
+    StressTable table;
+    loaded.refusal = read_file(path, bytes);
+    if (loaded.refusal.empty())
+      loaded.refusal = read_stress_table(bytes, table);
+    if (loaded.refusal.empty()) {
+      loaded.table = std::make_shared<const StressTable>(std::move(table));
+      session_ = std::make_unique<StressSession>(
+          loaded.table, solvers_ ? solvers_(*loaded.table, path) : nullptr);
+      number_ = number;
+    }
+  } catch (const std::bad_alloc&) {
+    loaded.refusal = "not enough memory";
+    loaded.table = nullptr;
+  }
+  const std::lock_guard lock(mutex_);
+  loaded_ = std::move(loaded);
+}
+
+/// Requests for another table than the one that is here are left out: their sizes differ.
+void StressWorker::step(double now) {
+  requests_.read();
+  const SessionRequest& request = requests_.latest();
+  if (!session_ || request.table != number_)
+    return;
+  const double begin_s = now_s();
+  SessionResult result = session_->step(now, request);
+  result.update_s = now_s() - begin_s;
+  results_.write(result);
+  if (std::string refusal = session_->take_refusal(); !refusal.empty()) {
+    const std::lock_guard lock(mutex_);
+    refusal_ = std::move(refusal);
+  }
+}
+
+void StressWorker::work(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::optional<std::pair<std::string, std::uint64_t>> to_load;
+    {
+      std::unique_lock lock(mutex_);
+      const double sleep_s =
+          session_ ? std::min(session_->due_in_s(now_s()), kLongestSleep_s) : kLongestSleep_s;
+      wake_.wait_for(lock, stop, std::chrono::duration<double>(sleep_s), [this] { return awake_; });
+      awake_ = false;
+      to_load = std::exchange(to_load_, std::nullopt);
+    }
+    if (stop.stop_requested())
+      return;
+    if (to_load)
+      carry_out_load(to_load->first, to_load->second);
+    try {
+      step(now_s());
+    } catch (const std::bad_alloc&) {
+      const std::lock_guard lock(mutex_);
+      refusal_ = "not enough memory for the stress; the last value stays";
+    }
+    ready_();
+  }
+}
+
+} // namespace tactus::stress

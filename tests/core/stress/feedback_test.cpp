@@ -1,0 +1,323 @@
+// Feedback scalars against their equations, and the fast kernel against the plain sum.
+#include "core/stress/feedback.hpp"
+#include "core/stress/linear_glide.hpp"
+#include "core/stress/stress_model.hpp"
+#include "tests/approx.hpp"
+#include "tests/core/stress/tables.hpp"
+
+#include <limits>
+#include <random>
+
+using namespace tactus;
+using namespace tactus::stress;
+using haptic::Vec3;
+using test::approx;
+using test::Cantilever;
+
+namespace {
+
+const std::vector<double> kAtRest{0, 0, 0};
+
+Feedback feedback_of(StressTable table, FeedbackSettings settings,
+                     std::optional<std::size_t> point = 0,
+                     const std::vector<double>& displacement = kAtRest) {
+  StressModel model(test::shared(std::move(table)));
+  model.select(settings, point);
+  return model.update(displacement);
+}
+
+void near(double value, double expected) { CHECK(std::abs(value - expected) <= 1e-10); }
+
+} // namespace
+
+TEST_CASE("the specification's four elements: mean, weighted and axis") {
+  FeedbackSettings settings;
+  settings.range = Range::kCurrent;
+  Feedback f = feedback_of(test::four_elements(), settings);
+  near(f.raw.x, 25);
+  near(f.gamma.x, 0.5);
+  CHECK(f.gamma == Vec3{f.gamma.x, f.gamma.x, f.gamma.x});
+  settings.mapping = Mapping::kWeighted;
+  f = feedback_of(test::four_elements(), settings);
+  near(f.raw.x, 15);
+  near(f.gamma.x, 7.0 / 22.0);
+  near(f.gamma.x, 0.3181818181818182);
+  near(f.min.x, 10.0 / 3.0);
+  near(f.max.x, 40);
+  settings.mapping = Mapping::kAxis;
+  f = feedback_of(test::four_elements(), settings);
+  near(f.raw.x, 12.5);
+  near(f.raw.y, 15);
+  near(f.raw.z, 17.5);
+  near(f.gamma.x, 0.3125);
+  near(f.gamma.y, 0.375);
+  near(f.gamma.z, 0.4375);
+  near(f.mean_pa, 25);
+}
+
+TEST_CASE("equal stresses give gamma 0, and gamma stays within 0 and 1") {
+  StressTable even = test::four_elements();
+  even.base.von_mises.stress = {7, 7, 7, 7};
+  even.base.von_mises.sensitivity.assign(12, 2);
+  for (const Mapping mapping : {Mapping::kMean, Mapping::kWeighted, Mapping::kAxis})
+    for (const Range range : {Range::kCurrent, Range::kInitial}) {
+      FeedbackSettings settings;
+      settings.mapping = mapping;
+      settings.range = range;
+      CHECK(feedback_of(even, settings).gamma == Vec3{});
+    }
+  FeedbackSettings fixed;
+  fixed.range = Range::kFixed;
+  fixed.fixed_min = 30;
+  fixed.fixed_max = 40;
+  CHECK(feedback_of(test::four_elements(), fixed).gamma.x == 0);
+  fixed.fixed_min = 0;
+  fixed.fixed_max = 20;
+  CHECK(feedback_of(test::four_elements(), fixed).gamma.x == 1);
+  fixed.fixed_max = 100;
+  near(feedback_of(test::four_elements(), fixed).gamma.x, 0.25);
+  CHECK(gamma_of(std::nan(""), 0, 1) == 0);
+  CHECK(gamma_of(1, 2, 1) == 0);
+  CHECK(gamma_of(std::numeric_limits<double>::infinity(), 0, 1) == 1);
+}
+
+TEST_CASE(
+    "a part that becomes stronger everywhere changes gamma in range initial, not in current") {
+  StressTable table = test::four_elements();
+  // One parameter scales all stresses: ds/dp = -s.
+  table.base.von_mises.sensitivity = {-10, -20, -30, -40};
+  table.parameters.resize(1);
+  table.base.displacement_m = {0};
+  FeedbackSettings settings;
+  settings.range = Range::kCurrent;
+  near(feedback_of(table, settings, 0, {0.5}).gamma.x, 0.5);
+  settings.range = Range::kInitial;
+  near(feedback_of(table, settings, 0, {0.5}).gamma.x, (12.5 - 10) / 30);
+}
+
+TEST_CASE("signed sensitivities cancel, magnitudes do not") {
+  StressTable table = test::four_elements();
+  table.base.von_mises.sensitivity = {1, -1, 1, -1, 0, 0, 0, 0, -2, 2, -2, 2};
+  FeedbackSettings settings;
+  settings.mapping = Mapping::kAxis;
+  settings.sensitivity = Sensitivity::kSigned;
+  near(feedback_of(table, settings).raw.x, (10 - 20 + 30 - 40) / 4.0);
+  near(feedback_of(table, settings).raw.z, (-20 + 40 - 60 + 80) / 4.0);
+  near(feedback_of(table, settings).min.x, -40);
+  settings.sensitivity = Sensitivity::kAbsolute;
+  near(feedback_of(table, settings).raw.x, 25);
+  near(feedback_of(table, settings).raw.z, 50);
+  settings.mapping = Mapping::kWeighted;
+  near(feedback_of(table, settings).raw.x, 25); // (1 + 0 + 2)/3 = 1
+  settings.sensitivity = Sensitivity::kSigned;
+  near(feedback_of(table, settings).raw.x, (-10 + 20 - 30 + 40) / 12.0);
+}
+
+TEST_CASE("the grabbed point's sensitivities weigh; with none the mean over those that can move") {
+  StressTable table = test::four_elements();
+  table.base.von_mises.sensitivity = {1, 1, 1, 1, -3, -3, -3, -3, 2, 2, 2, 2};
+  table.parameters = {{0, 0, -1, 1}, {2, 0, -1, 1}, {2, 1, -1, 1}};
+  table.control_point_m.resize(4); // 1 and 3 cannot move
+  FeedbackSettings settings;
+  settings.mapping = Mapping::kAxis;
+  near(feedback_of(table, settings, 0).raw.x, 25);
+  near(feedback_of(table, settings, 0).raw.y, 0);
+  near(feedback_of(table, settings, 2).raw.x, 75);
+  near(feedback_of(table, settings, 2).raw.y, 50);
+  near(feedback_of(table, settings, std::nullopt).raw.x, 50); // (|1| + |-3|)/2
+  near(feedback_of(table, settings, std::nullopt).raw.y, 25);
+  settings.sensitivity = Sensitivity::kSigned;
+  near(feedback_of(table, settings, std::nullopt).raw.x, -25);
+}
+
+TEST_CASE("weights by volume make the mean that of the body, whatever the mesh") {
+  StressTable table = test::four_elements();
+  table.weight = {1, 1, 1, 5};
+  FeedbackSettings settings;
+  near(feedback_of(table, settings).raw.x, 25);
+  settings.weights = Weights::kVolume;
+  near(feedback_of(table, settings).raw.x, (10 + 20 + 30 + 200) / 8.0);
+  near(feedback_of(table, settings).mean_pa, 32.5);
+  settings.norm = Norm::kSum;
+  near(feedback_of(table, settings).raw.x, 4 * 32.5);
+  settings.weights = Weights::kUniform;
+  near(feedback_of(table, settings).raw.x, 100);
+  near(feedback_of(table, settings).mean_pa, 25);
+  table.weight.clear();
+  settings.weights = Weights::kVolume;
+  near(feedback_of(table, settings).raw.x, 100);
+  // A bar with s = x Pa: split unevenly into 100 and 173 elements, the mean is 1/2.
+  for (const std::size_t count : {100, 173}) {
+    StressTable bar;
+    double from = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double to = std::pow(static_cast<double>(i + 1) / static_cast<double>(count), 3);
+      bar.base.von_mises.stress.push_back(static_cast<float>((from + to) / 2));
+      bar.base.von_mises.sensitivity.push_back(0);
+      bar.weight.push_back(static_cast<float>(to - from));
+      from = to;
+    }
+    bar.base.displacement_m = {0};
+    bar.parameters = {{0, 0, -1, 1}};
+    bar.control_point_m = {{}};
+    bar.trust_m = 1;
+    FeedbackSettings volume;
+    volume.weights = Weights::kVolume;
+    CHECK(feedback_of(bar, volume, 0, {0}).raw.x == approx(0.5).epsilon(1e-6)); // floats
+  }
+}
+
+TEST_CASE("maximum shear is a field of its own; a table without it gives von Mises") {
+  StressTable table = test::four_elements();
+  FeedbackSettings settings;
+  settings.state = State::kShear;
+  near(feedback_of(table, settings).raw.x, 25);
+  table.base.max_shear = {{1, 2, 3, 6}, table.base.von_mises.sensitivity};
+  near(feedback_of(table, settings).raw.x, 3);
+  near(feedback_of(table, settings, 0, {0, 0, 0.5}).raw.x, 3.25);
+}
+
+TEST_CASE("Taylor's series of a cantilever is exact to first order: its error grows as d^2") {
+  StressModel model(test::shared(Cantilever::table()));
+  double before = 0;
+  for (const double d : {0.0005, 0.001, 0.002}) {
+    const double mean = model.update(std::vector<double>{d, 0}).mean_pa;
+    const double error = mean - Cantilever::mean_pa(d, 0);
+    CHECK(std::abs(error) < 0.02 * mean);
+    if (before != 0)
+      CHECK(error / before == doctest::Approx(4).epsilon(0.15)); // and third-order terms
+    before = error;
+  }
+  CHECK(model.update(std::vector<double>{0, 0}).mean_pa ==
+        approx(Cantilever::mean_pa(0, 0)).epsilon(1e-7));
+}
+
+TEST_CASE("about a new base the series starts there, and the initial range stays the table's") {
+  StressModel model(test::shared(Cantilever::table()));
+  FeedbackSettings settings;
+  model.select(settings, {});
+  const Feedback first = model.update(std::vector<double>{0, 0});
+  model.rebase(std::make_shared<StressBase>(Cantilever::solve(0.004, -0.002)));
+  const Feedback there = model.update(std::vector<double>{0.004, -0.002});
+  CHECK(there.mean_pa == approx(Cantilever::mean_pa(0.004, -0.002)).epsilon(1e-7));
+  CHECK(there.trust_ratio == 0);
+  CHECK(there.min == first.min);
+  CHECK(there.max == first.max);
+  CHECK(model.update(std::vector<double>{0.003, -0.002}).trust_ratio == approx(0.5));
+  CHECK(model.update(std::vector<double>{0.0042, -0.002}).mean_pa ==
+        approx(Cantilever::mean_pa(0.0042, -0.002)).epsilon(5e-4));
+  settings.mapping = Mapping::kWeighted;
+  model.select(settings, 1);
+  StressModel fresh(test::shared(Cantilever::table()));
+  fresh.select(settings, 1);
+  const Feedback a = model.update(std::vector<double>{0.004, -0.002});
+  const Feedback b = fresh.update(std::vector<double>{0, 0});
+  CHECK(a.min == b.min);
+  CHECK(a.max == b.max);
+}
+
+TEST_CASE("the trust ratio is the longest displacement of a control point, as a vector") {
+  StressModel model(test::shared(test::four_elements()));
+  CHECK(model.update(std::vector<double>{0.003, 0, -0.004}).trust_ratio == approx(0.5));
+}
+
+TEST_CASE("displacements that are not finite are left out") {
+  StressModel model(test::shared(test::four_elements()));
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Feedback f = model.update(std::vector<double>{std::nan(""), kInfinity, 0});
+  CHECK(f.raw.x == 25);
+  CHECK(std::isfinite(f.gamma.x));
+}
+
+TEST_CASE("the kernels agree with plain sums for any size, and with each other to the bit") {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> number(-1, 1);
+  for (const std::size_t count : {1, 2, 7, 8, 9, 100, 1023, 1024, 1025, 1032, 5003}) {
+    CAPTURE(count);
+    const auto floats = [&](std::size_t n) {
+      std::vector<float> values(n);
+      for (float& x : values)
+        x = number(random);
+      return values;
+    };
+    const auto stress = floats(count), weight = floats(count);
+    const auto rows = floats(9 * count);
+    for (std::size_t terms = 0; terms <= 9; ++terms) {
+      std::vector<TaylorTerm> given;
+      for (std::size_t t = 0; t < terms; ++t)
+        given.push_back({rows.data() + t * count, 0.1 * static_cast<double>(t + 1)});
+      for (const Mapping mapping : {Mapping::kMean, Mapping::kWeighted, Mapping::kAxis}) {
+        FeedbackTask task;
+        task.stress = stress;
+        task.terms = given;
+        task.weight = terms % 2 ? weight.data() : nullptr;
+        task.h = {rows.data(), nullptr, rows.data() + count};
+        task.absolute = terms % 3 == 0;
+        task.mapping = mapping;
+        Extremes s;
+        std::array<Extremes, 3> product;
+        const auto add = [&](Extremes& to, double value, std::size_t i) {
+          to.sum += (task.weight ? static_cast<double>(weight[i]) : 1.0) * value;
+          to.min = std::min(to.min, value);
+          to.max = std::max(to.max, value);
+        };
+        for (std::size_t i = 0; i < count; ++i) {
+          double value = stress[i];
+          for (const TaylorTerm& term : given)
+            value += term.displacement_m * static_cast<double>(term.row[i]);
+          add(s, value, i);
+          double h[3];
+          for (std::size_t a = 0; a < 3; ++a) {
+            h[a] = task.h[a] ? task.h[a][i] : 0;
+            h[a] = task.absolute ? std::abs(h[a]) : h[a];
+          }
+          if (mapping == Mapping::kWeighted)
+            add(product[0], (h[0] + h[1] + h[2]) / 3 * value, i);
+          for (std::size_t a = 0; mapping == Mapping::kAxis && a < 3; ++a)
+            add(product[a], h[a] * value, i);
+        }
+        const FeedbackSums fast = feedback_kernel().run(task),
+                           base = baseline_feedback_kernel().run(task);
+        const double scale = 1e-13 * static_cast<double>(count); // of sums of some unit numbers
+        const auto check = [&](const Extremes& plain, const Extremes& a, const Extremes& b) {
+          CHECK(a.sum == b.sum);
+          CHECK(a.min == b.min);
+          CHECK(a.max == b.max);
+          if (plain.min > plain.max)
+            return;
+          CHECK(std::abs(a.sum - plain.sum) <= scale);
+          CHECK(std::abs(a.min - plain.min) <= 1e-14);
+          CHECK(std::abs(a.max - plain.max) <= 1e-14);
+        };
+        check(s, fast.stress, base.stress);
+        for (std::size_t a = 0; a < 3; ++a)
+          check(product[a], fast.product[a], base.product[a]);
+      }
+    }
+  }
+}
+
+TEST_CASE("feedback is interpolated over the time between two values") {
+  LinearGlide glide;
+  glide.go({1, 0, 0}, 10);
+  CHECK(glide.at(10.05).x == 1); // the first is due at once, after 50 ms at most
+  glide.go({3, 0, 0}, 10.02 + 0.05);
+  CHECK(glide.at(10.08).x == doctest::Approx(1.4));
+  CHECK(glide.at(10.12).x == doctest::Approx(3));
+  CHECK(glide.at(20).x == 3);
+}
+
+TEST_CASE("a fade keeps its time although targets that come meanwhile are closer together") {
+  LinearGlide glide;
+  glide.jump({1, 0, 0});
+  glide.fade({0, 0, 0}, 5, 0.1);
+  CHECK(glide.moving());
+  CHECK(glide.at(5.05).x == approx(0.5));
+  glide.go({0.1, 0, 0}, 5.05);
+  CHECK(glide.at(5.051).x == doctest::Approx(0.5 - 0.4 / 50).epsilon(1e-9));
+  glide.go({0.2, 0, 0}, 5.06);
+  CHECK(glide.at(5.1).x == approx(0.2));
+  CHECK(!glide.moving());
+  glide.go({0.3, 0, 0}, 6);
+  CHECK(glide.at(6.05).x == approx(0.3));
+}

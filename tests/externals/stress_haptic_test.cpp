@@ -1,0 +1,452 @@
+// [stress_haptic] in a host of the test: force across swaps, a solver, the worker's thread.
+#include "externals/stress_haptic/stress_haptic.hpp"
+#include "tests/core/stress/beam_solver.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace tactus;
+using namespace tactus::stress;
+using haptic::Vec3;
+using test::BeamSolver;
+using test::Cantilever;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own with the cantilever's table in it.
+struct Folder {
+  fs::path path;
+  Folder() {
+    static std::atomic<int> count{0};
+    path = fs::temp_directory_path() /
+           ("stress_haptic_test." +
+            std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + "." +
+            std::to_string(count++));
+    fs::create_directories(path);
+    write("cantilever.stress.npz", Cantilever::table());
+  }
+  ~Folder() { fs::remove_all(path); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  void write(const std::string& name, const StressTable& table) const {
+    const std::string meta = R"({"format":"stress-table","version":"1.0","name":")" + name + "\"}";
+    std::vector<double> rows, points;
+    for (const auto& p : table.parameters)
+      rows.insert(rows.end(), {static_cast<double>(p.control_point), static_cast<double>(p.axis),
+                               p.low_m, p.high_m});
+    for (const Vec3& c : table.control_point_m)
+      points.insert(points.end(), {c.x, c.y, c.z});
+    const auto& field = table.base.von_mises;
+    const std::size_t p = table.parameters.size();
+    const std::string text =
+        test::archive({{"meta", "|u1", {meta.size()}, meta},
+                       {"s0", "<f4", {table.elements()}, test::raw(field.stress)},
+                       {"S", "<f4", {p, table.elements()}, test::raw(field.sensitivity)},
+                       {"parameters", "<f8", {p, 4}, test::raw(rows)},
+                       {"control_points", "<f8", {points.size() / 3, 3}, test::raw(points)},
+                       {"trust", "<f8", {}, test::raw(std::vector<double>{table.trust_m})}});
+    std::ofstream(path / name, std::ios::binary) << text;
+  }
+};
+
+/// Logical time by the test; keeps what is sent.
+class TestHost final : public Host {
+public:
+  TestHost(const Folder& folder, bool real_time) : folder_(folder), real_time_(real_time) {}
+  using Host::info;
+  using Host::send;
+  void send(std::size_t outlet, std::span<const Atom> atoms) override {
+    std::vector<double> numbers;
+    for (const Atom& atom : atoms)
+      if (!atom.is_word)
+        numbers.push_back(atom.number);
+    sent[outlet].push_back(numbers);
+  }
+  void info(std::span<const Atom> atoms) override {
+    std::string text;
+    for (const Atom& atom : atoms)
+      text += (text.empty() ? "" : " ") +
+              (atom.is_word ? std::string(atom.word) : std::to_string(atom.number));
+    infos.push_back(text);
+  }
+  void error(std::string_view sentence) override { errors.emplace_back(sentence); }
+  void log(std::string_view) override {}
+  void wake_in(std::size_t, double ms) override { due_ms = ms < 0 ? 1e300 : time_ms + ms; }
+  double now_ms() const override { return time_ms; }
+  std::string find_file(std::string_view name) const override {
+    const fs::path path = folder_.path / name;
+    return fs::is_regular_file(path) ? path.string() : std::string();
+  }
+  std::string new_file(std::string_view name) const override { return std::string(name); }
+  bool read_array(std::string_view, std::vector<double>&) const override { return false; }
+  bool real_time() const override { return real_time_; }
+  void wake_from_thread() noexcept override { ++woken; }
+
+  [[nodiscard]] double last(std::size_t outlet, std::size_t number = 0) const {
+    return sent.at(outlet).back().at(number);
+  }
+  [[nodiscard]] bool said(const std::string& start) const {
+    for (const std::string& one : infos)
+      if (one.starts_with(start))
+        return true;
+    return false;
+  }
+
+  std::map<std::size_t, std::vector<std::vector<double>>> sent;
+  std::vector<std::string> infos, errors;
+  double time_ms = 0, due_ms = 1e300;
+  std::atomic<int> woken{0};
+
+private:
+  const Folder& folder_;
+  bool real_time_;
+};
+
+struct Rig {
+  Folder folder;
+  std::shared_ptr<BeamSolver::Log> solver = std::make_shared<BeamSolver::Log>();
+  TestHost host;
+  StressHaptic object;
+
+  explicit Rig(bool real_time = false, bool solves = false)
+      : host(folder, real_time),
+        object(solves ? StressWorker::SolverFactory(
+                            [log = solver](const StressTable&, const std::string&) {
+                              return std::make_unique<BeamSolver>(log);
+                            })
+                      : StressWorker::SolverFactory()) {
+    object.created(host);
+  }
+  void say(std::string_view name, std::vector<Atom> arguments = {}) {
+    for (std::size_t i = 0; i < StressHaptic::declaration.messages.size(); ++i)
+      if (StressHaptic::declaration.messages[i].name == name)
+        return object.message(i, arguments, host);
+    for (std::size_t i = 0; i < StressHaptic::declaration.parameters.size(); ++i)
+      if (StressHaptic::declaration.parameters[i].name == name)
+        return object.set(i, arguments.at(0).number);
+    FAIL("no message of that name");
+  }
+  void hold(double x_mm, double y_mm, double z_mm) {
+    const std::vector<Atom> atoms{x_mm, y_mm, z_mm, 0.0, 0.0, 0.0};
+    object.list(1, atoms, host);
+  }
+  /// Logical milliseconds.
+  void run(int ms) {
+    for (int i = 0; i < ms; ++i) {
+      host.time_ms += 1;
+      if (host.due_ms <= host.time_ms) {
+        host.due_ms = 1e300;
+        object.tick(0, host);
+      }
+    }
+  }
+  /// What the worker's thread posts is delivered until the condition holds; false after a minute.
+  template <class Condition> bool wait(const Condition& condition) {
+    for (int i = 0; i < 60000 && !condition(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      run(1);
+      if (host.woken.exchange(0) > 0)
+        object.posted(host);
+    }
+    return condition();
+  }
+  [[nodiscard]] double gamma() const { return host.last(0); }
+  [[nodiscard]] double force(std::size_t axis = 0) const { return host.last(1, axis); }
+};
+
+/// The largest step of the force along x from one answer to the next, N.
+double largest_step(const TestHost& host, std::size_t from) {
+  const auto& forces = host.sent.at(1);
+  double largest = 0;
+  for (std::size_t i = from + 1; i < forces.size(); ++i)
+    largest = std::max(largest, std::abs(forces[i][0] - forces[i - 1][0]));
+  return largest;
+}
+
+} // namespace
+
+TEST_CASE("force is continuous when a re-solved stress takes the place of the series") {
+  Rig rig(false, true);
+  rig.say("gains", {0.0, 600.0, 0.0, 0.0});
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("anchor", {0.0, 0.0, 0.0});
+  rig.hold(50, 0, 0); // 30 N at gamma 1
+  rig.run(300);
+  const double before = rig.force();
+  // A large move: the series is far off, its solution changes gamma by much.
+  rig.say("range", {"fixed", 100e3, 500e3});
+  rig.run(200);
+  rig.solver->polls_needed = 60; // one every 2 ms
+  rig.say("cp", {0.0, 0.0, 20.0, 0.0}); // 10 mm up
+  rig.run(60); // the series' own glide is over
+  const double series = rig.gamma();
+  const std::size_t from = rig.host.sent.at(1).size();
+  rig.run(400);
+  REQUIRE(rig.solver->started.size() == 1);
+  CHECK(rig.gamma() ==
+        doctest::Approx((Cantilever::mean_pa(0.01, 0) - 100e3) / 400e3).epsilon(1e-6));
+  const double change = std::abs(rig.gamma() - series) * 30;
+  CHECK(change > 2); // N
+  // Linear over 100 ms: 1 % of the change in a millisecond, and no more.
+  CHECK(largest_step(rig.host, from) < 0.0101 * change + 1e-9);
+  CHECK(largest_step(rig.host, from) > 0.009 * change);
+  CHECK(std::abs(before) > 0);
+  CHECK(rig.host.errors.empty());
+}
+
+TEST_CASE("force is continuous across settings, a grab, another table and a moved anchor") {
+  Rig rig;
+  StressTable weak = Cantilever::table();
+  for (float& s : weak.base.von_mises.stress)
+    s *= 2;
+  rig.folder.write("weak.stress.npz", weak);
+  rig.say("gains", {0.0, 600.0, 0.0, 0.0});
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("anchor", {0.0, 0.0, 0.0});
+  rig.say("range", {"fixed", 0.0, 1e6});
+  rig.hold(50, 0, 0);
+  rig.run(300);
+  const double first = rig.force();
+  CHECK(first == doctest::Approx(-600 * 0.05 * 0.5));
+  const std::size_t from = rig.host.sent.at(1).size() - 1;
+  rig.say("load", {"weak.stress.npz"});
+  rig.run(300);
+  CHECK(rig.force() == doctest::Approx(-30));
+  rig.say("range", {"initial"});
+  rig.run(50); // in the middle of one fade the next
+  rig.say("grab", {0.0});
+  rig.run(30);
+  rig.say("mode", {1.0});
+  rig.run(20);
+  rig.say("sens", {0.0});
+  rig.run(200);
+  rig.say("anchor", {"here"});
+  rig.run(200);
+  CHECK(std::abs(rig.force()) < 1e-9);
+  CHECK(largest_step(rig.host, from) <= 0.01 * 30 + 1e-9);
+  CHECK(rig.host.errors.empty());
+}
+
+TEST_CASE("the handle drags the grabbed control point within its bounds, scaled") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("range", {"fixed", 0.0, 1e6});
+  rig.hold(0, 5, 0);
+  rig.say("grab", {1.0});
+  rig.say("scale", {2.0});
+  rig.hold(3, 6, 9); // 1 mm up: d1 = 2 mm; x and z have no parameters
+  rig.run(300);
+  StressModel model(test::shared(Cantilever::table()));
+  CHECK(rig.gamma() ==
+        doctest::Approx(model.update(std::vector<double>{0, 0.002}).mean_pa / 1e6).epsilon(1e-9));
+  rig.hold(0, 500, 0); // far beyond: the bound of 20 mm
+  rig.run(300);
+  CHECK(rig.gamma() ==
+        doctest::Approx(model.update(std::vector<double>{0, 0.02}).mean_pa / 1e6).epsilon(1e-9));
+  CHECK(rig.host.said("outside 1"));
+  rig.say("release");
+  rig.hold(0, 0, 0); // moves nothing now
+  rig.run(300);
+  CHECK(rig.gamma() ==
+        doctest::Approx(model.update(std::vector<double>{0, 0.02}).mean_pa / 1e6).epsilon(1e-9));
+  rig.say("reset");
+  rig.run(300);
+  CHECK(rig.gamma() == doctest::Approx(0.5));
+}
+
+TEST_CASE("stiffness and damping never exceed the device's limits") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("range", {"fixed", 0.0, 1.0}); // gamma 1
+  rig.say("anchor", {0.0, 0.0, 0.0});
+  rig.say("gains", {0.0, 5000.0, 0.0, 4.0});
+  REQUIRE(rig.host.errors.size() == 1);
+  CHECK(rig.host.errors[0].find("600") != std::string::npos);
+  rig.hold(10, 0, 0);
+  rig.run(300);
+  CHECK(rig.force() == doctest::Approx(-6));
+  rig.say("nominal", {100.0});
+  rig.hold(10, 0, 0);
+  CHECK(rig.force() == doctest::Approx(-0.6));
+  rig.say("gains", {0.0, 10.0, 0.0, 6.0});
+  CHECK(rig.host.errors.size() == 2);
+}
+
+TEST_CASE("feedback messages come while gamma changes, and at least every 250 ms") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.run(1000);
+  const auto& feedback = rig.host.sent.at(2);
+  const std::size_t count = feedback.size();
+  CHECK(count >= 12);
+  CHECK(count <= 18);
+  for (std::size_t i = 0; i < count; ++i)
+    CHECK(feedback[i][0] == static_cast<double>(i + 1)); // sequence
+  CHECK(feedback.back()[1] == doctest::Approx(rig.gamma()));
+  rig.say("mode", {2.0});
+  rig.run(500);
+  CHECK(feedback.back().size() == 4); // sequence and three
+}
+
+TEST_CASE(
+    "points sends a workspace that holds every bound, and the control points where they are") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("cp", {1.0, 0.0, 13.0, 0.0});
+  rig.host.sent[2].clear();
+  rig.say("points");
+  const auto& sent = rig.host.sent.at(2);
+  REQUIRE(sent.size() == 5);
+  CHECK(sent[0] == std::vector<double>{-1, -1, -1, 101, 31, 1});
+  CHECK(sent[1] == std::vector<double>{2});
+  CHECK(sent[2] == std::vector<double>{0, 0, 10, 0});
+  CHECK(sent[3][0] == 1);
+  CHECK(sent[3][2] == doctest::Approx(13));
+  CHECK(sent[4].empty());
+}
+
+TEST_CASE("bad input is one sentence and changes nothing") {
+  Rig rig;
+  const auto one = [&](std::string_view name, std::vector<Atom> arguments, const char* word) {
+    rig.host.errors.clear();
+    rig.say(name, std::move(arguments));
+    CAPTURE(name);
+    REQUIRE(rig.host.errors.size() == 1);
+    CAPTURE(rig.host.errors[0]);
+    CHECK(rig.host.errors[0].starts_with(name));
+    CHECK(rig.host.errors[0].find(word) != std::string::npos);
+  };
+  one("cp", {0.0, 1.0, 2.0, 3.0}, "load");
+  one("list", {0.0, 1.0}, "load");
+  one("points", {}, "load");
+  one("reset", {}, "load");
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.run(300);
+  const double gamma = rig.gamma();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  one("cp", {2.0, 1.0, 2.0, 3.0}, "0..1");
+  one("cp", {0.5, 1.0, 2.0, 3.0}, "0..1");
+  one("cp", {kNan, 1.0, 2.0, 3.0}, "expected");
+  one("cp", {0.0, kNan, 2.0, 3.0}, "expected numbers");
+  one("cp", {0.0, "left", 2.0, 3.0}, "'left'");
+  one("cp", {0.0, 1e30, 2.0, 3.0}, "expected numbers");
+  one("list", {1.0}, "expected 2");
+  one("list", {1.0, kNan}, "expected numbers");
+  one("grab", {7.0}, "0..1");
+  one("gains", {-1.0, 1.0, 1.0, 1.0}, "0 or more");
+  one("range", {"fixed", 5.0}, "expected current");
+  one("range", {"fixed", 5.0, 5.0}, "a below b");
+  one("range", {"nearly"}, "expected current");
+  one("anchor", {1.0, 2.0}, "here");
+  one("anchor", {"there"}, "here");
+  one("load", {"nothing.stress.npz"}, "no such file");
+  one("load", {5.0}, "name of a file");
+  std::ofstream(rig.folder.path / "bad.stress.npz") << "nonsense";
+  one("load", {"bad.stress.npz"}, "not an .npz file");
+  one("state", {1.0}, "shear0");
+  one("weights", {1.0}, "array weights");
+  one("resolve", {2.0}, "no solver");
+  rig.host.errors.clear();
+  const std::vector<Atom> five{1.0, 2.0, 3.0, 4.0, 5.0}, bad{1.0, kNan, 3.0};
+  rig.object.list(1, five, rig.host);
+  rig.object.list(1, bad, rig.host);
+  CHECK(rig.host.errors.size() == 2);
+  rig.run(300);
+  CHECK(rig.gamma() == gamma);
+}
+
+TEST_CASE("a control point without parameters says so") {
+  Rig rig;
+  StressTable table = Cantilever::table();
+  table.control_point_m.push_back({0.2, 0, 0});
+  rig.folder.write("fixed.stress.npz", table);
+  rig.say("load", {"fixed.stress.npz"});
+  rig.say("grab", {2.0});
+  REQUIRE(rig.host.errors.size() == 1);
+  CHECK(rig.host.errors[0].find("has no parameters") != std::string::npos);
+}
+
+TEST_CASE("the first position is the anchor; absurd velocities stay bounded") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("range", {"fixed", 0.0, 1.0});
+  rig.hold(20, 0, 0);
+  rig.run(300);
+  CHECK(rig.force() == 0);
+  rig.hold(21, 0, 0);
+  CHECK(rig.force() == doctest::Approx(-0.4));
+  rig.say("render", {1.0});
+  const std::vector<Atom> fast{21.0, 0.0, 0.0, 1e6, 0.0, 0.0};
+  rig.object.list(1, fast, rig.host);
+  CHECK(rig.force() == doctest::Approx(-400)); // 4 N s/m at 100 m/s
+}
+
+TEST_CASE("three numbers: the velocity is that of the positions") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("range", {"fixed", 0.0, 1.0});
+  rig.say("render", {1.0});
+  rig.run(300);
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<Atom> place{0.1 * i, 0.0, 0.0};
+    rig.object.list(1, place, rig.host);
+    rig.run(1);
+  }
+  CHECK(rig.force() == doctest::Approx(-4 * 0.1).epsilon(1e-6));
+}
+
+TEST_CASE("in real time a thread evaluates: the newest request counts") {
+  Rig rig(true, true);
+  rig.say("range", {"fixed", 0.0, 1e6});
+  rig.say("load", {"cantilever.stress.npz"});
+  REQUIRE(rig.wait([&] { return rig.host.said("loaded"); }));
+  for (int i = 0; i < 2000; ++i) {
+    rig.say("list", {0.001 * (i % 1500), 0.0}); // mm
+    if (rig.host.woken.exchange(0) > 0)
+      rig.object.posted(rig.host);
+  }
+  rig.say("list", {1.0, 1.0});
+  rig.hold(1, 2, 3);
+  // First the series, then the solution.
+  const double truth = Cantilever::mean_pa(0.001, 0.001) / 1e6;
+  REQUIRE(rig.wait(
+      [&] { return rig.host.sent.contains(0) && std::abs(rig.gamma() / truth - 1) < 1e-6; }));
+  CHECK(!rig.solver->started.empty());
+  CHECK(rig.host.errors.empty());
+}
+
+TEST_CASE("tables loaded one after another: the last one counts, and an end while it reads") {
+  for (int round = 0; round < 20; ++round) {
+    Rig rig(true);
+    StressTable large;
+    large.base.von_mises.stress.assign(2000, 1e6F);
+    large.base.von_mises.sensitivity.assign(6000, 0);
+    large.base.displacement_m = {0, 0, 0};
+    large.parameters = {{0, 0, -1, 1}, {0, 1, -1, 1}, {0, 2, -1, 1}};
+    large.control_point_m = {{}};
+    large.trust_m = 1;
+    rig.folder.write("large.stress.npz", large);
+    rig.say("range", {"fixed", 0.0, 2e6});
+    rig.say("load", {"cantilever.stress.npz"});
+    rig.say("load", {"large.stress.npz"});
+    if (round % 2)
+      continue; // destroyed now
+    REQUIRE(rig.wait([&] { return rig.host.said("loaded large.stress.npz"); }));
+    REQUIRE(
+        rig.wait([&] { return rig.host.sent.contains(0) && std::abs(rig.gamma() - 0.5) < 1e-9; }));
+    rig.say("list", {1.0, 2.0, 3.0});
+    CHECK(rig.host.errors.empty());
+  }
+}
