@@ -10,9 +10,10 @@ namespace tactus::fem {
 void write_inp(const std::string& path, const Mesh&, std::span<const Material>,
                std::span<const Support>, std::size_t modes);
 
-/// The same for a static step: supports, the loads as forces at nodes, displacements and stresses
-/// printed to the .dat file. Refuses springs.
-void write_inp(const std::string& path, const Mesh&, const StaticModel&);
+/// A static step for CalculiX / Abaqus: the same mesh, materials and fixed patches, all loads as
+/// the nodal forces of load_vector(). Writes displacements at nodes, and stresses at nodes (.frd)
+/// and integration points (.dat). Refuses springs.
+void write_static_inp(const std::string& path, const Mesh&, const StaticModel&);
 
 /// K, then M, as PETSc binary matrices (big-endian, both triangles, 32-bit indices). Held
 /// directions have a unit diagonal in K and none in M.

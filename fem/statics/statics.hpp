@@ -29,8 +29,6 @@ struct StaticSystem {
   /// Refuses a bad model in one sentence: materials, supports (check_supported()), loads.
   StaticSystem(const Mesh&, const StaticModel&);
 
-  /// y = K x with the rows and columns of held directions.
-  void multiply_full(std::span<const double> x, std::span<double> y) const;
   /// f - K u_prescribed, with zero in held directions: the right side for the free ones.
   [[nodiscard]] std::vector<double> right_side() const;
 };

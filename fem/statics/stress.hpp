@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/element/matrices.hpp"
+#include "fem/assembly/matrices.hpp"
 
 namespace tactus::fem {
 
@@ -24,9 +24,8 @@ using Stress = std::array<double, 6>;
 
 /// Reference coordinates of an element's middle: of its corners' mean.
 [[nodiscard]] Vector3 centroid_of(Shape) noexcept;
-
-/// An elastic law for each region. Refuses when the numbers differ.
-[[nodiscard]] std::vector<ElasticLaw> elastic_laws(const Mesh&, std::span<const Material>);
+/// The shape functions there.
+[[nodiscard]] const ShapeValues& at_centroid(Shape);
 
 /// At each element's centroid, [element].
 [[nodiscard]] std::vector<Stress> element_stress(const Mesh&, std::span<const Material>,

@@ -24,6 +24,11 @@ struct SpringPatch {
 /// Adds the consistent matrices (k_i / A) integral of N_a N_b dA of the patches to `stiffness`.
 void add_springs(const Mesh&, std::span<const SpringPatch>, Matrices& into);
 
+/// What the patches' matrices make of the displacement u: the forces on the springs, N. On the body
+/// they act with the opposite sign.
+[[nodiscard]] std::vector<double> spring_forces(const Mesh&, std::span<const SpringPatch>,
+                                                std::span<const double> u);
+
 /// Refuses supports that leave a connected piece of the body free to move, before any factor is
 /// tried: one sentence that names the piece and the motion (translation along, rotation about an
 /// axis through a point). Of each piece's six rigid motions those are free that move no held
