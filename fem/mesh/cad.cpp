@@ -140,7 +140,7 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
                        first_size(choice, unit * unit * unit * solid, unit * unit * area,
                                   unit * box_of(-1, -1).largest());
       gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
-      gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
+      gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", choice.elements_per_turn);
       gmsh::option::setNumber("Mesh.Algorithm", algorithm);
       const auto foretell = [&](double triangles) {
         if (choice.foretold)
