@@ -46,7 +46,7 @@ std::vector<Arrow> arrows_of(const Mesh& mesh, const StaticModel& model) {
     const auto on_faces = [&](const auto& l) {
       at = middle(positions(mesh, nodes_of_faces(mesh, l.faces)));
     };
-    std::string words = format("%.4g N", length(force));
+    std::string words = format(length(force) < 1e3 ? "%.4g N" : "%.0f N", length(force));
     if (const auto* traction = std::get_if<Traction>(&load))
       on_faces(*traction);
     else if (const auto* total = std::get_if<TotalForce>(&load))
