@@ -29,6 +29,8 @@ Mesh load_here(const std::string& path, const std::string& ending, const LoadCho
 
 } // namespace
 
+std::string face_set(int number) { return "face " + std::to_string(number); }
+
 Mesh load_body(const std::string& path, const LoadChoice& choice) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))

@@ -15,6 +15,10 @@ struct LoadChoice {
   double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
   bool multi = false; ///< several separate bodies may come
+  int elements_per_turn = 12; ///< around curved CAD faces; curved sides are then 1e-4 of the radius off
+  /// Of a CAD body: its faces become node sets (face_set()), and each is told. Prisms are not
+  /// swept.
+  bool face_sets = false;
   std::string part{}; ///< the one of several bodies to take, by name or number from one
   /// The size of elements (m) for a body of a volume, skin and largest extent (m^3, m^2, m), where
   /// h is 0.
@@ -30,6 +34,9 @@ struct LoadChoice {
   std::function<void(const std::string& stage, double share)> report{};
   ChildLimits limits{}; ///< of the process that reads and meshes
 };
+
+/// The name of the node set of a CAD body's face, by its number from one.
+[[nodiscard]] std::string face_set(int number);
 
 /// A body from a file, by its ending: .msh and .inp are volume meshes and read as they are; .step,
 /// .stp, .brep, .brp, .stl and .obj are meshed with gmsh in tet10. The file is read and meshed in a

@@ -1,8 +1,9 @@
 #include "fem/io/modal_table.hpp"
 
-#include "fem/io/checksums.hpp"
+#include "fem/io/meta.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/safe_file.hpp"
+#include "fem/io/vtu.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/surface.hpp"
 
@@ -10,54 +11,6 @@
 
 namespace tactus::fem {
 namespace {
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += '\\';
-    if (static_cast<unsigned char>(c) < 32)
-      out += format("\\u%04x", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + '"';
-}
-
-std::string list(std::span<const double> values) {
-  std::string out = "[";
-  for (std::size_t i = 0; i < values.size(); ++i)
-    out += (i ? ", " : "") + format("%.9g", values[i]);
-  return out + "]";
-}
-
-std::string json_of(const Material& m, const std::string& region) {
-  std::string out = "{\"region\": " + quoted(region) + ", \"name\": " + quoted(m.name) +
-                    format(", \"rho\": %.9g", m.density);
-  if (m.isotropic())
-    out += format(", \"E\": %.9g, \"nu\": %.9g", m.young_pa[0], m.poisson[0]);
-  else
-    out += ", \"E\": " + list(m.young_pa) + ", \"G\": " + list(m.shear_pa) +
-           ", \"nu\": " + list(m.poisson) +
-           ", \"axis_1\": " + list(std::array{m.axis_1.x, m.axis_1.y, m.axis_1.z}) +
-           ", \"axis_2\": " + list(std::array{m.axis_2.x, m.axis_2.y, m.axis_2.z});
-  return out +
-         format(", \"eta\": %.9g, \"rayleigh_a\": %.9g, \"rayleigh_b\": %.9g, ", m.loss_factor,
-                m.rayleigh_a, m.rayleigh_b) +
-         "\"source\": " + quoted(m.source) + "}";
-}
-
-std::string mesh_hash(const Mesh& mesh) {
-  std::vector<std::byte> bytes;
-  const auto add = [&](const auto& values) {
-    const auto raw = std::as_bytes(std::span(values));
-    bytes.insert(bytes.end(), raw.begin(), raw.end());
-  };
-  static_assert(sizeof(Vector3) == 3 * sizeof(double));
-  add(mesh.nodes);
-  add(mesh.connectivity);
-  return sha256(bytes);
-}
 
 std::string meta_of(const ModalTable& t) {
   const TableNotes& notes = t.notes;
@@ -158,46 +111,11 @@ void write_csv(const std::string& path, const ModalTable& t) {
 }
 
 void write_vtu(const std::string& path, const Mesh& mesh, const Modes& modes, std::size_t count) {
-  SafeFile file(path);
-  count = std::min(count, modes.frequency_hz.size());
-  file.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-             "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n");
-  file.write(format("<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n<Points>\n"
-                    "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n",
-                    mesh.nodes.size(), mesh.elements.size()));
-  for (const Vector3& p : mesh.nodes)
-    file.write(format("%.9g %.9g %.9g\n", p.x, p.y, p.z));
-  file.write("</DataArray>\n</Points>\n<Cells>\n"
-             "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n");
-  for (const Element& e : mesh.elements) {
-    std::string line;
-    for (const int node : mesh.nodes_of(e))
-      line += std::to_string(node) + ' ';
-    file.write(line + "\n");
-  }
-  file.write("</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">\n");
-  std::size_t end = 0;
-  for (const Element& e : mesh.elements)
-    file.write(std::to_string(end += static_cast<std::size_t>(node_count(e.shape))) + "\n");
-  file.write("</DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n");
-  for (const Element& e : mesh.elements)
-    file.write(std::to_string(vtk_type(e.shape)) + "\n");
-  file.write("</DataArray>\n</Cells>\n<CellData>\n"
-             "<DataArray type=\"Int32\" Name=\"region\" format=\"ascii\">\n");
-  for (const Element& e : mesh.elements)
-    file.write(std::to_string(e.region) + "\n");
-  file.write("</DataArray>\n</CellData>\n<PointData>\n");
-  for (std::size_t k = 0; k < count; ++k) {
-    file.write(format("<DataArray type=\"Float32\" Name=\"mode %02zu %.1f Hz\" "
-                      "NumberOfComponents=\"3\" format=\"ascii\">\n",
-                      k + 1, modes.frequency_hz[k]));
-    const double* u = &modes.shapes[k * mesh.dofs()];
-    for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
-      file.write(format("%.6g %.6g %.6g\n", u[3 * i], u[3 * i + 1], u[3 * i + 2]));
-    file.write("</DataArray>\n");
-  }
-  file.write("</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-  file.commit();
+  std::vector<VtuField> shapes;
+  for (std::size_t k = 0; k < std::min(count, modes.frequency_hz.size()); ++k)
+    shapes.push_back({format("mode %02zu %.1f Hz", k + 1, modes.frequency_hz[k]), 3,
+                      std::span(modes.shapes).subspan(k * mesh.dofs(), mesh.dofs())});
+  write_vtu(path, mesh, shapes, {});
 }
 
 } // namespace tactus::fem

@@ -24,14 +24,13 @@ struct ModalTable {
   std::vector<double> loss;          ///< loss factor of each mode
   std::vector<double> poisson_slope; ///< may be empty
   TableNotes notes;
-  ModeRadiation radiation; ///< may be empty
+  ModeRadiation radiation;     ///< may be empty
   std::vector<float> residual; ///< m/N at each vertex of the skin; may be empty
 };
 
 /// NAME.modal.npz, SI, little-endian: meta (JSON), freq, phi [K,V,3] at the skin's vertices, xyz,
-/// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu; with radiation also mp_*
-/// and alpha_rad. docs/modal_fem.md
-/// lists them.
+/// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu; with radiation
+/// also mp_* and alpha_rad. docs/modal_fem.md lists them.
 void write_table(const std::string& path, const ModalTable&);
 
 /// One line a mode: number, frequency, multiplicity, loss factor, T60, error estimate, residual.

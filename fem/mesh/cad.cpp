@@ -42,6 +42,28 @@ std::vector<double> round_off(const gmsh::vectorpair& volumes, const std::vector
   return {};
 }
 
+/// Number, kind, middle and area of each of the model's faces, a sentence each.
+void tell_faces(double unit, const std::function<void(const std::string&)>& say) {
+  gmsh::vectorpair faces;
+  gmsh::model::getEntities(faces, 2);
+  for (const auto& [dimension, face] : faces) {
+    std::string kind;
+    gmsh::model::getType(dimension, face, kind);
+    std::string text = "face " + std::to_string(face) + ": " + lower(kind);
+    std::vector<double> low, high, largest, smallest, a, b;
+    gmsh::model::getParametrizationBounds(dimension, face, low, high);
+    gmsh::model::getPrincipalCurvatures(face, {.5 * (low[0] + high[0]), .5 * (low[1] + high[1])},
+                                        largest, smallest, a, b);
+    if (kind == "Cylinder" && std::abs(largest[0]) > 0)
+      text += format(" of radius %.6g mm", 1e3 * unit / std::abs(largest[0]));
+    Vector3 middle;
+    gmsh::model::occ::getCenterOfMass(dimension, face, middle.x, middle.y, middle.z);
+    say(text + format(", area %.4g mm^2, around (%.4g, %.4g, %.4g) mm",
+                      1e6 * unit * unit * mass_of(dimension, face), 1e3 * unit * middle.x,
+                      1e3 * unit * middle.y, 1e3 * unit * middle.z));
+  }
+}
+
 /// The faces' triangles of the model's present surface mesh, in metres.
 Triangles skin_of_model(const gmsh::vectorpair& volumes, double unit) {
   Triangles out;
@@ -96,7 +118,8 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
   const auto attempt = [&](const std::string& how, bool heal, double finer, int algorithm) {
     return session->run(path + " cannot be meshed" + how, [&] {
       import_solids(path, choice, unit, say);
-      if (!heal && finer == 1 && choice.h <= 0 && choice.size_for && !(choice.fillet > 0))
+      if (!heal && finer == 1 && !choice.face_sets && choice.h <= 0 && choice.size_for &&
+          !(choice.fillet > 0))
         if (std::optional<Mesh> swept = mesh_of_prism(path, choice, unit))
           return std::move(*swept);
       if (heal) {
@@ -117,7 +140,7 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
                        first_size(choice, unit * unit * unit * solid, unit * unit * area,
                                   unit * box_of(-1, -1).largest());
       gmsh::option::setNumber("Mesh.CharacteristicLengthFromCurvature", 1);
-      gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", 12); // curved: 1e-4 of the radius
+      gmsh::option::setNumber("Mesh.MinimumElementsPerTwoPi", choice.elements_per_turn);
       gmsh::option::setNumber("Mesh.Algorithm", algorithm);
       const auto foretell = [&](double triangles) {
         if (choice.foretold)
@@ -151,7 +174,9 @@ Mesh mesh_cad(const std::string& path, const LoadChoice& choice) {
         skin = std::move(made);
       foretell(static_cast<double>(skin.triangles.size()));
       generate(3);
-      Mesh mesh = make_quadratic(choice.curved, unit);
+      Mesh mesh = make_quadratic(choice.curved, unit, choice.face_sets);
+      if (choice.face_sets)
+        tell_faces(unit, say);
       check(mesh);
       if (choice.sizes && !choice.sizes->straight && has_straight_sides(mesh))
         throw Refusal(path + ": curved sides turn inside out on a finer mesh");

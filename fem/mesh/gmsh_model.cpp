@@ -25,7 +25,7 @@ void generate(int dimension) {
 }
 
 /// The mesh that gmsh holds; each volume is a region.
-Mesh take_over(double unit) {
+Mesh take_over(double unit, bool face_sets) {
   Mesh mesh;
   std::vector<std::size_t> tags;
   std::vector<double> coordinates, parameters;
@@ -69,6 +69,17 @@ Mesh take_over(double unit) {
   }
   if (mesh.elements.empty())
     throw Refusal("the mesh holds no volume element: expected tet10, wedge15 or hex20");
+  gmsh::vectorpair faces;
+  if (face_sets)
+    gmsh::model::getEntities(faces, 2);
+  for (const auto& [dimension, face] : faces) {
+    gmsh::model::mesh::getNodes(tags, coordinates, parameters, dimension, face, true, false);
+    auto& set = mesh.node_sets[face_set(face)];
+    for (const std::size_t tag : tags)
+      set.push_back(number.at(tag));
+    std::sort(set.begin(), set.end());
+    set.erase(std::unique(set.begin(), set.end()), set.end());
+  }
   drop_unused_nodes(mesh);
   return mesh;
 }
@@ -193,12 +204,12 @@ void set_sizes(double h, const std::vector<double>& concave) {
   field::setAsBackgroundMesh(grade);
 }
 
-Mesh make_quadratic(bool curved, double unit) {
+Mesh make_quadratic(bool curved, double unit, bool face_sets) {
   using namespace gmsh::model::mesh;
   // gmsh's own repair ("HighOrder") takes minutes where fillets are smaller than the elements.
   gmsh::option::setNumber("Mesh.SecondOrderLinear", curved ? 0 : 1);
   setOrder(2);
-  Mesh mesh = take_over(unit);
+  Mesh mesh = take_over(unit, face_sets);
   if (curved)
     straighten_inverted(mesh);
   return mesh;

@@ -64,8 +64,9 @@ template <class Work> bool tried(Work&& work) {
 /// exception out of gmsh's own generate() leaves it locked, and every later mesh is empty.)
 void generate(int dimension);
 
-/// gmsh's volume elements, nodes and names as a mesh of ours; its lengths times `unit`.
-[[nodiscard]] Mesh take_over(double unit);
+/// gmsh's volume elements, nodes and names as a mesh of ours; its lengths times `unit`. With
+/// `face_sets` the model's faces are node sets (face_set()).
+[[nodiscard]] Mesh take_over(double unit, bool face_sets = false);
 
 /// Model curves where the body turns inward. Compares the two facets at each mesh edge on a curve:
 /// where the far corner of one rises above the outward plane of the other, the angle is concave.
@@ -88,6 +89,6 @@ void set_sizes(const SizeField&, double unit, double finer = 1);
 
 /// Second order; sides that turn an element inside out are flattened (straighten_inverted).
 /// Elements that are inside out with straight sides stay so.
-[[nodiscard]] Mesh make_quadratic(bool curved, double unit);
+[[nodiscard]] Mesh make_quadratic(bool curved, double unit, bool face_sets = false);
 
 } // namespace tactus::fem

@@ -108,7 +108,7 @@ void Forecast::say_odd_size(const Say& say) {
   for (const auto& [region, name] : order_.materials)
     speed = std::max(speed, find_material(name).bar_speed());
   if (!(speed > 0))
-    speed = find_material(order_.body == "board" ? "spruce" : "aluminium").bar_speed();
+    speed = find_material(order_.standard_material).bar_speed();
   const double first = estimated_frequency(size_.box, size_.volume, speed);
   // An estimate is right within a factor of three; modes lie closer than they are numbered.
   const double last = 3 * first * static_cast<double>(order_.modes);

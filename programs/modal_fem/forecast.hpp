@@ -1,8 +1,8 @@
 #pragma once
 #include "fem/modes/modes.hpp"
-#include "programs/modal_fem/budget.hpp"
+#include "programs/body/budget.hpp"
+#include "programs/body/progress.hpp"
 #include "programs/modal_fem/order.hpp"
-#include "programs/modal_fem/progress.hpp"
 
 namespace tactus::fem {
 

@@ -12,6 +12,7 @@
 #include "fem/io/modal_table.hpp"
 #include "fem/io/safe_file.hpp"
 #include "fem/io/words.hpp"
+#include "programs/body/output_files.hpp"
 #include "programs/modal_fem/order.hpp"
 #include "programs/modal_fem/outputs.hpp"
 #include "programs/modal_fem/raw.hpp"
@@ -21,8 +22,6 @@
 #include <ctime>
 #include <filesystem>
 #include <numbers>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace {
 
@@ -50,44 +49,6 @@ void print(const ModalTable& table) {
   }
 }
 
-std::string sheet_script() {
-  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "modal_sheet.py")
-      .string();
-}
-
-/// Runs Debian's Python; whether it ended well. Python is isolated (-I: no module of the folder it
-/// is started in, no PYTHON variables), and starts in / lest a `matplotlibrc` be read here.
-bool python(std::vector<std::string> words) {
-  words.insert(words.begin(), {"python3", "-I"});
-  std::vector<char*> arguments;
-  for (std::string& word : words)
-    arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    if (chdir("/") == 0)
-      execv("/usr/bin/python3", arguments.data());
-    _exit(127);
-  }
-  int status = 0;
-  return child > 0 && waitpid(child, &status, 0) == child && status == 0;
-}
-
-/// Refuses at once what draw_sheet() would miss at the end.
-void check_sheet() {
-  if (!std::filesystem::exists(sheet_script()) ||
-      !python({"-c", "import importlib.util, sys; "
-                     "sys.exit(importlib.util.find_spec('matplotlib') is None)"}))
-    throw Refusal("--sheet needs python3-matplotlib and " + sheet_script());
-}
-
-/// Draws the sheet with the Python program beside this one.
-void draw_sheet(const std::string& table, const std::string& picture) {
-  if (!python({sheet_script(), std::filesystem::absolute(table).string(),
-               std::filesystem::absolute(picture).string()}))
-    throw Refusal("the picture sheet " + picture + " was not drawn by " + sheet_script());
-}
-
 std::string now() {
   const std::time_t time = std::time(nullptr);
   char text[32];
@@ -101,7 +62,7 @@ int run(const std::vector<std::string>& words) {
     throw Refusal("--sheet draws the table: it needs -o NAME.modal.npz too");
   check_outputs(order);
   if (!order.sheet.empty())
-    check_sheet();
+    check_sheet("modal_sheet.py");
   ProgressLine progress(order.quiet);
   Solved body = solve(order, progress);
   if (!body.solved)
@@ -143,7 +104,7 @@ int run(const std::vector<std::string>& words) {
   }
   if (!order.sheet.empty()) {
     begin(order.sheet);
-    draw_sheet(order.output, order.sheet);
+    draw_sheet("modal_sheet.py", order.output, order.sheet);
   }
   return 0;
 }

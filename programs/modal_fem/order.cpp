@@ -1,29 +1,11 @@
 #include "programs/modal_fem/order.hpp"
 
 #include "fem/io/words.hpp"
-#include "programs/modal_fem/budget.hpp"
 
 #include <algorithm>
 
 namespace tactus::fem {
 namespace {
-
-double unit_of(const std::string& word) {
-  static const std::map<std::string, double> units{
-      {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}, {"in", 25.4e-3}, {"um", 1e-6}};
-  const auto at = units.find(word);
-  if (at == units.end())
-    throw Refusal("--unit " + word + ": expected um, mm, cm, m or in");
-  return at->second;
-}
-
-double number(const std::string& option, const std::string& word, double low, double high) {
-  const auto value = to_number(word);
-  if (!value || *value < low || *value > high)
-    throw Refusal(option + " " + word + ": expected a number from " + format("%g", low) + " to " +
-                  format("%g", high));
-  return *value;
-}
 
 /// PLACE[:xyz] or, for springs, PLACE:STIFFNESS[:xyz]
 Place read_place(const std::string& option, const std::string& words, double unit) {
@@ -66,103 +48,45 @@ Place read_place(const std::string& option, const std::string& words, double uni
 
 Order read_order(const std::vector<std::string>& words) {
   Order order;
-  if (words.empty())
-    throw Refusal("which body? a shape or a file; modal_fem --help lists them");
-  order.body = words[0];
-  std::replace(order.body.begin(), order.body.end(), '-', '_');
-  const auto& shapes = known_shapes();
-  const auto shape = std::find_if(shapes.begin(), shapes.end(),
-                                  [&](const ShapeEntry& s) { return s.name == order.body; });
-  order.is_file = shape == shapes.end();
-  if (order.is_file) {
-    order.body = words[0];
-    if (order.body.find('.') == std::string::npos)
-      throw Refusal("no shape is called " + order.body + "; modal_fem --help lists them");
-  }
-  for (std::size_t i = 1; i + 1 < words.size(); ++i) // lengths depend on it, wherever it stands
-    if (words[i] == "--unit") {
-      order.unit = unit_of(words[i + 1]);
-      order.unit_given = true;
-    }
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    const std::string& option = words[i];
-    const auto value = [&]() -> const std::string& {
-      if (i + 1 >= words.size())
-        throw Refusal(option + " needs a value");
-      return words[++i];
-    };
-    if (option == "--unit") {
-      value();
-    } else if (option == "-o" || option == "--output") {
-      order.output = value();
+  BodyReader reader(order, words, known_shapes(), "modal_fem");
+  while (reader.next()) {
+    const std::string& option = reader.option();
+    if (option == "-o" || option == "--output") {
+      order.output = reader.value();
     } else if (option == "--csv") {
-      order.csv = value();
+      order.csv = reader.value();
     } else if (option == "--vtu") {
-      order.vtu = value();
+      order.vtu = reader.value();
     } else if (option == "--sheet") {
-      order.sheet = value();
+      order.sheet = reader.value();
     } else if (option == "--export-inp") {
-      order.inp = value();
+      order.inp = reader.value();
     } else if (option == "--export-petsc") {
-      order.petsc = value();
+      order.petsc = reader.value();
     } else if (option == "--import-modes") {
-      order.import_values = value();
-      order.import_vectors = value();
-    } else if (option == "--material") {
-      const auto& word = value();
-      const auto equals = word.find('=');
-      if (equals == std::string::npos)
-        order.materials.emplace_back("", word);
-      else
-        order.materials.emplace_back(word.substr(0, equals), word.substr(equals + 1));
-    } else if (option == "--young") {
-      order.changes["young"] = number(option, value(), 1, 1e13);
-    } else if (option == "--poisson") {
-      order.changes["poisson"] = number(option, value(), -.999, .4999);
-    } else if (option == "--density") {
-      order.changes["density"] = number(option, value(), 1e-3, 1e5);
-    } else if (option == "--loss") {
-      order.changes["loss"] = number(option, value(), 1e-9, 2);
-    } else if (option == "--axes") {
-      for (const std::string& cell : split(value(), ','))
-        order.axes.push_back(number(option, cell, -1e9, 1e9));
-      if (order.axes.size() != 6)
-        throw Refusal("--axes: expected six numbers X1,Y1,Z1,X2,Y2,Z2");
+      order.import_values = reader.value();
+      order.import_vectors = reader.value();
     } else if (option == "--modes") {
-      order.modes = static_cast<std::size_t>(number(option, value(), 1, 20000));
-    } else if (option == "--h") {
-      order.choice.h = order.unit * number(option, value(), 1e-9, 1e9);
-    } else if (option == "--layers") {
-      order.choice.layers = static_cast<int>(number(option, value(), 1, 200));
-    } else if (option == "--grade-concave") {
-      order.choice.grade_concave = true;
-    } else if (option == "--no-grade") {
-      order.choice.grade_concave = false;
+      order.modes = static_cast<std::size_t>(reader.number(1, 20000));
     } else if (option == "--fix" || option == "--spring") {
-      order.places.push_back(read_place(option, value(), order.unit));
-    } else if (option == "--profile") {
-      order.profile = value();
+      order.places.push_back(read_place(option, reader.value(), order.unit));
     } else if (option == "--engine") {
-      if (const std::string& word = value(); word != "cholmod" && word != "slepc")
+      const std::string& word = reader.value();
+      if (word != "cholmod" && word != "slepc")
         throw Refusal("--engine " + word + ": expected cholmod or slepc");
-      order.slepc = words[i] == "slepc";
+      order.slepc = word == "slepc";
     } else if (option == "--ranks") {
-      order.ranks = static_cast<int>(number(option, value(), 1, 4096));
-    } else if (option == "--memory") {
-      order.memory_bytes = read_memory(option, value());
-    } else if (option == "--threads") {
-      order.threads = static_cast<int>(number(option, value(), 1, 256));
-    } else if (option == "--time-limit") {
-      order.time_limit_s = number(option, value(), 1, 1e7);
+      order.ranks = static_cast<int>(reader.number(1, 4096));
     } else if (option == "--radiation") {
-      if (const std::string& word = value(); word != "body" && word != "none")
+      const std::string& word = reader.value();
+      if (word != "body" && word != "none")
         throw Refusal("--radiation " + word + ": expected body or none");
-      order.radiation = words[i] == "body";
+      order.radiation = word == "body";
     } else if (option == "--acoustic-triangles") {
-      order.acoustic_triangles = static_cast<std::size_t>(number(option, value(), 20, 20000));
+      order.acoustic_triangles = static_cast<std::size_t>(reader.number(20, 20000));
     } else if (option == "--ratios") {
       order.ratios.clear();
-      for (const std::string& cell : split(value(), ','))
+      for (const std::string& cell : split(reader.value(), ','))
         order.ratios.push_back(number(option, cell, .1, 10));
       if (order.ratios.size() > 33 || !std::is_sorted(order.ratios.begin(), order.ratios.end()) ||
           std::adjacent_find(order.ratios.begin(), order.ratios.end()) != order.ratios.end())
@@ -170,47 +94,20 @@ Order read_order(const std::vector<std::string>& words) {
       if (std::find(order.ratios.begin(), order.ratios.end(), 1.0) == order.ratios.end())
         throw Refusal("--ratios: expected 1, the body as it is, among them");
     } else if (option == "--air") {
-      const auto cells = split(value(), ',');
+      const auto cells = split(reader.value(), ',');
       if (cells.size() != 2)
         throw Refusal("--air: expected DENSITY,SPEED in kg/m^3 and m/s");
       order.air_density = number(option, cells[0], 1e-3, 1e4);
       order.sound_speed = number(option, cells[1], 10, 1e4);
     } else if (option == "--tolerance") {
-      order.tolerance = .01 * number(option, value(), 0, 100);
+      order.tolerance = .01 * reader.number(0, 100);
       order.tolerance_given = true;
-    } else if (option == "--fillet" && order.is_file) {
-      order.fillet = order.unit * number(option, value(), 1e-9, 1e9);
     } else if (option == "--residual") {
       order.residual = true;
-    } else if (option == "--multi") {
-      order.several_parts = true;
-    } else if (option == "--only" && order.is_file) {
-      order.part = value();
-    } else if (option == "--remesh") {
-      order.remesh = true;
-    } else if (option == "--shrink-wrap" && order.is_file) {
-      const bool given = i + 1 < words.size() && to_number(words[i + 1]);
-      order.shrink_wrap = given ? order.unit * number(option, value(), 1e-9, 1e9) : -1;
-    } else if (option == "--straight") {
-      order.straight = true;
-    } else if (option == "--quiet") {
-      order.quiet = true;
     } else {
-      std::string key = option.size() > 2 ? option.substr(2) : option;
-      std::replace(key.begin(), key.end(), '-', '_');
-      const bool known =
-          !order.is_file && std::any_of(shape->dimensions.begin(), shape->dimensions.end(),
-                                        [&](const Dimension& d) { return key == d.name; });
-      if (!known)
-        throw Refusal("unknown option " + option + (order.is_file ? "" : " of " + order.body) +
-                      "; modal_fem --help lists them");
-      const auto d = std::find_if(shape->dimensions.begin(), shape->dimensions.end(),
-                                  [&](const Dimension& x) { return key == x.name; });
-      order.dimensions[key] = (d->is_length ? order.unit : 1) * number(option, value(), 0, 1e9);
+      reader.take();
     }
   }
-  if (!order.part.empty() && order.several_parts)
-    throw Refusal("--only takes one part, --multi all: expected one of them");
   if (order.ranks > 0 && !order.slepc)
     throw Refusal("--ranks is the number of processes of --engine slepc, which is not chosen");
   return order;
@@ -222,32 +119,13 @@ std::string usage() {
 
 BODY is a file (.step .stp .brep .stl .obj .msh .inp) or a shape with its dimensions:
 )";
-  for (const ShapeEntry& s : known_shapes()) {
-    text += format("  %-14s", s.name) + s.meaning + "\n";
-    for (const Dimension& d : s.dimensions) {
-      std::string option = d.name;
-      std::replace(option.begin(), option.end(), '_', '-');
-      text += "                  --" + option + (*d.meaning ? std::string("  ") + d.meaning : "") +
-              "\n";
-    }
-  }
-  return text + R"(
-Lengths are in millimetres, or in --unit um|mm|cm|m|in.
-
-Material      --material NAME, or REGION=NAME for a body of several; data/materials.csv lists them
-              --young PA --poisson NU --density KG_PER_M3 --loss ETA   change the (first) material
-              --axes X1,Y1,Z1,X2,Y2,Z2   directions 1 (grain) and 2 of an orthotropic material
-Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or x=LEVEL or set:NAME
+  text += usage_of_shapes(known_shapes()) + usage_of_material();
+  text +=
+      R"(Supports      --fix PLACE[:xyz]          hold rigidly; PLACE is X,Y,Z,RADIUS or x=LEVEL or set:NAME
               --spring PLACE:N_PER_M[:xyz]
-Mesh          --h SIZE  --layers N  --no-grade  --multi  (several parts)
-              --only NAME|NUMBER  one of a file's separate parts
-              --fillet RADIUS  rounds the concave edges of a .step or .brep body
-              --remesh (renew an STL's triangles)  --straight  (no curved sides)
-              --shrink-wrap [SIZE]  a closed skin over a scan or broken surface; gaps
-                                    narrower than SIZE (1/25 of the body) are closed
-              --time-limit SECONDS (1200)  stop reading and meshing a file after so long
-                                       without progress
-              --tolerance PERCENT (0.2)  the mesh is refined until each mode's estimated error is
+)" + usage_of_mesh();
+  return text +
+         R"(              --tolerance PERCENT (0.2)  the mesh is refined until each mode's estimated error is
                                below; 0: the first mesh stays, as with --h and --layers
 Modes         --modes N (40)  --threads N (1)
               --engine slepc --ranks N  (2)  the factor on N processes of mpirun

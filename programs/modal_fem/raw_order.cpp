@@ -1,4 +1,4 @@
-#include "programs/modal_fem/outputs.hpp"
+#include "programs/body/output_files.hpp"
 #include "programs/modal_fem/raw.hpp"
 
 #include "core/table/npz.hpp"

@@ -42,30 +42,6 @@ double outer_area(const Mesh& mesh) {
 
 } // namespace
 
-Material first_material(const Order& order) {
-  Material m = find_material(order.body == "board" ? "spruce" : "aluminium");
-  for (const auto& [region, name] : order.materials) {
-    m = find_material(name);
-    if (!region.empty())
-      break;
-  }
-  apply_changes(order, m);
-  return m;
-}
-
-void apply_changes(const Order& order, Material& material) {
-  for (const auto& [what, value] : order.changes) {
-    if (what == "young")
-      material.young_pa[0] = value;
-    else if (what == "poisson")
-      material.poisson[0] = value;
-    else if (what == "density")
-      material.density = value;
-    else
-      material.loss_factor = value;
-  }
-}
-
 Refinement::Refinement(const Order& order, ProgressLine& progress, Forecast& forecast)
     : order_(order), progress_(progress), forecast_(forecast) {
   const bool only_exports = order.output.empty() && order.csv.empty() && order.vtu.empty() &&
@@ -84,22 +60,11 @@ double Refinement::first_size(double volume, double skin, double largest, double
 Mesh Refinement::mesh() { return order_.is_file ? mesh_of_file() : mesh_of_shape(); }
 
 Mesh Refinement::mesh_of_file() {
-  LoadChoice load{.unit = order_.unit_given ? order_.unit : 0,
-                  .h = order_.choice.h,
-                  .fillet = order_.fillet,
-                  .shrink_wrap = order_.shrink_wrap,
-                  .grade_concave = order_.choice.grade_concave,
-                  .curved = !order_.straight,
-                  .remesh = order_.remesh,
-                  .multi = order_.several_parts,
-                  .part = order_.part};
+  LoadChoice load = load_choice(order_, progress_);
   load.size_for = [this](double volume, double skin, double largest) {
     return first_size(volume, skin, largest, static_cast<double>(order_.modes));
   };
   load.sizes = sizes_ ? &*sizes_ : nullptr;
-  load.say = [this](const std::string& sentence) { progress_.say(sentence); };
-  load.report = [this](const std::string& stage, double share) { progress_.stage(stage, share); };
-  load.limits.silence_s = order_.time_limit_s;
   load.limits.memory_bytes = static_cast<std::uint64_t>(forecast_.budget().bytes());
   load.foretold = [this](const MeshSize& size, const auto& say) { // in the child
     std::function<MeshSize(double)> fewer;

@@ -50,9 +50,4 @@ private:
   std::optional<SizeField> sizes_;
 };
 
-/// The material of a body's first region, as ordered.
-[[nodiscard]] Material first_material(const Order&);
-/// --young, --poisson, --density and --loss.
-void apply_changes(const Order&, Material&);
-
 } // namespace tactus::fem

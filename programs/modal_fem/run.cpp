@@ -17,37 +17,6 @@ namespace {
 /// Conjugate gradients of the estimate stop when a step adds less of it.
 constexpr double kSettle = .1;
 
-std::vector<Material> materials_of(const Order& order, const Mesh& mesh) {
-  const std::string standard = order.body == "board" ? "spruce" : "aluminium";
-  std::vector<Material> materials(mesh.regions.size(), find_material(standard));
-  for (const auto& [region, name] : order.materials) {
-    const Material m = find_material(name);
-    if (region.empty()) {
-      std::fill(materials.begin(), materials.end(), m);
-      continue;
-    }
-    const auto at = std::find(mesh.regions.begin(), mesh.regions.end(), region);
-    if (at == mesh.regions.end()) {
-      std::string names;
-      for (const std::string& r : mesh.regions)
-        names += " " + r;
-      throw Refusal("--material: no region is called " + region + ", the body has" + names);
-    }
-    materials[static_cast<std::size_t>(at - mesh.regions.begin())] = m;
-  }
-  for (const auto& [what, value] : order.changes)
-    if (!materials[0].isotropic() && (what == "young" || what == "poisson"))
-      throw Refusal("--" + what + " changes an isotropic material, " + materials[0].name +
-                    " is orthotropic");
-  apply_changes(order, materials[0]);
-  if (!order.axes.empty())
-    for (Material& m : materials) {
-      m.axis_1 = {order.axes[0], order.axes[1], order.axes[2]};
-      m.axis_2 = {order.axes[3], order.axes[4], order.axes[5]};
-    }
-  return materials;
-}
-
 void check_residual(const Order& order, const Material& material) {
   if (order.residual && !material.isotropic())
     throw Refusal("--residual needs an isotropic material, " + material.name + " is orthotropic");
@@ -126,17 +95,6 @@ void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, Progr
   body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);
 }
 
-/// Pipes and devices are refused before they are opened, which might never return.
-void check_readable(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw Refusal("cannot read " + path + ": no such file");
-  if (!std::filesystem::is_regular_file(path, error))
-    throw Refusal("cannot read " + path + ": expected a regular file");
-  if (!std::ifstream(path))
-    throw Refusal("cannot read " + path + ": permission denied");
-}
-
 /// What can be refused without a mesh: names of files and materials.
 void check_early(const Order& order) {
   for (const std::string& path : {order.is_file ? order.body : std::string(), order.profile,
@@ -150,19 +108,6 @@ void check_early(const Order& order) {
   const auto materials = materials_of(order, Mesh{}); // one region, as shapes have
   (void)elastic_matrix(materials[0]);
   check_residual(order, materials[0]);
-}
-
-void describe(const Mesh& mesh, ProgressLine& progress) {
-  const Vector3 size = bounding_box(mesh.nodes).size();
-  progress.say(format("%zu elements (%s), %zu nodes, %zu degrees of freedom; %.4g x %.4g x %.4g mm",
-                      mesh.elements.size(), mesh.element_names().c_str(), mesh.nodes.size(),
-                      mesh.dofs(), 1e3 * size.x, 1e3 * size.y, 1e3 * size.z));
-  for (const Element& e : mesh.elements)
-    if (is_linear(e.shape)) {
-      progress.say("warning: linear elements (" + mesh.element_names() +
-                   ") make frequencies 5 to 30 % too high; take quadratic ones");
-      break;
-    }
 }
 
 void say_inaudible(const Solved& body, ProgressLine& progress) {
@@ -202,7 +147,7 @@ Solved assembled(const Order& order, Refinement& refinement, ProgressLine& progr
   body.mesh = refinement.mesh();
   progress.stage("checking the mesh", 0);
   check(body.mesh);
-  describe(body.mesh, progress);
+  describe(body.mesh, progress, "frequencies 5 to 30 % too high");
   forecast.made(body.mesh);
   const Parts parts = connected_parts(body.mesh);
   if (parts.count > 1 && !order.several_parts)

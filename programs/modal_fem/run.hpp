@@ -1,8 +1,8 @@
 #pragma once
 #include "fem/modes/body.hpp"
 #include "fem/radiation/mode_radiation.hpp"
+#include "programs/body/progress.hpp"
 #include "programs/modal_fem/order.hpp"
-#include "programs/modal_fem/progress.hpp"
 
 #include <memory>
 

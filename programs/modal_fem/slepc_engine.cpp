@@ -4,7 +4,7 @@
 #include "fem/io/safe_file.hpp"
 #include "fem/io/words.hpp"
 #include "fem/modes/rigid.hpp"
-#include "programs/modal_fem/budget.hpp"
+#include "programs/body/budget.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 #include "fem/modes/modes.hpp"
-#include "programs/modal_fem/progress.hpp"
+#include "programs/body/progress.hpp"
 
 namespace tactus::fem {
 

@@ -1,4 +1,4 @@
-#include "programs/modal_fem/budget.hpp"
+#include "programs/body/budget.hpp"
 
 #include "fem/io/words.hpp"
 #include "fem/mesh/mesh.hpp"

@@ -1,7 +1,7 @@
-#include "programs/modal_fem/progress.hpp"
+#include "programs/body/progress.hpp"
 
 #include "fem/io/words.hpp"
-#include "programs/modal_fem/budget.hpp"
+#include "programs/body/budget.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,0 +1,19 @@
+#pragma once
+#include "fem/material/material.hpp"
+#include "fem/mesh/mesh.hpp"
+
+#include <span>
+#include <string>
+
+namespace tactus::fem {
+
+/// Pieces of the JSON text that goes into tables as `meta`: a string, a list of numbers (nine
+/// digits), a material of a region with its constants in SI.
+[[nodiscard]] std::string quoted(const std::string& text);
+[[nodiscard]] std::string list(std::span<const double> values);
+[[nodiscard]] std::string json_of(const Material&, const std::string& region);
+
+/// SHA-256 of the nodes' coordinates and the elements' nodes.
+[[nodiscard]] std::string mesh_hash(const Mesh&);
+
+} // namespace tactus::fem

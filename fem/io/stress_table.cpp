@@ -1,0 +1,113 @@
+#include "fem/io/stress_table.hpp"
+
+#include "fem/io/mesh_bytes.hpp"
+#include "fem/io/meta.hpp"
+#include "fem/io/npz.hpp"
+#include "fem/io/words.hpp"
+
+namespace tactus::fem {
+namespace {
+
+std::string list(const std::vector<std::string>& words) {
+  std::string out = "[";
+  for (std::size_t i = 0; i < words.size(); ++i)
+    out += (i ? ", " : "") + quoted(words[i]);
+  return out + "]";
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words)
+    out += (out.empty() ? "" : "; ") + word;
+  return out;
+}
+
+std::string meta_of(const StressTable& t) {
+  const StressNotes& notes = t.notes;
+  std::string out = "{\"format\": \"stress-table\", \"version\": \"1.0\", \"generator\": \"tactus "
+                    "part_stress\"";
+  if (!notes.created.empty())
+    out += ", \"created\": " + quoted(notes.created);
+  out +=
+      ", \"units\": {\"stress\": \"Pa\", \"length\": \"m\"}, \"name\": " + quoted(notes.body_name) +
+      ", \"mesh_sha256\": \"" + mesh_hash(t.mesh) + "\"" +
+      format(", \"n_nodes\": %zu, \"n_elements\": %zu, \"dofs\": %zu", t.mesh.nodes.size(),
+             t.mesh.elements.size(), t.mesh.dofs()) +
+      ", \"element\": " + quoted(t.mesh.element_names()) +
+      ", \"material\": " + json_of(t.materials[0], t.mesh.regions[0]) + ", \"materials\": [";
+  for (std::size_t i = 0; i < t.materials.size(); ++i)
+    out += (i ? ", " : "") + json_of(t.materials[i], t.mesh.regions[i]);
+  out += "], \"supports\": " + list(notes.supports) +
+         ", \"loads\": " + quoted(joined(notes.loads)) + ", \"load_list\": " + list(notes.loads) +
+         format(", \"lattice\": [%d, %d, %d]", t.lattice[0], t.lattice[1], t.lattice[2]) +
+         format(", \"mass\": %.9g, \"volume\": %.9g, \"max_displacement\": %.9g", notes.mass,
+                notes.volume, notes.max_displacement) +
+         format(", \"costs\": {\"product_s\": %.3g, \"solve_s\": %.3g, \"factor_s\": %.3g}",
+                notes.product_s, notes.solve_s, notes.factor_s) +
+         ", \"command\": " + list(notes.command) + "}";
+  return out;
+}
+
+std::vector<float> singles(std::span<const double> values) {
+  return {values.begin(), values.end()};
+}
+
+std::vector<double> coordinates(std::span<const Vector3> points) {
+  std::vector<double> out;
+  for (const Vector3& p : points)
+    out.insert(out.end(), {p.x, p.y, p.z});
+  return out;
+}
+
+} // namespace
+
+std::vector<std::int32_t> element_of_vertices(const Mesh& mesh, const Surface& skin,
+                                              std::span<const double> volumes) {
+  std::vector<std::int32_t> owner(mesh.nodes.size(), -1);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e)
+    for (const int node : mesh.nodes_of(mesh.elements[e])) {
+      std::int32_t& at = owner[static_cast<std::size_t>(node)];
+      if (at < 0 || volumes[e] > volumes[static_cast<std::size_t>(at)])
+        at = static_cast<std::int32_t>(e);
+    }
+  std::vector<std::int32_t> out;
+  out.reserve(skin.node.size());
+  for (const int node : skin.node)
+    out.push_back(owner[static_cast<std::size_t>(node)]);
+  return out;
+}
+
+void write_stress_table(const std::string& path, const StressTable& t) {
+  const std::size_t elements = t.mesh.elements.size(), parameters = t.parameters.size();
+  const Surface skin = surface_of(t.mesh);
+  std::vector<Vector3> vertices;
+  for (const int node : skin.node)
+    vertices.push_back(t.mesh.nodes[static_cast<std::size_t>(node)]);
+  std::vector<std::int32_t> triangles;
+  for (const auto& triangle : skin.triangles)
+    triangles.insert(triangles.end(), triangle.begin(), triangle.end());
+  std::vector<double> rows;
+  for (const ParameterRange& p : t.parameters)
+    rows.insert(rows.end(),
+                {static_cast<double>(p.control), static_cast<double>(p.axis), p.low, p.high});
+  const std::string meta = meta_of(t), mesh = to_bytes(t.mesh);
+  const std::vector<std::uint8_t> meta_bytes(meta.begin(), meta.end()),
+      mesh_bytes(mesh.begin(), mesh.end());
+  NpzWriter npz;
+  npz.add("meta", meta_bytes, {meta_bytes.size()});
+  npz.add("s0", singles(t.von_mises), {elements});
+  npz.add("shear0", singles(t.max_shear), {elements});
+  npz.add("S", t.sensitivity.von_mises, {parameters, elements});
+  npz.add("S_shear", t.sensitivity.max_shear, {parameters, elements});
+  npz.add("weights", singles(t.volumes), {elements});
+  npz.add("parameters", rows, {parameters, 4});
+  npz.add("control_points", coordinates(t.control_points), {t.control_points.size(), 3});
+  npz.add("trust", std::span(&t.trust, 1), {});
+  npz.add("surface_nodes", coordinates(vertices), {vertices.size(), 3});
+  npz.add("surface_triangles", triangles, {skin.triangles.size(), 3});
+  npz.add("surface_node_element", element_of_vertices(t.mesh, skin, t.volumes), {vertices.size()});
+  npz.add("mesh", mesh_bytes, {mesh_bytes.size()});
+  npz.write(path);
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,50 @@
+#pragma once
+#include "fem/design/sensitivity.hpp"
+
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// What a stress table says of the part in words.
+struct StressNotes {
+  std::string body_name, created; ///< created: ISO 8601, or empty
+  std::vector<std::string> supports, loads;
+  double mass = 0, volume = 0;                     ///< kg, m^3
+  double max_displacement = 0;                     ///< m
+  double product_s = 0, solve_s = 0, factor_s = 0; ///< measured on the machine that wrote it
+  std::vector<std::string> command;                ///< the words with which part_stress made it
+};
+
+/// One row of `parameters`: a coordinate of a control point and the bounds of its displacement.
+struct ParameterRange {
+  int control = 0, axis = 0;
+  double low = 0, high = 0; ///< m
+};
+
+/// A part's stress and how it follows its control points.
+struct StressTable {
+  const Mesh& mesh;
+  std::span<const Material> materials;
+  std::span<const double> von_mises, max_shear; ///< at the centroids, [element], Pa
+  const StressSensitivity& sensitivity;         ///< Pa/m
+  std::span<const double> volumes;              ///< of the elements, m^3
+  std::vector<ParameterRange> parameters;
+  std::vector<Vector3> control_points; ///< m
+  std::array<int, 3> lattice{};        ///< control points along x, y, z
+  double trust = 0;                    ///< m
+  StressNotes notes;
+};
+
+/// NAME.stress.npz, SI: meta (JSON), s0, shear0 [N], S, S_shear [P,N], weights [N], parameters
+/// [P,4], control_points [C,3], trust, surface_nodes [V,3], surface_triangles [T,3],
+/// surface_node_element [V] and, for solving again, mesh (bytes). docs/part_stress.md lists them. A
+/// surface node takes the colour of the largest of its elements.
+void write_stress_table(const std::string& path, const StressTable&);
+
+/// For each vertex of the skin the element that lends it its stress: of those that share the node
+/// the one of largest volume.
+[[nodiscard]] std::vector<std::int32_t> element_of_vertices(const Mesh&, const Surface&,
+                                                            std::span<const double> volumes);
+
+} // namespace tactus::fem

@@ -1,0 +1,115 @@
+#include "programs/body/output_files.hpp"
+
+#include "programs/body/budget.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace tactus::fem {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path folder_of(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  return folder.empty() ? "." : folder;
+}
+
+std::string beside_program(const std::string& script) {
+  return (fs::read_symlink("/proc/self/exe").parent_path() / script).string();
+}
+
+/// Runs Debian's Python; whether it ended well. Python is isolated (-I: no module of the folder it
+/// is started in, no PYTHON variables), and starts in / lest a `matplotlibrc` be read here.
+bool python(std::vector<std::string> words) {
+  words.insert(words.begin(), {"python3", "-I"});
+  std::vector<char*> arguments;
+  for (std::string& word : words)
+    arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    if (chdir("/") == 0)
+      execv("/usr/bin/python3", arguments.data());
+    _exit(127);
+  }
+  int status = 0;
+  return child > 0 && waitpid(child, &status, 0) == child && status == 0;
+}
+
+} // namespace
+
+void check_output(const std::string& option, const std::string& path) {
+  const std::string who = option + " " + path;
+  const fs::path folder = folder_of(path);
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw Refusal(who + ": there is no folder " + folder.string());
+  if (fs::path(path).filename().empty() || fs::is_directory(path, error))
+    throw Refusal(who + " is a folder, expected the name of a file in it");
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+    throw Refusal(who +
+                  " is a device or pipe, expected a file: outputs appear complete or not at all");
+  if (fs::exists(path, error) && ::access(path.c_str(), W_OK) != 0)
+    throw Refusal(who + ": cannot write: " + std::strerror(errno));
+  // The file is written beside its place and renamed: that must be possible, and is tried.
+  std::string trial = path + ".pXXXXXX"; // as long as .partial
+  const int file = ::mkstemp(trial.data());
+  if (file < 0)
+    throw Refusal(who + ": cannot write: " + std::strerror(errno));
+  ::close(file);
+  ::unlink(trial.c_str());
+}
+
+void check_outputs(std::span<const Output> all, const BodyOrder& order) {
+  const auto same = [](const std::string& a, const std::string& b) {
+    return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].path.empty())
+      continue;
+    check_output(all[i].option, all[i].path);
+    if (order.is_file && same(all[i].path, order.body))
+      throw Refusal(std::string(all[i].option) + " " + all[i].path + " is the body's own file");
+    for (std::size_t j = 0; j < i; ++j)
+      if (!all[j].path.empty() && same(all[i].path, all[j].path))
+        throw Refusal(std::string(all[j].option) + " and " + all[i].option +
+                      " name the same file " + all[i].path);
+  }
+}
+
+void check_room(std::span<const Output> all) {
+  for (const Output& out : all) {
+    struct statvfs disk {};
+    if (out.path.empty() || ::statvfs(folder_of(out.path).c_str(), &disk) != 0)
+      continue; // the write itself will tell
+    const double room = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
+    if (out.bytes > room)
+      throw TooLarge(std::string(out.option) + " " + out.path + " would take " +
+                     words_of_bytes(out.bytes) + ", the disk has room for " + words_of_bytes(room));
+  }
+}
+
+void check_sheet(const std::string& script) {
+  if (!fs::exists(beside_program(script)) ||
+      !python({"-c", "import importlib.util, sys; "
+                     "sys.exit(importlib.util.find_spec('matplotlib') is None)"}))
+    throw Refusal("--sheet needs python3-matplotlib and " + beside_program(script));
+}
+
+void draw_sheet(const std::string& script, const std::string& table, const std::string& picture,
+                const std::vector<std::string>& more) {
+  std::vector<std::string> words{beside_program(script), fs::absolute(table).string(),
+                                 fs::absolute(picture).string()};
+  words.insert(words.end(), more.begin(), more.end());
+  if (!python(words))
+    throw Refusal("the picture sheet " + picture + " was not drawn by " + beside_program(script));
+}
+
+} // namespace tactus::fem

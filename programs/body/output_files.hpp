@@ -1,0 +1,33 @@
+#pragma once
+#include "programs/body/body_order.hpp"
+
+namespace tactus::fem {
+
+/// A file that the program will write.
+struct Output {
+  const char* option;
+  std::string path; ///< empty: none
+  double bytes = 0; ///< about what it takes
+};
+
+/// Refuses, before any work, output files that could not be written: a missing or closed folder, a
+/// folder or device in the file's place, one name for two files, the body's own file. Touches no
+/// existing file.
+void check_outputs(std::span<const Output>, const BodyOrder&);
+
+/// The same for one file.
+void check_output(const std::string& option, const std::string& path);
+
+/// Refuses outputs that the disk has no room for.
+void check_room(std::span<const Output>);
+
+/// Refuses at once what draw_sheet() would miss at the end: Debian's Python with matplotlib and the
+/// script, which lies beside this program.
+void check_sheet(const std::string& script);
+
+/// Draws a picture of a table with the Python script beside this program; `more` words follow the
+/// names of both files.
+void draw_sheet(const std::string& script, const std::string& table, const std::string& picture,
+                const std::vector<std::string>& more = {});
+
+} // namespace tactus::fem

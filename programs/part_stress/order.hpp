@@ -1,0 +1,65 @@
+#pragma once
+#include "fem/design/lattice.hpp"
+#include "fem/shapes/lift_arm.hpp"
+#include "programs/body/output_files.hpp"
+#include "programs/part_stress/region.hpp"
+
+#include <optional>
+
+namespace tactus::fem {
+
+/// A support: nodes held in directions, or an elastic bedding of faces.
+struct SupportOrder {
+  std::string words;
+  Region where;
+  std::array<bool, 3> directions{true, true, true};
+  Vector3 stiffness_n_per_m{}; ///< zero: held
+};
+
+struct LoadOrder {
+  enum class Kind : std::uint8_t { force, traction, pressure, bolt, point };
+  Kind kind;
+  std::string words;
+  Region where;  ///< none for a point
+  Vector3 point; ///< m
+  Vector3 value; ///< N or Pa; a pressure's is in x
+};
+
+/// A control point moved by so much, m.
+struct Move {
+  int control = 0;
+  Vector3 displacement;
+};
+
+/// What the command line asks for.
+struct PartOrder : BodyOrder {
+  std::vector<SupportOrder> supports;
+  std::vector<LoadOrder> loads;
+  Vector3 gravity; ///< m/s^2
+
+  std::optional<Box> box; ///< of the control lattice; none: the body's
+  std::array<int, 3> points{3, 3, 3};
+  std::array<int, 3> degree{0, 0, 0}; ///< 0: 3, or one less than the points where they are fewer
+  std::vector<int> controls;          ///< that may move; empty: all that keep the body in one piece
+  std::array<bool, 3> directions{true, true, true};
+  double range = 0; ///< m, of each coordinate both ways; 0: half the lattice's spacing
+  double trust = 0; ///< m; 0: a tenth of the lattice's shortest side
+  std::vector<Move> moves;
+
+  bool list_faces = false;
+  std::string output, vtu, sheet, inp, step;
+
+  /// The dimensions of the shape lift_arm. Refuses as check() does.
+  [[nodiscard]] LiftArm lift_arm() const;
+  [[nodiscard]] bool is_lift_arm() const { return !is_file && body == "lift_arm"; }
+  [[nodiscard]] bool needs_faces() const; ///< some region is a CAD face by its number
+  [[nodiscard]] std::vector<Output> outputs() const;
+};
+
+/// Refuses what it does not understand. Lengths are in `--unit`.
+[[nodiscard]] PartOrder read_order(const std::vector<std::string>& words);
+
+/// The help text.
+[[nodiscard]] std::string usage();
+
+} // namespace tactus::fem

@@ -1,0 +1,311 @@
+#include "programs/part_stress/part.hpp"
+
+#include "fem/io/words.hpp"
+#include "fem/modes/cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::fem {
+namespace {
+
+constexpr double kUsualElements = 2200; ///< asked of a file; curved faces take two to four times as many
+constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
+constexpr int kElementsPerTurn = 8;        ///< two along a quarter's fillet
+constexpr double kTrustShare = .1;         ///< of the lattice's shortest side
+
+/// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
+double bytes_of(const MeshSize& size, const PartOrder& order) {
+  const double controls = order.points[0] * order.points[1] * order.points[2];
+  const double parameters = order.output.empty() && order.moves.empty() ? 0 : 3 * controls;
+  return foretell_factor(size).memory_bytes + size.node_pairs * (9 + 1 + 1) * 8 +
+         size.dofs() * 8 * 20 + size.elements * (parameters * 8 + 200) + 5e7;
+}
+
+void hold(const PartOrder& order, const Budget& budget, const MeshSize& size,
+          const std::function<MeshSize(double)>& resized) {
+  const double bytes = bytes_of(size, order);
+  if (bytes <= kCostMargin * budget.bytes())
+    return;
+  const double largest = std::max({size.box.x, size.box.y, size.box.z});
+  double h = 1e-4 * largest;
+  while (h < largest && bytes_of(resized(h), order) > budget.bytes())
+    h *= 1.1;
+  throw TooLarge(order.name() +
+                 format(": %.0f elements with %.0f unknowns", size.elements, size.dofs()) +
+                 " would take " + words_of_bytes(bytes) + ", expected at most " +
+                 words_of_bytes(budget.bytes()) +
+                 (order.memory_bytes > 0 ? " (--memory)" : ", half of what is free (--memory)") +
+                 (h < largest ? format(": take --h %.2g", h / order.unit) : ""));
+}
+
+Mesh mesh_of_shape(const PartOrder& order, const Budget& budget, ProgressLine& progress) {
+  const auto profile =
+      order.profile.empty() ? std::vector<ProfilePoint>{} : read_profile(order.profile, order.unit);
+  const auto plan_for = [&](double h) {
+    MeshChoice choice = order.choice;
+    choice.h = h;
+    return plan_shape(order.body, order.dimensions, profile, choice);
+  };
+  const ShapePlan plan = plan_for(order.choice.h);
+  hold(order, budget, plan.size, [&](double h) { return plan_for(h).size; });
+  progress.stage("meshing", 0);
+  return plan.make().mesh;
+}
+
+Mesh mesh_of_file(const PartOrder& order, const Budget& budget, ProgressLine& progress) {
+  LoadChoice load = load_choice(order, progress);
+  load.face_sets = order.needs_faces();
+  if (load.face_sets && !order.list_faces) // told only where they were asked for
+    load.say = [&progress](const std::string& sentence) {
+      if (!sentence.starts_with("face "))
+        progress.say(sentence);
+    };
+  load.elements_per_turn = kElementsPerTurn;
+  load.size_for = [](double volume, double, double) {
+    return std::cbrt(volume / (kTetrahedronShare * kUsualElements));
+  };
+  load.limits.memory_bytes = static_cast<std::uint64_t>(budget.bytes());
+  load.foretold = [&](const MeshSize& size, const auto&) { // in the child
+    hold(order, budget, size, [&](double h) { return resized_tetrahedra(size, h); });
+  };
+  return order.is_lift_arm() ? mesh_lift_arm(order.lift_arm(), load) : load_body(order.body, load);
+}
+
+/// Runs `select` with the option's words before its refusal.
+template <class Select> auto selected(const std::string& words, Select&& select) {
+  try {
+    return select();
+  } catch (const Refusal& refusal) {
+    throw Refusal("--" + words + ": " + refusal.what());
+  }
+}
+
+/// The direction that is most nearly in the plane of all faces: a round hole's axis. The smallest
+/// eigenvector of the mean of n n' is the largest of 1 - n n', found by powers.
+Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::string& words) {
+  std::array<Vector3, 3> m{};
+  double whole = 0;
+  for (const MeshFace& at : wall) {
+    const Element& e = mesh.elements[static_cast<std::size_t>(at.element)];
+    const Face& face = faces(e.shape)[static_cast<std::size_t>(at.face)];
+    const auto corner = [&](std::size_t c) {
+      const auto local = static_cast<std::size_t>(face.node[c]);
+      return mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(e)[local])];
+    };
+    const auto last = static_cast<std::size_t>(face.corners - 1);
+    Vector3 n = cross(corner(1) - corner(0), corner(last) - corner(0));
+    const double area = length(n);
+    whole += area;
+    for (int i = 0; i < 3; ++i)
+      m[static_cast<std::size_t>(i)] += (n[i] / std::max(area, 1e-300)) * n;
+  }
+  Vector3 axis{1, 1.1, 1.21};
+  for (int k = 0; k < 200; ++k) {
+    Vector3 next = whole * axis - Vector3{dot(m[0], axis), dot(m[1], axis), dot(m[2], axis)};
+    axis = (1 / length(next)) * next;
+  }
+  const double along = dot(axis, {dot(m[0], axis), dot(m[1], axis), dot(m[2], axis)}) / whole;
+  if (!(along < .01))
+    throw Refusal("--" + words +
+                  ": expected the wall of a round hole or pin, whose faces run along "
+                  "one axis");
+  return axis;
+}
+
+int nearest_skin_node(const Mesh& mesh, const Vector3& point) {
+  const Surface skin = surface_of(mesh);
+  return *std::min_element(skin.node.begin(), skin.node.end(), [&](int a, int b) {
+    return length(mesh.nodes[static_cast<std::size_t>(a)] - point) <
+           length(mesh.nodes[static_cast<std::size_t>(b)] - point);
+  });
+}
+
+Load load_of(const LoadOrder& order, const Mesh& mesh) {
+  using Kind = LoadOrder::Kind;
+  if (order.kind == Kind::point)
+    return PointForce{nearest_skin_node(mesh, order.point), order.value};
+  const auto faces =
+      selected(order.words, [&] { return select_faces(mesh, order.where.selection); });
+  switch (order.kind) {
+  case Kind::traction:
+    return Traction{order.words, faces, order.value};
+  case Kind::pressure:
+    return Pressure{order.words, faces, order.value.x};
+  case Kind::bolt: {
+    Vector3 axis = axis_of_wall(mesh, faces, order.words);
+    // Facets find the axis within a percent; a force that is no further from perpendicular is meant
+    // to be perpendicular.
+    const double size = length(order.value);
+    const double along = size > 0 ? dot(axis, order.value) / size : 0;
+    if (std::abs(along) < .02 && size > 0)
+      axis = axis - (along / size) * order.value;
+    return BoltLoad{order.words, faces, axis, order.value};
+  }
+  default:
+    return TotalForce{order.words, faces, order.value};
+  }
+}
+
+/// Which layers of control points lie on a face of the box that the body passes through:
+/// [axis][low, high].
+std::array<std::array<bool, 2>, 3> faces_passed(const Mesh& mesh, const Box& box) {
+  const double near = 1e-6 * bounding_box(mesh.nodes).largest();
+  std::array<std::array<bool, 2>, 3> passed{};
+  const auto outside = [&](const Vector3& p, int k) {
+    return p[k] < box.low[k] - near ? -1 : p[k] > box.high[k] + near ? 1 : 0;
+  };
+  for (const Element& e : mesh.elements) {
+    // An element with a node inside joins what lies beyond a face to what moves.
+    bool inside = false;
+    for (const int n : mesh.nodes_of(e)) {
+      const Vector3& p = mesh.nodes[static_cast<std::size_t>(n)];
+      inside |= outside(p, 0) == 0 && outside(p, 1) == 0 && outside(p, 2) == 0;
+    }
+    if (!inside)
+      continue;
+    for (const int n : mesh.nodes_of(e))
+      for (int k = 0; k < 3; ++k)
+        if (const int side = outside(mesh.nodes[static_cast<std::size_t>(n)], k); side != 0)
+          passed[static_cast<std::size_t>(k)][side > 0] = true;
+  }
+  return passed;
+}
+
+std::vector<int> free_controls(const PartOrder& order, const Mesh& mesh, const DesignSpace& space) {
+  const Lattice& lattice = space.lattice;
+  std::vector<double> influence(static_cast<std::size_t>(lattice.control_count()), 0);
+  for (std::size_t i = 0; i < space.weights.control.size(); ++i) {
+    double& most = influence[static_cast<std::size_t>(space.weights.control[i])];
+    most = std::max(most, std::abs(space.weights.weight[i]));
+  }
+  constexpr double kMinInfluence = 1e-3; // of a node's motion in the control point's
+  const auto passed = faces_passed(mesh, lattice.box);
+  std::vector<int> found;
+  for (int k = 0; k < lattice.points[2]; ++k)
+    for (int j = 0; j < lattice.points[1]; ++j)
+      for (int i = 0; i < lattice.points[0]; ++i) {
+        const std::array<int, 3> at{i, j, k};
+        bool stays = influence[static_cast<std::size_t>(lattice.control(i, j, k))] < kMinInfluence;
+        for (std::size_t a = 0; a < 3; ++a)
+          stays |= (passed[a][0] && at[a] == 0) || (passed[a][1] && at[a] == lattice.points[a] - 1);
+        if (!stays)
+          found.push_back(lattice.control(i, j, k));
+      }
+  if (order.controls.empty())
+    return found;
+  for (const int id : order.controls)
+    if (std::find(found.begin(), found.end(), id) == found.end())
+      throw Refusal(format("--controls: control point %d ", id) +
+                    (id >= lattice.control_count()
+                         ? format("is not there, expected 0 to %d", lattice.control_count() - 1)
+                         : "cannot move: it moves no node, or lies on a face of the box that the "
+                           "body passes through"));
+  std::vector<int> chosen = order.controls;
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
+}
+
+/// The largest displacement up to `wanted` (either sign) that one parameter may take alone.
+double valid_bound(const Mesh& mesh, const DesignVelocity& velocity, double wanted) {
+  std::vector<Vector3> target =
+      moved_nodes(mesh.nodes, std::span(&velocity, 1), std::span(&wanted, 1));
+  return wanted * valid_step(mesh, target).fraction;
+}
+
+} // namespace
+
+Mesh mesh_of(const PartOrder& order, ProgressLine& progress) {
+  for (const std::string& path : {order.is_file ? order.body : std::string(), order.profile})
+    if (!path.empty())
+      check_readable(path);
+  for (const auto& [region, name] : order.materials)
+    (void)find_material(name);
+  const Budget budget(order.memory_bytes);
+  progress.stage("meshing", 0);
+  Mesh mesh = order.is_file || order.is_lift_arm() ? mesh_of_file(order, budget, progress)
+                                                   : mesh_of_shape(order, budget, progress);
+  check(mesh);
+  describe(mesh, progress, "stresses far too low");
+  hold(order, budget, size_of(mesh),
+       [&](double h) { return resized_tetrahedra(size_of(mesh), h); });
+  if (const Parts parts = connected_parts(mesh); parts.count > 1 && !order.several_parts)
+    throw Refusal("the mesh falls into " + std::to_string(parts.count) +
+                  " parts that share no node, expected one (allow it with --multi)");
+  return mesh;
+}
+
+StaticModel model_of(const PartOrder& order, const Mesh& mesh) {
+  StaticModel model;
+  model.materials = materials_of(order, mesh);
+  for (const SupportOrder& s : order.supports) {
+    if (s.stiffness_n_per_m == Vector3{})
+      model.fixed.push_back(
+          {s.words, selected(s.words, [&] { return select_nodes(mesh, s.where.selection); }),
+           s.directions});
+    else
+      model.springs.push_back(
+          {s.words, selected(s.words, [&] { return select_faces(mesh, s.where.selection); }),
+           s.stiffness_n_per_m});
+  }
+  for (const LoadOrder& load : order.loads)
+    model.loads.push_back(load_of(load, mesh));
+  if (!(order.gravity == Vector3{}))
+    model.loads.push_back(Gravity{order.gravity});
+  return model;
+}
+
+DesignSpace design_space_of(const PartOrder& order, const Mesh& mesh) {
+  DesignSpace space;
+  space.lattice.box = order.box ? *order.box : bounding_box(mesh.nodes);
+  space.lattice.points = order.points;
+  for (std::size_t a = 0; a < 3; ++a)
+    space.lattice.degree[a] =
+        order.degree[a] > 0 ? order.degree[a] : std::min(3, order.points[a] - 1);
+  space.weights = embed(mesh, space.lattice);
+  space.controls = free_controls(order, mesh, space);
+  if (space.controls.empty())
+    throw Refusal("--box: no control point may move, as the body passes through the faces of the "
+                  "box on which they lie: expected more points (--lattice) or another box");
+  const Vector3 side = space.lattice.box.size();
+  space.trust = order.trust > 0 ? order.trust : kTrustShare * std::min({side.x, side.y, side.z});
+  std::vector<ShapeParameter> parameters;
+  for (const int control : space.controls)
+    for (int axis = 0; axis < 3; ++axis)
+      if (order.directions[static_cast<std::size_t>(axis)]) {
+        Vector3 direction;
+        direction[axis] = 1;
+        parameters.push_back(
+            {format("%d %c", control, 'x' + axis), std::vector<int>{control}, direction});
+        const double spacing = side[axis] / (order.points[static_cast<std::size_t>(axis)] - 1);
+        const double range = order.range > 0 ? order.range : spacing / 2;
+        space.parameters.push_back({control, axis, -range, range});
+      }
+  space.velocities = design_velocities(space.weights, parameters);
+  for (std::size_t p = 0; p < space.parameters.size(); ++p) {
+    ParameterRange& range = space.parameters[p];
+    range.low = valid_bound(mesh, space.velocities[p], range.low);
+    range.high = valid_bound(mesh, space.velocities[p], range.high);
+  }
+  return space;
+}
+
+std::vector<double> parameters_of(std::span<const Move> moves, const DesignSpace& space) {
+  std::vector<double> values(space.parameters.size(), 0);
+  for (const Move& move : moves)
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = std::find_if(
+          space.parameters.begin(), space.parameters.end(),
+          [&](const ParameterRange& p) { return p.control == move.control && p.axis == axis; });
+      if (at != space.parameters.end())
+        values[static_cast<std::size_t>(at - space.parameters.begin())] += move.displacement[axis];
+      else if (move.displacement[axis] != 0)
+        throw Refusal(format("--move %d: control point %d may not move along %c (--controls, "
+                             "--directions, or a face of the box that the body passes through)",
+                             move.control, move.control, 'x' + axis));
+    }
+  return values;
+}
+
+} // namespace tactus::fem

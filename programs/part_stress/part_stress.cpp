@@ -1,0 +1,222 @@
+// part_stress: from a loaded part to its stress, and how the stress follows the part's shape.
+//
+//   K u = f      sigma = C B u      d sigma / dp by the direct method
+//
+//   1. mesh      a swept shape, the lift arm, a file, or gmsh's curved tetrahedra of a CAD model
+//   2. model     supports, loads, a lattice of control points around the part
+//   3. solve     one factor for the displacement and for every parameter's derivative
+//   4. move      control points, where asked: Taylor's series beside a new solution
+//   5. write     NAME.stress.npz, VTU, CalculiX, a picture sheet
+#include "fem/io/exchange.hpp"
+#include "fem/io/safe_file.hpp"
+#include "fem/io/vtu.hpp"
+#include "fem/io/words.hpp"
+#include "fem/modes/body.hpp"
+#include "programs/part_stress/picture.hpp"
+#include "programs/part_stress/serve.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <numeric>
+
+namespace {
+
+using namespace tactus::fem;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point then) {
+  return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+std::string now() {
+  const std::time_t time = std::time(nullptr);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time));
+  return text;
+}
+
+double mean(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
+}
+
+double volume_mean(std::span<const double> values, std::span<const double> volumes) {
+  return std::inner_product(values.begin(), values.end(), volumes.begin(), 0.) /
+         std::accumulate(volumes.begin(), volumes.end(), 0.);
+}
+
+void print_state(const char* when, const PictureState& s, std::span<const double> volumes) {
+  std::printf("%-7s von Mises: largest %.4g MPa (smoothed) at (%.4g, %.4g, %.4g) mm, %.4g MPa in "
+              "an element's middle; mean %.4g MPa, by volume %.4g MPa\n"
+              "        largest displacement %.5g mm; volume %.6g cm^3\n",
+              when, 1e-6 * *std::max_element(s.von_mises.begin(), s.von_mises.end()),
+              1e3 * s.peak.x, 1e3 * s.peak.y, 1e3 * s.peak.z,
+              1e-6 * *std::max_element(s.at_elements.begin(), s.at_elements.end()),
+              1e-6 * mean(s.at_elements), 1e-6 * volume_mean(s.at_elements, volumes),
+              1e3 * s.max_displacement, 1e6 * s.volume);
+}
+
+/// Relative to the largest value: root mean square and largest difference.
+std::array<double, 2> difference(std::span<const double> a, std::span<const double> b) {
+  double sum = 0, most = 0, scale = 0, squares = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum += (a[i] - b[i]) * (a[i] - b[i]);
+    squares += b[i] * b[i];
+    most = std::max(most, std::abs(a[i] - b[i]));
+    scale = std::max(scale, std::abs(b[i]));
+  }
+  return {std::sqrt(sum / squares), most / scale};
+}
+
+void write_fields(const std::string& path, const Mesh& mesh, const StaticModel& model,
+                  const StaticSolution& solution) {
+  const auto nodal = nodal_stress(mesh, model.materials, solution.displacement);
+  const auto elemental = element_stress(mesh, model.materials, solution.displacement);
+  const auto fields = [](std::span<const Stress> stresses) {
+    std::array<std::vector<double>, 3> out;
+    for (const Stress& s : stresses) {
+      out[0].push_back(von_mises(s));
+      out[1].push_back(max_shear(s));
+      const auto p = principal(s);
+      out[2].insert(out[2].end(), p.begin(), p.end());
+    }
+    return out;
+  };
+  const auto at_nodes = fields(nodal), at_elements = fields(elemental);
+  const std::vector<VtuField> node_fields{{"displacement m", 3, solution.displacement},
+                                          {"von Mises Pa", 1, at_nodes[0]},
+                                          {"max shear Pa", 1, at_nodes[1]},
+                                          {"principal stresses Pa", 3, at_nodes[2]}},
+      element_fields{{"von Mises Pa", 1, at_elements[0]},
+                     {"max shear Pa", 1, at_elements[1]},
+                     {"principal stresses Pa", 3, at_elements[2]}};
+  write_vtu(path, mesh, node_fields, element_fields);
+}
+
+StressNotes notes_of(const PartOrder& order, const std::vector<std::string>& words,
+                     const Reanalysis& part, const PictureState& state, double mass) {
+  StressNotes notes{.body_name = order.name(),
+                    .created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now(),
+                    .supports = {},
+                    .loads = {},
+                    .mass = mass,
+                    .volume = state.volume,
+                    .max_displacement = state.max_displacement,
+                    .product_s = part.cost().product,
+                    .solve_s = part.cost().solve,
+                    .factor_s = part.cost().assembly + part.cost().factor,
+                    .command = words};
+  for (const SupportOrder& s : order.supports)
+    notes.supports.push_back(s.words);
+  for (const LoadOrder& l : order.loads)
+    notes.loads.push_back(l.words);
+  if (!(order.gravity == Vector3{}))
+    notes.loads.push_back(
+        format("gravity %g,%g,%g", order.gravity.x, order.gravity.y, order.gravity.z));
+  return notes;
+}
+
+int run(const std::vector<std::string>& words) {
+  const PartOrder order = read_order(words);
+  check_outputs(order.outputs(), order);
+  if (!order.sheet.empty())
+    check_sheet("stress_sheet.py");
+  const Clock::time_point begun = Clock::now();
+  ProgressLine progress(order.quiet);
+  if (!order.step.empty()) {
+    write_step(order.step, order.lift_arm());
+    if (order.outputs().size() == 1)
+      return 0;
+  }
+  set_solver_threads(order.threads);
+  Mesh mesh = mesh_of(order, progress);
+  if (order.list_faces)
+    return 0;
+  const StaticModel model = model_of(order, mesh);
+  if (!order.inp.empty()) {
+    progress.stage("writing " + order.inp, 0);
+    write_static_inp(order.inp, mesh, model);
+  }
+  progress.stage("embedding the control lattice", 0);
+  DesignSpace space = design_space_of(order, mesh);
+  const std::vector<double> wanted = parameters_of(order.moves, space);
+  const bool derivatives = !order.output.empty() || !order.moves.empty();
+  progress.stage("solving", 0);
+  Reanalysis part(mesh, model, space.velocities, {.tolerance = 1e-8, .sensitivities = derivatives},
+                  [&](double share) { progress.stage("solving", share); });
+  const auto volumes = element_volumes(mesh);
+  const std::vector<double> base(part.base_von_mises().begin(), part.base_von_mises().end());
+  std::vector<PictureState> states{picture_of(mesh, model, part.solution(), base)};
+  const double mass = mass_properties(mesh, model.materials).mass;
+  const Vector3 reaction = support_force(mesh, model, part.solution());
+  const StressNotes notes = notes_of(order, words, part, states[0], mass);
+  std::printf("mass %.6g kg; %zu control points of %zu may move, %zu parameters; supports take "
+              "(%.5g, %.5g, %.5g) N\n",
+              mass, space.controls.size(), space.weights.control_points.size(),
+              space.parameters.size(), reaction.x, reaction.y, reaction.z);
+  print_state("before", states[0], volumes);
+  if (!order.output.empty()) {
+    progress.stage("writing " + order.output, 0);
+    write_stress_table(order.output,
+                       {mesh, model.materials, part.base_von_mises(), part.base_max_shear(),
+                        part.sensitivity(), volumes, space.parameters, space.weights.control_points,
+                        space.lattice.points, space.trust, notes});
+  }
+  PictureNotes beside;
+  if (!order.moves.empty()) {
+    progress.stage("moving control points", 0);
+    if (const ValidStep step = part.move_to(wanted); step.fraction < 1)
+      progress.say(format("warning: the move stops at %.1f %%: element %zu would turn inside out",
+                          100 * step.fraction, step.element + 1));
+    beside.taylor = part.taylor().von_mises;
+    const StressUpdate solved = part.solve();
+    states.push_back(picture_of(part.mesh(), model, part.solution(), solved.von_mises));
+    print_state("after", states[1], element_volumes(part.mesh()));
+    const auto error = difference(beside.taylor, solved.von_mises);
+    std::printf("        Taylor's series differs by %.3g %% (root mean square), %.3g %% of the "
+                "largest; solved anew by %s in %.3g s, %d iterations\n",
+                100 * error[0], 100 * error[1], name(solved.method), solved.seconds,
+                solved.iterations);
+  }
+  const double seconds = seconds_since(begun);
+  const std::string memory = words_of_bytes(part.memory().total());
+  std::printf("        %zu elements (%s), %zu unknowns, %s, %.3g s\n", mesh.elements.size(),
+              mesh.element_names().c_str(), mesh.dofs(), memory.c_str(), seconds);
+  std::fflush(stdout);
+  if (!order.vtu.empty()) {
+    progress.stage("writing " + order.vtu, 0);
+    write_fields(order.vtu, part.mesh(), model, part.solution());
+  }
+  if (!order.sheet.empty()) {
+    progress.stage("writing " + order.sheet, 0);
+    beside.title = order.name();
+    beside.subtitle =
+        model.materials[0].name + format(", %.4g kg; %zu %s, %zu unknowns; %s, %.2g s", mass,
+                                         mesh.elements.size(), mesh.element_names().c_str(),
+                                         mesh.dofs(), memory.c_str(), seconds);
+    draw_part(order.sheet, model, space, mesh, states, part.parameters(), beside);
+  }
+  return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  clean_up_on_interrupt();
+  try {
+    if (!words.empty() && (words[0] == "--help" || words[0] == "-h")) {
+      std::fputs(usage().c_str(), stdout);
+      return 0;
+    }
+    if (!words.empty() && words[0] == "serve")
+      return serve({words.begin() + 1, words.end()});
+    return run(words);
+  } catch (const std::bad_alloc&) {
+    std::fputs("part_stress: out of memory; take a coarser mesh (--h)\n", stderr);
+  } catch (const std::exception& refusal) {
+    std::fprintf(stderr, "part_stress: %s\n", refusal.what());
+  }
+  return 1;
+}

@@ -1,0 +1,166 @@
+#include "programs/part_stress/picture.hpp"
+
+#include "fem/io/meta.hpp"
+#include "fem/io/npz.hpp"
+#include "fem/io/words.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace tactus::fem {
+namespace {
+
+std::vector<double> coordinates(std::span<const Vector3> points) {
+  std::vector<double> out;
+  for (const Vector3& p : points)
+    out.insert(out.end(), {p.x, p.y, p.z});
+  return out;
+}
+
+std::vector<Vector3> positions(const Mesh& mesh, std::span<const int> nodes) {
+  std::vector<Vector3> out;
+  out.reserve(nodes.size());
+  for (const int n : nodes)
+    out.push_back(mesh.nodes[static_cast<std::size_t>(n)]);
+  return out;
+}
+
+Vector3 middle(std::span<const Vector3> points) {
+  Vector3 sum;
+  for (const Vector3& p : points)
+    sum += p;
+  return (1 / static_cast<double>(std::max<std::size_t>(points.size(), 1))) * sum;
+}
+
+/// Where a load acts, its whole force and a word for it.
+struct Arrow {
+  Vector3 at, force;
+  std::string words;
+};
+
+std::vector<Arrow> arrows_of(const Mesh& mesh, const StaticModel& model) {
+  std::vector<Arrow> arrows;
+  for (const Load& load : model.loads) {
+    const Vector3 force = sum_of_forces(load_vector(mesh, model.materials, std::span(&load, 1)));
+    Vector3 at = middle(mesh.nodes);
+    const auto on_faces = [&](const auto& l) {
+      at = middle(positions(mesh, nodes_of_faces(mesh, l.faces)));
+    };
+    std::string words = format(length(force) < 1e3 ? "%.4g N" : "%.0f N", length(force));
+    if (const auto* traction = std::get_if<Traction>(&load))
+      on_faces(*traction);
+    else if (const auto* total = std::get_if<TotalForce>(&load))
+      on_faces(*total);
+    else if (const auto* bolt = std::get_if<BoltLoad>(&load))
+      on_faces(*bolt);
+    else if (const auto* point = std::get_if<PointForce>(&load))
+      at = mesh.nodes[static_cast<std::size_t>(point->node)];
+    else if (const auto* pressure = std::get_if<Pressure>(&load)) {
+      on_faces(*pressure);
+      words = format("%.4g MPa", 1e-6 * pressure->pressure_pa);
+    } else
+      words = "weight " + words;
+    arrows.push_back({at, force, words});
+  }
+  return arrows;
+}
+
+} // namespace
+
+PictureState picture_of(const Mesh& mesh, const StaticModel& model, const StaticSolution& solution,
+                        std::vector<double> von_mises_at_elements) {
+  PictureState state;
+  state.nodes = mesh.nodes;
+  const auto smoothed = nodal_stress(mesh, model.materials, solution.displacement);
+  for (const Stress& s : smoothed)
+    state.von_mises.push_back(von_mises(s));
+  state.at_elements = std::move(von_mises_at_elements);
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    const double* u = &solution.displacement[3 * i];
+    state.max_displacement = std::max(state.max_displacement, length({u[0], u[1], u[2]}));
+  }
+  state.volume = volume(mesh);
+  const auto peak = std::max_element(state.von_mises.begin(), state.von_mises.end());
+  state.peak = mesh.nodes[static_cast<std::size_t>(peak - state.von_mises.begin())];
+  return state;
+}
+
+void draw_part(const std::string& picture, const StaticModel& model, const DesignSpace& space,
+               const Mesh& start, std::span<const PictureState> states,
+               std::span<const double> parameters, const PictureNotes& notes) {
+  const Surface skin = surface_of(start);
+  std::vector<std::int32_t> triangles, is_free(space.weights.control_points.size(), 0);
+  for (const auto& t : skin.triangles)
+    triangles.insert(triangles.end(), t.begin(), t.end());
+  for (const int control : space.controls)
+    is_free[static_cast<std::size_t>(control)] = 1;
+  std::vector<Vector3> moved = space.weights.control_points;
+  for (std::size_t p = 0; p < parameters.size(); ++p)
+    moved[static_cast<std::size_t>(space.parameters[p].control)][space.parameters[p].axis] +=
+        parameters[p];
+  std::vector<double> vertices, stresses, numbers;
+  for (const PictureState& s : states) {
+    for (const int n : skin.node) {
+      const Vector3& p = s.nodes[static_cast<std::size_t>(n)];
+      vertices.insert(vertices.end(), {p.x, p.y, p.z});
+      stresses.push_back(s.von_mises[static_cast<std::size_t>(n)]);
+    }
+    double sum = 0;
+    for (const double x : s.at_elements)
+      sum += x;
+    numbers.insert(numbers.end(),
+                   {*std::max_element(s.von_mises.begin(), s.von_mises.end()), s.peak.x, s.peak.y,
+                    s.peak.z, *std::max_element(s.at_elements.begin(), s.at_elements.end()),
+                    sum / static_cast<double>(s.at_elements.size()), s.max_displacement, s.volume});
+  }
+  std::string arrows;
+  std::vector<double> arrow_rows;
+  for (const Arrow& a : arrows_of(start, model)) {
+    arrows += (arrows.empty() ? "" : ", ") + quoted(a.words);
+    arrow_rows.insert(arrow_rows.end(), {a.at.x, a.at.y, a.at.z, a.force.x, a.force.y, a.force.z});
+  }
+  std::vector<double> held;
+  for (const FixedPatch& patch : model.fixed)
+    for (const int n : patch.nodes)
+      if (std::binary_search(skin.node.begin(), skin.node.end(), n)) {
+        const Vector3& p = start.nodes[static_cast<std::size_t>(n)];
+        held.insert(held.end(), {p.x, p.y, p.z});
+      }
+  for (const SpringPatch& patch : model.springs)
+    for (const Vector3& p : positions(start, nodes_of_faces(start, patch.faces)))
+      held.insert(held.end(), {p.x, p.y, p.z});
+  const std::string meta = "{\"title\": " + quoted(notes.title) +
+                           ", \"subtitle\": " + quoted(notes.subtitle) + ", \"arrows\": [" +
+                           arrows + "]" +
+                           format(", \"lattice\": [%d, %d, %d]}", space.lattice.points[0],
+                                  space.lattice.points[1], space.lattice.points[2]);
+  const std::vector<std::uint8_t> meta_bytes(meta.begin(), meta.end());
+  const auto controls = coordinates(space.weights.control_points),
+             moved_controls = coordinates(moved);
+  const std::size_t c = space.weights.control_points.size(), v = skin.node.size();
+  NpzWriter npz;
+  npz.add("meta", meta_bytes, {meta_bytes.size()});
+  npz.add("nodes", vertices, {states.size(), v, 3});
+  npz.add("stress", stresses, {states.size(), v});
+  npz.add("triangles", triangles, {skin.triangles.size(), 3});
+  npz.add("numbers", numbers, {states.size(), 8});
+  npz.add("arrows", arrow_rows, {arrow_rows.size() / 6, 6});
+  npz.add("held", held, {held.size() / 3, 3});
+  npz.add("controls", controls, {c, 3});
+  npz.add("moved_controls", moved_controls, {c, 3});
+  npz.add("is_free", is_free, {c});
+  npz.add("taylor", notes.taylor, {notes.taylor.size()});
+  npz.add("solved", states.back().at_elements, {states.back().at_elements.size()});
+  const std::string between = picture + ".npz.partial";
+  struct Remover {
+    const std::string& path;
+    ~Remover() {
+      std::error_code error;
+      std::filesystem::remove(path, error);
+    }
+  } const remover{between};
+  npz.write(between);
+  draw_sheet("stress_sheet.py", between, picture);
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,31 @@
+#pragma once
+#include "programs/part_stress/part.hpp"
+
+namespace tactus::fem {
+
+/// One state of the part for the sheet: its shape, and the stress there.
+struct PictureState {
+  std::vector<Vector3> nodes;      ///< of the mesh, m
+  std::vector<double> von_mises;   ///< smoothed at the nodes, Pa
+  std::vector<double> at_elements; ///< at the centroids, Pa
+  double max_displacement = 0;     ///< m
+  double volume = 0;               ///< m^3
+  Vector3 peak;                    ///< where the largest smoothed stress is, m
+};
+
+/// The state of a solved shape.
+[[nodiscard]] PictureState picture_of(const Mesh&, const StaticModel&, const StaticSolution&,
+                                      std::vector<double> von_mises_at_elements);
+
+/// What stands beside the pictures.
+struct PictureNotes {
+  std::string title, subtitle;
+  std::vector<double> taylor; ///< at the centroids of the moved shape, or empty
+};
+
+/// Draws the sheet: the part before and, with a second state, after its control points moved.
+void draw_part(const std::string& picture, const StaticModel&, const DesignSpace&,
+               const Mesh& start, std::span<const PictureState> states,
+               std::span<const double> parameters, const PictureNotes&);
+
+} // namespace tactus::fem

@@ -1,0 +1,147 @@
+// The lift arm: its solid against closed forms, its topology, its holes, and what it refuses.
+#include "fem/mesh/surface.hpp"
+#include "fem/shapes/lift_arm.hpp"
+
+#include <doctest/doctest.h>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <set>
+
+using namespace tactus::fem;
+
+namespace {
+
+/// Through how many holes one can pass a finger: V - E + F = 2 - 2 g of a closed connected skin.
+int genus(const Mesh& mesh) {
+  const Surface skin = surface_of(mesh);
+  std::set<std::array<int, 2>> edges;
+  for (const auto& t : skin.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+  const int euler = static_cast<int>(skin.node.size()) - static_cast<int>(edges.size()) +
+                    static_cast<int>(skin.triangles.size());
+  return (2 - euler) / 2;
+}
+
+std::string refusal(const LiftArm& arm) {
+  try {
+    check(arm);
+  } catch (const Refusal& refusal) {
+    return refusal.what();
+  }
+  return "none";
+}
+
+} // namespace
+
+TEST_CASE(
+    "the lift arm's mesh has the volume of the closed form, with lightening holes and without") {
+  // Curved tet10 with 12 sides a turn: a parabola follows an arc of 30 degrees within 1e-4 of its
+  // radius, with both signs.
+  LiftArm arm;
+  LoadChoice choice;
+  choice.h = .016;
+  choice.grade_concave = false;
+  const Mesh with = mesh_lift_arm(arm, choice);
+  CHECK(volume(with) == doctest::Approx(volume(arm)).epsilon(6e-5));
+  CHECK(genus(with) == 5); // three pins, two lightening holes
+  CHECK(connected_parts(with).count == 1);
+
+  arm.slot_width = 0;
+  const Mesh solid = mesh_lift_arm(arm, choice);
+  CHECK(volume(solid) == doctest::Approx(volume(arm)).epsilon(6e-5));
+  CHECK(genus(solid) == 3);
+  CHECK(volume(solid) - volume(with) ==
+        doctest::Approx(volume(arm) - volume(LiftArm{})).epsilon(1e-3));
+}
+
+TEST_CASE("fillets and rounded edges have the volume that Pappus and Guldin give them") {
+  LiftArm sharp, rounded;
+  rounded.edge_radius = .004;
+  rounded.shoulder = sharp.shoulder = .012;
+  LoadChoice choice;
+  choice.h = .02;
+  choice.grade_concave = false;
+  const double made = volume(mesh_lift_arm(rounded, choice));
+  CHECK(made == doctest::Approx(volume(rounded)).epsilon(6e-5));
+  // Without the term the difference would be this large:
+  CHECK(volume(sharp) / volume(rounded) - 1 > 2e-3);
+  LiftArm small = sharp;
+  small.fillet = .002;
+  CHECK(volume(sharp) / volume(small) - 1 > 5e-3);
+}
+
+TEST_CASE("the walls of the three holes are named, round, and where the pins are") {
+  const LiftArm arm;
+  LoadChoice choice;
+  choice.h = .02;
+  choice.grade_concave = false;
+  const Mesh mesh = mesh_lift_arm(arm, choice);
+  for (const Pin& pin : pins(arm)) {
+    CAPTURE(pin.name);
+    const auto& nodes = mesh.node_sets.at(pin.name);
+    REQUIRE(nodes.size() > 20);
+    double low = 1, high = -1;
+    Vector3 sum;
+    for (const int n : nodes) {
+      const Vector3& p = mesh.nodes[static_cast<std::size_t>(n)];
+      CHECK(std::hypot(p.x - pin.centre.x, p.y - pin.centre.y) ==
+            doctest::Approx(pin.radius).epsilon(1e-5));
+      low = std::min(low, p.z);
+      high = std::max(high, p.z);
+    }
+    CHECK(high - low == doctest::Approx(pin.width).epsilon(1e-9));
+  }
+  const auto all = pins(arm);
+  CHECK(all[0].centre == Vector3{});
+  CHECK(length(all[2].centre - Vector3{arm.length, 0, 0}) < 1e-12);
+  // The lift eye lies on the arc through both ends with the given rise.
+  const double r = (arm.length * arm.length / 4 + arm.rise * arm.rise) / (2 * arm.rise);
+  CHECK(length(all[1].centre - Vector3{arm.length / 2, arm.rise - r, 0}) == doctest::Approx(r));
+}
+
+TEST_CASE("the STEP file is one solid that is read back whole") {
+  const LiftArm arm;
+  const auto path = std::filesystem::temp_directory_path() / "tactus_lift_arm_test.step";
+  write_step(path.string(), arm);
+  std::ifstream file(path);
+  std::string first;
+  std::getline(file, first);
+  CHECK(first.starts_with("ISO-10303-21;"));
+  LoadChoice choice;
+  choice.h = .02;
+  const Mesh mesh = load_body(path.string(), choice); // in mm, as STEP files say
+  CHECK(volume(mesh) == doctest::Approx(volume(arm)).epsilon(1e-3));
+  std::filesystem::remove(path);
+  CHECK_THROWS_AS(write_step("/nowhere/arm.step", arm), Refusal);
+}
+
+TEST_CASE("dimensions that cannot be built are refused by name and value") {
+  const auto changed = [](auto change) {
+    LiftArm arm;
+    change(arm);
+    return refusal(arm);
+  };
+  CHECK(refusal({}) == "none");
+  const auto says = [](const std::string& text, const char* words) {
+    CAPTURE(text);
+    CHECK(text.find(words) != std::string::npos);
+    CHECK(text.find("expected") != std::string::npos);
+    CHECK(text.find('\n') == std::string::npos);
+  };
+  says(changed([](LiftArm& a) { a.hub.bore = .2; }), "hub diameter is 96 mm");
+  says(changed([](LiftArm& a) { a.rod_eye.width = .020; }), "rod_eye width is 20 mm");
+  says(changed([](LiftArm& a) { a.depth = 0; }), "depth is 0 mm");
+  says(changed([](LiftArm& a) { a.depth = 2; }), "lift_arm: depth is 2000 mm");
+  says(changed([](LiftArm& a) { a.rise = .3; }), "rise is 300 mm");
+  says(changed([](LiftArm& a) { a.lift_position = 1.5; }), "lift_position is 1.5");
+  says(changed([](LiftArm& a) { a.lift_position = .05; }), "length is 380 mm");
+  says(changed([](LiftArm& a) { a.shoulder = .004; }), "shoulder is 4 mm");
+  says(changed([](LiftArm& a) { a.lift_eye.diameter = .095; }), "lift_eye diameter is 95 mm");
+  says(changed([](LiftArm& a) { a.slot_width = .08; }), "slot_width is 80 mm");
+  says(changed([](LiftArm& a) { a.web = .1; }), "slot_width is 28 mm");
+  says(changed([](LiftArm& a) { a.edge_radius = .012; }), "edge_radius is 12 mm");
+  says(changed([](LiftArm& a) { a.thickness = NAN; }), "thickness is nan mm");
+  says(changed([](LiftArm& a) { a.length = 1e9; }), "length is 1e+12 mm");
+}
