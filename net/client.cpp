@@ -46,6 +46,9 @@ void Client::disconnect() noexcept {
   welcomed_ = ready_ = in_control_ = ended_ = false;
   buttons_ = 0;
   position_s_ = -1e9;
+  position_sequence_.reset();
+  datagrams_.close();
+  udp_refused_ = false;
   round_trip_s_.reset();
   server_ms_.reset();
 }
@@ -152,6 +155,12 @@ bool Client::receive(std::span<const std::uint8_t> bytes, double now_s) {
   return false;
 }
 
+void Client::receive_datagram(std::span<const std::uint8_t> bytes, double now_s) {
+  Message message;
+  if (!ended_ && datagrams_.take(bytes, message))
+    take(message, now_s);
+}
+
 void Client::take(const Message& message, double now_s) {
   switch (message.address()) {
   case Address::kWelcome:
@@ -167,9 +176,13 @@ void Client::take(const Message& message, double now_s) {
     ended_ = true;
     return;
   case Address::kPosition: {
+    const auto sequence = message.integer_at(0);
     const auto x = message.number_at(2), y = message.number_at(3), z = message.number_at(4);
-    if (!x || !y || !z)
+    if (!sequence || !x || !y || !z)
       return;
+    if (position_sequence_ && !is_newer(*sequence, *position_sequence_))
+      return; // a datagram that was overtaken, or the copy of one
+    position_sequence_ = sequence;
     server_ms_ = message.integer_at(1);
     position_ = Vec3{*x, *y, *z} * (1 / kMm_per_m);
     position_s_ = now_s;
@@ -207,6 +220,8 @@ void Client::take_welcome(const Message& message) {
   send(Message(Address::kSubscribe)
            .string("pos")
            .real(std::min(settings_.position_hz, welcome_.rate_hz)));
+  if (settings_.udp)
+    send(Message(Address::kUdp).integer(1));
 }
 
 void Client::take_status(const Message& message) {
@@ -222,6 +237,12 @@ void Client::take_status(const Message& message) {
   } else if (word == "limits" && message.size() == 3) {
     welcome_.stiffness_limit_n_per_m = numbers[0];
     welcome_.damping_limit_n_s_per_m = numbers[1];
+  } else if (word == "udp" && settings_.udp) {
+    const auto key = message.integer_at(1), port = message.integer_at(2);
+    if (key && port && *key > 0 && *port > 0 && *port <= 65535)
+      datagrams_.open(*key, *port);
+    else
+      udp_refused_ = true;
   } else if (word == "stopped" && in_control_) {
     trouble_ = "the server has stopped the motors: " +
                std::string(message.string_at(1).value_or("no reason"));
@@ -231,6 +252,10 @@ void Client::take_status(const Message& message) {
 
 void Client::take_error(const Message& message) {
   const std::string_view code = message.string_at(0).value_or("");
+  if (settings_.udp && code == "unknown" && message.string_at(1) == "udp") {
+    udp_refused_ = true; // a server that does not know datagrams
+    return;
+  }
   trouble_ = "the server says: " + std::string(message.string_at(1).value_or(code));
   if (code == "busy" || code == "estop" || code == "role")
     lose_control();

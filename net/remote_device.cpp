@@ -42,6 +42,22 @@ RemoteDevice::~RemoteDevice() { close(); }
 
 std::string RemoteDevice::configure(std::span<const std::string> words) {
   const std::lock_guard lock(guard_);
+  if (words.size() >= 2 && words[words.size() - 2] == "udp") {
+    const std::string& on = words.back();
+    if (on != "0" && on != "1")
+      return "net: udp " + on + " is not understood: expected udp 0 or udp 1";
+    const bool before = std::exchange(wish_.udp, on == "1");
+    if (words.size() == 2)
+      return {};
+    std::string refusal = configure_locked(words.first(words.size() - 2));
+    if (!refusal.empty())
+      wish_.udp = before;
+    return refusal;
+  }
+  return configure_locked(words);
+}
+
+std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
   const auto refused_port = [](const std::string& port) {
     return "net: the port " + port + " is no whole number from 1 to 65535";
   };
@@ -80,7 +96,7 @@ std::string RemoteDevice::configure(std::span<const std::string> words) {
     return {};
   }
   return "net: " + (words.empty() ? "nothing" : words[0]) +
-         " is not understood; there are: host HOST PORT, token FILE, rate HZ (50..4000)";
+         " is not understood; there are: host HOST PORT, token FILE, rate HZ (50..4000), udp 0|1";
 }
 
 std::string RemoteDevice::open() {
@@ -225,7 +241,7 @@ void RemoteDevice::connect_and_talk() {
 
 std::string RemoteDevice::talk(Wire& wire) {
   const auto client = std::make_unique<Client>(
-      ClientSettings{"tactus-" + std::to_string(name_), used_.token, used_.rate_hz});
+      ClientSettings{"tactus-" + std::to_string(name_), used_.token, used_.rate_hz, used_.udp});
   may_start_ = false;
   refusals_ = 0;
   sent_force_ = {};
@@ -234,6 +250,7 @@ std::string RemoteDevice::talk(Wire& wire) {
   wire.receive(*client);
   bool told = false;
   while (!stop_ && wire.open && !wire.refused && client->advance(now_s())) {
+    wire.exchange_datagrams(*client);
     exchange(*client, now_s());
     wire.send(client->out());
     wire.run();
@@ -243,7 +260,11 @@ std::string RemoteDevice::talk(Wire& wire) {
       const std::lock_guard lock(guard_);
       welcome_ = client->welcome();
       round_trip_s_ = *client->round_trip_s();
-      trouble_.clear();
+      trouble_ = client->udp_refused()
+                     ? "the haptic server on " + used_.host + ":" + std::to_string(used_.port) +
+                           " sends no datagrams, so positions come over TCP: "
+                           "start haptic_server with --udp"
+                     : std::string();
       changed_.notify_all();
     }
   }

@@ -50,9 +50,16 @@ public:
 
   explicit Server(ServerSettings settings) : settings_(std::move(settings)) {}
 
-  /// A connection from that address; nothing when there are as many as there may be.
-  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s);
+  /// A connection from that address; nothing when there are as many as there may be. udp_port:
+  /// where this client can send datagrams, 0 when there are none.
+  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s,
+                                                int udp_port = 0);
   void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s);
+  /// A datagram from that address. The client whose probe it is, if it is one: what
+  /// datagrams(client) holds goes to where it came from. Everything else is counted and ignored; no
+  /// datagram is a sign of life.
+  [[nodiscard]] std::optional<ClientId>
+  receive_datagram(std::string_view peer, std::span<const std::uint8_t> bytes, double now_s);
   /// The connection is gone, or was closed after closing() and an empty queue.
   void disconnect(ClientId client);
 
@@ -68,6 +75,12 @@ public:
   }
   [[nodiscard]] OutQueue& out(ClientId client) noexcept { return sessions_[client]->out; }
   [[nodiscard]] bool closing(ClientId client) const noexcept { return sessions_[client]->closing; }
+
+  /// What waits to be sent to a client by UDP.
+  [[nodiscard]] DatagramSender& datagrams(ClientId client) noexcept {
+    return sessions_[client]->datagrams;
+  }
+  [[nodiscard]] std::uint64_t ignored_datagrams() const noexcept { return ignored_datagrams_; }
 
   [[nodiscard]] const ServoOrders& orders() const noexcept { return orders_; }
   [[nodiscard]] const ServerSettings& settings() const noexcept { return settings_; }
@@ -116,6 +129,7 @@ private:
   [[nodiscard]] Refusal on_force_max(Session& session, Words message);
   [[nodiscard]] Refusal on_anchor(Session& session, Words message);
   [[nodiscard]] Refusal on_subscribe(Session& session, Words message);
+  [[nodiscard]] static Refusal on_udp(Session& session, Words message);
   void apply_setup() noexcept;
 
   // server_streams.cpp: what the device does
@@ -137,7 +151,7 @@ private:
   haptic::Vec3 grab_offset_{};
   std::uint32_t faults_ = 0; ///< of the device, at the start
   std::vector<std::string> news_{};
-  std::uint64_t visits_ = 0;
+  std::uint64_t visits_ = 0, ignored_datagrams_ = 0;
 };
 
 } // namespace tactus::net

@@ -2,6 +2,7 @@
 
 #include "core/haptic/workspace.hpp"
 #include "core/stress/render.hpp"
+#include "net/datagrams.hpp"
 #include "net/framing.hpp"
 #include "net/limits.hpp"
 #include "net/out_queue.hpp"
@@ -72,11 +73,13 @@ struct Session {
   enum class Role : std::uint8_t { kNone, kObserve, kControl };
   static constexpr double kPackets_hz = 5000, kErrors_hz = 20, kDefaultPoint_hz = 60;
 
-  Session(std::string peer_address, double now_s)
-      : peer(std::move(peer_address)), heard_s(now_s), frame_since_s(now_s) {}
+  Session(std::string peer_address, int datagram_port, double now_s)
+      : peer(std::move(peer_address)), udp_port(datagram_port), heard_s(now_s),
+        frame_since_s(now_s) {}
 
   std::string peer, name = "-";
   Role role = Role::kNone;
+  int udp_port;         ///< where its probes are to go; 0: no datagrams here
   bool closing = false; ///< what waits is sent, then the connection ends
 
   FrameReader reader{};
@@ -93,6 +96,7 @@ struct Session {
   std::optional<std::int32_t> force_sequence{}, feedback_sequence{};
   Subscription position{}, velocity{}, moves{kDefaultPoint_hz};
   std::int32_t sample = 0; ///< counts samples of pos and vel
+  DatagramSender datagrams{};
 
   [[nodiscard]] bool welcomed() const noexcept { return role != Role::kNone; }
   /// Cannot be said in words before the first byte has chosen the framing.
