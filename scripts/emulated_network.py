@@ -23,6 +23,7 @@ import sys
 import time
 
 CLONE_NEWNET = 0x40000000
+PR_SET_PDEATHSIG = 1
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 PREFIX = "10.78.0"
 MTU = 1500
@@ -45,12 +46,14 @@ def ip(*words):
 
 
 class EmulatedNetwork:
-    """Namespaces named after this process, so that several can run at once."""
+    """Open from its construction on. Namespaces are named after this process, so that several can
+    run at once; raises NoNamespaces."""
 
     def __init__(self, computers, delay_ms=0.0, jitter_ms=0.0, loss=0.0, seed=1):
         self.computers = list(computers)
         self.line = {"delay_ms": delay_ms, "jitter_ms": jitter_ms, "loss": loss, "seed": seed}
         self.router, self.processes = None, []
+        self._open()
 
     def namespace(self, computer):
         return f"tactus{os.getpid()}{self.computers.index(computer)}"
@@ -58,7 +61,7 @@ class EmulatedNetwork:
     def address(self, computer):
         return f"{PREFIX}.{self.computers.index(computer) + 1}"
 
-    def __enter__(self):
+    def _open(self):
         try:
             for computer in self.computers:
                 name = self.namespace(computer)
@@ -69,7 +72,6 @@ class EmulatedNetwork:
         except BaseException:
             self.close()
             raise
-        return self
 
     def _join(self):
         names = [self.namespace(computer) for computer in self.computers]
@@ -101,6 +103,9 @@ class EmulatedNetwork:
             self.router.wait()
         for computer in self.computers:
             subprocess.run(["ip", "netns", "del", self.namespace(computer)], capture_output=True)
+
+    def __enter__(self):
+        return self
 
     def __exit__(self, *_):
         self.close()
@@ -165,6 +170,7 @@ def main():
     words = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's; whoever started this ends it
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)  # or dies
     try:
         tuns = [open_tun(namespace) for namespace in words.namespaces]
     except OSError as refused:
