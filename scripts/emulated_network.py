@@ -14,9 +14,11 @@ import ctypes
 import fcntl
 import heapq
 import os
+import pathlib
 import random
 import select
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -25,6 +27,7 @@ import time
 CLONE_NEWNET = 0x40000000
 PR_SET_PDEATHSIG = 1
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
+FORWARD = pathlib.Path(__file__).with_name("tcp_forward.py")
 PREFIX = "10.78.0"
 MTU = 1500
 QUEUE_BYTES = 1 << 20  # of one line; what is more is dropped, as a router does
@@ -94,6 +97,21 @@ class EmulatedNetwork:
         self.processes.append(process)
         return process
 
+    def socket(self, computer, kind=socket.SOCK_DGRAM):
+        """A socket of this process on that computer's network."""
+        return inside_namespace(self.namespace(computer), lambda: socket.socket(socket.AF_INET, kind))
+
+    def tunnel(self, near, far, port):
+        """Port `port` of 127.0.0.1 on `near` becomes that of 127.0.0.1 on `far`, as
+        `ssh -L port:127.0.0.1:port far` on `near` does it."""
+        if near == far:
+            return
+        for computer, words in (
+                (far, [self.address(far), port, "127.0.0.1", port]),
+                (near, ["127.0.0.1", port, self.address(far), port])):
+            process = self.start(computer, [sys.executable, FORWARD, *words], stdout=subprocess.PIPE)
+            process.stdout.readline()
+
     def close(self):
         for process in self.processes:
             process.kill()
@@ -111,20 +129,25 @@ class EmulatedNetwork:
         self.close()
 
 
-def open_tun(namespace):
-    """The end of the interface `line` in that namespace, from which packets are read."""
+def inside_namespace(namespace, make):
+    """What `make` returns, called with this thread in that network namespace."""
     libc = ctypes.CDLL(None, use_errno=True)
 
-    def enter(path):
-        with open(path) as namespace_file:
-            if libc.setns(namespace_file.fileno(), CLONE_NEWNET) != 0:
-                raise OSError(ctypes.get_errno(), f"cannot enter {path}")
-    enter(f"/run/netns/{namespace}")
-    try:
-        tun = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
-        fcntl.ioctl(tun, TUNSETIFF, struct.pack("16sH", b"line", IFF_TUN | IFF_NO_PI))
-    finally:
-        enter(f"/proc/{os.getppid()}/ns/net")
+    def enter(here):
+        if libc.setns(here.fileno(), CLONE_NEWNET) != 0:
+            raise OSError(ctypes.get_errno(), f"cannot enter the network namespace {namespace}")
+    with open("/proc/thread-self/ns/net") as home, open(f"/run/netns/{namespace}") as there:
+        enter(there)
+        try:
+            return make()
+        finally:
+            enter(home)
+
+
+def open_tun():
+    """The end of the interface `line`, from which packets are read."""
+    tun = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
+    fcntl.ioctl(tun, TUNSETIFF, struct.pack("16sH", b"line", IFF_TUN | IFF_NO_PI))
     return tun
 
 
@@ -172,7 +195,7 @@ def main():
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's; whoever started this ends it
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)  # or dies
     try:
-        tuns = [open_tun(namespace) for namespace in words.namespaces]
+        tuns = [inside_namespace(namespace, open_tun) for namespace in words.namespaces]
     except OSError as refused:
         sys.exit(f"/dev/net/tun: {refused.strerror}; lines between namespaces need root and TUN devices")
     print("ready", flush=True)
