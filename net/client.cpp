@@ -13,6 +13,18 @@ Message& add_mm(Message& message, const Vec3& position_m) {
   return message;
 }
 
+/// The vector of a `pos` or `vel`; nothing when it is none, or is no newer than `last`: a datagram
+/// that was overtaken, or the copy of one.
+std::optional<Vec3> newer_sample(const Message& message,
+                                 std::optional<std::int32_t>& last) noexcept {
+  const auto sequence = message.integer_at(0);
+  const auto x = message.number_at(2), y = message.number_at(3), z = message.number_at(4);
+  if (!sequence || !x || !y || !z || (last && !is_newer(*sequence, *last)))
+    return {};
+  last = sequence;
+  return Vec3{*x, *y, *z};
+}
+
 std::string_view word_of(RenderMode mode) noexcept {
   return mode == RenderMode::kSpring ? "spring" : mode == RenderMode::kDamper ? "damper" : "force";
 }
@@ -47,6 +59,8 @@ void Client::disconnect() noexcept {
   buttons_ = 0;
   position_s_ = -1e9;
   position_sequence_.reset();
+  velocity_sequence_.reset();
+  velocity_ = {};
   datagrams_.close();
   udp_refused_ = false;
   round_trip_s_.reset();
@@ -175,20 +189,17 @@ void Client::take(const Message& message, double now_s) {
                  std::string(message.string_at(0).value_or("no reason"));
     ended_ = true;
     return;
-  case Address::kPosition: {
-    const auto sequence = message.integer_at(0);
-    const auto x = message.number_at(2), y = message.number_at(3), z = message.number_at(4);
-    if (!sequence || !x || !y || !z)
-      return;
-    if (position_sequence_ && !is_newer(*sequence, *position_sequence_))
-      return; // a datagram that was overtaken, or the copy of one
-    position_sequence_ = sequence;
-    server_ms_ = message.integer_at(1);
-    position_ = Vec3{*x, *y, *z} * (1 / kMm_per_m);
-    position_s_ = now_s;
-    ready_ = welcomed_;
+  case Address::kPosition:
+    if (const auto mm = newer_sample(message, position_sequence_)) {
+      server_ms_ = message.integer_at(1);
+      position_ = *mm * (1 / kMm_per_m);
+      position_s_ = now_s;
+      ready_ = welcomed_;
+    }
     return;
-  }
+  case Address::kVelocity:
+    velocity_ = newer_sample(message, velocity_sequence_).value_or(velocity_);
+    return;
   case Address::kButton: {
     const auto number = message.integer_at(0), on = message.integer_at(1);
     if (number && on && *number >= 0 && *number < 32)
@@ -217,9 +228,10 @@ void Client::take_welcome(const Message& message) {
   }
   welcome_ = {std::string(*device), std::string(*model), *axes, *limit_n, *rate_hz};
   welcomed_ = true;
-  send(Message(Address::kSubscribe)
-           .string("pos")
-           .real(std::min(settings_.position_hz, welcome_.rate_hz)));
+  for (const std::string_view stream : {"pos", "vel"})
+    send(Message(Address::kSubscribe)
+             .string(stream)
+             .real(std::min(settings_.position_hz, welcome_.rate_hz)));
   if (settings_.udp)
     send(Message(Address::kUdp).integer(1));
 }

@@ -95,6 +95,9 @@ public:
   [[nodiscard]] const Welcome& welcome() const noexcept { return welcome_; }
   [[nodiscard]] const haptic::Vec3& position() const noexcept { return position_; } ///< m
   [[nodiscard]] double position_s() const noexcept { return position_s_; } ///< of its arrival
+  /// As the server's servo knows it, m/s. Differences of positions that come by a network show its
+  /// jitter: two in one tick, none in the next.
+  [[nodiscard]] const haptic::Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] std::uint32_t buttons() const noexcept { return buttons_; }
   /// Counts the times that the server refused or ended our control.
   [[nodiscard]] std::uint32_t refusals() const noexcept { return refusals_; }
@@ -123,8 +126,8 @@ private:
   std::int32_t ping_ = 0, force_ = 0, feedback_ = 0;
   DatagramReceiver datagrams_{};
   bool udp_refused_ = false;
-  std::optional<std::int32_t> position_sequence_{};
-  haptic::Vec3 position_{};
+  std::optional<std::int32_t> position_sequence_{}, velocity_sequence_{};
+  haptic::Vec3 position_{}, velocity_{};
   double position_s_ = -1e9;
   std::uint32_t buttons_ = 0, refusals_ = 0;
   std::optional<double> round_trip_s_{};

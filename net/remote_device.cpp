@@ -20,6 +20,8 @@ constexpr double kConnect_s = 2, kPatience_s = 4;
 constexpr double kStale_s = 0.1; ///< no force upon older positions
 /// As long as the servo takes to see a failure, and more.
 constexpr double kNoticed_s = 0.1;
+/// A velocity is held for as long as positions are late; then the handle counts as standing.
+constexpr double kHeldVelocity_s = 0.02;
 constexpr double kRepeat_s = 0.1;    ///< of a force that stays
 constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
 constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits
@@ -156,7 +158,7 @@ void RemoteDevice::settle_caps(const Welcome& welcome, double round_trip_s,
   caps_.rate_hz = rate_hz;
   caps_.position_noise_m = kRounding_m;
   caps_.latency_ticks = 1 + static_cast<int>(std::ceil(round_trip_s / period_s));
-  caps_.has_buttons = true;
+  caps_.has_buttons = caps_.has_velocity = true;
   identity_ = {"tactus", welcome.device, used_.host + ":" + std::to_string(used_.port)};
   last_position_ = (welcome.workspace.min + welcome.workspace.max) * 0.5;
 }
@@ -186,6 +188,8 @@ bool RemoteDevice::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   const double age_s = now_s() - sample.time_s;
   if (!sample.connected || age_s >= net::kSilence_s)
     return false;
+  if (age_s >= kHeldVelocity_s)
+    state.velocity = {};
   haptic::check_reach(caps_, state, last_position_);
   if (age_s >= kStale_s)
     state.flags |= State::kUnreachable;
@@ -308,6 +312,7 @@ void RemoteDevice::exchange(Client& client, double now) {
   sample_.failed = now < failed_until_s_ || failures_seen_ != failures_;
   sample_.time_s = client.position_s();
   sample_.state.position = client.position();
+  sample_.state.velocity = client.velocity();
   sample_.state.buttons = client.buttons();
   sample_.state.flags = State::kHomed;
   samples_.write(sample_);

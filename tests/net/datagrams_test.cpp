@@ -200,8 +200,8 @@ TEST_CASE("positions come by datagrams alone while they arrive, and by TCP when 
   CHECK(line.client.ready());
   line.rig.hold({0.02, 0, 0});
   line.run(1);
-  CHECK(line.datagrams == 1000);
-  CHECK(line.tcp_bytes < 600); // pongs
+  CHECK(line.datagrams == 2000); // position and velocity
+  CHECK(line.tcp_bytes < 600);   // pongs
   CHECK(line.oldest_s < 1e-9);
   CHECK(line.client.position().x == doctest::Approx(0.02));
 
@@ -210,7 +210,7 @@ TEST_CASE("positions come by datagrams alone while they arrive, and by TCP when 
   line.run(1);
   CHECK(line.oldest_s < kDatagramSilence_s + kProbeInterval_s + 0.002);
   CHECK(line.client.position().x == doctest::Approx(0.03));
-  CHECK(line.datagrams == 1000); // tried again and again
+  CHECK(line.datagrams == 2000); // tried again and again
 
   line.datagrams_pass = true;
   line.run(0.2);
