@@ -143,9 +143,7 @@ def over_the_bus(line_ms, seconds, folder):
         sounding(far, "touch")
         for patch, name, topics in ((near, "touch", " hit model"), (near, "feel", " hand"),
                                     (far, "touch", ""), (far, "feel", " force")):
-            join = patch.obj(f"ioa_net {name}{topics}")
-            patch.cord(patch.obj(f"r {name}-net"), 0, join)
-            patch.tell(patch.chain(join, "route connected", "sel 1"), 0, f"{name}-connected")
+            patch.net(f"{name}-net", f"{name}{topics}")
         near.tell(near.obj("r touch.hit"), 0, "hit")
         for receiver, test, word in (("feel.hand", f"expr $f4 < {FACE_MM:g}", "crossing"),
                                      ("feel.force", "expr abs($f2) + abs($f3) + abs($f4) > 1e-6", "force")):
@@ -157,14 +155,7 @@ def over_the_bus(line_ms, seconds, folder):
         session.play(sound, far)
         session.play(hand, near)
         for name, port in (("touch", TOUCH_PORT), ("feel", FEEL_PORT)):
-            session.send(sound, f"{name}-net", f"listen {port}")
-            network.tunnel(hand, sound, port)
-            for attempt in range(50):
-                session.send(hand, f"{name}-net", f"connect {port}")
-                time.sleep(0.2)
-                if session.of(hand, f"{name}-connected"):
-                    break
-            session.wait(sound, f"{name}-connected")
+            session.join(hand, sound, port, f"{name}-net", f"{name}-net")
         time.sleep(1)
         for name in ("touch", "feel"):
             session.send(hand, f"{name}-play", "bang")

@@ -72,6 +72,20 @@ class LivePatch:
         self.cord(name, 0, send, 1)
         self.cord(words, 0, send)
 
+    def net(self, receiver, words):
+        """An ioa_net that takes orders by that receiver, and tells that it is connected."""
+        join = self.obj(f"ioa_net {words}")
+        self.cord(self.obj(f"r {receiver}"), 0, join)
+        self.tell(self.chain(join, "route connected", "sel 1"), 0, f"{receiver}-connected")
+
+    def see(self, bus, *topics):
+        """Keeps what comes on these topics of a bus; `session-write FILE` writes it, a row a message."""
+        rows = self.chain(self.obj(f"ioa_bus {bus} {' '.join(topics)}"), "list", "text insert session-seen 1e+06")
+        table = self.obj("text define session-seen")
+        self.cord(self.chain(self.obj("r session-write"), "symbol"), 0, write := self.msg("write -c \\$1"))
+        self.cord(write, 0, table)
+        return rows
+
     def text(self):
         return "\n".join(["#N canvas 0 0 800 600 12;", *self.boxes, *self.cords]) + "\n"
 
@@ -92,8 +106,9 @@ class Session:
     def __exit__(self, *_):
         self.close()
 
-    def play(self, computer, patch, audio_rate=48000):
-        """Starts Pd with the patch; it runs by the clock, with sound computed and not played."""
+    def play(self, computer, patch, audio_rate=48000, opens=()):
+        """Starts Pd with the patch, and with others beside it; it runs by the clock, with sound
+        computed and not played."""
         file = self.folder / f"{computer}.pd"
         file.write_text(patch.text())
         door = self.network.socket(computer)
@@ -104,9 +119,10 @@ class Session:
         self.threads.append(threading.Thread(target=self._listen, args=(computer, door)))
         self.threads[-1].start()
         log = open(self.folder / f"{computer}.log", "w")
+        opened = [word for other in opens for word in ("-open", other)]
         self.pds[computer] = self.network.start(
             computer, ["pd", "-nogui", "-nosound", "-nomidi", "-noprefs", "-stderr", "-r", audio_rate,
-                       "-path", STAGE, "-open", file],
+                       "-path", STAGE, *opened, "-open", file],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, cwd=self.folder)
         self.wait(computer, "loaded")
 
@@ -146,6 +162,19 @@ class Session:
         """Processor time that this Pd has used."""
         fields = pathlib.Path(f"/proc/{self.pds[computer].pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def join(self, caller, listener, port, calling, listening):
+        """The bus's ioa_net of two Pds over 127.0.0.1, through a tunnel where they are two computers.
+        calling, listening: receivers that lead to them. Both sides tell `RECEIVER-connected`
+        (LivePatch.net)."""
+        self.send(listener, listening, f"listen {port}")
+        self.network.tunnel(caller, listener, port)
+        end = time.monotonic() + 30
+        while not self.of(caller, f"{calling}-connected") and time.monotonic() < end:
+            self.send(caller, calling, f"connect {port}")
+            time.sleep(0.3)
+        self.wait(caller, f"{calling}-connected")
+        self.wait(listener, f"{listening}-connected")
 
     def line_bytes(self, computer, interface="line"):
         """{"rx_bytes", "rx_packets", "tx_bytes", "tx_packets"} of a network interface so far."""
