@@ -125,13 +125,10 @@ def phantom_net(build, line_ms, seconds, folder):
 
 def over_the_bus(line_ms, seconds, folder):
     """{chain: ms of each tap} with modules on two Pds, joined by ioa_net."""
-    network, hand, sound = computers(line_ms)
-    if line_ms is None:
-        network.close()
-        network = EmulatedNetwork(["hand", "sound"])  # the same, without a wait
-        hand, sound = "hand", "sound"
+    network, near_computer, far_computer = computers(line_ms)
+    hand, sound = "hand", "sound"
     with network, Session(network, folder) as session:
-        near, far = LivePatch(), LivePatch()
+        near, far = LivePatch(), LivePatch(number=1)
         path = taps(folder / "path", seconds + 3, start_ms=500)
         for name in ("touch", "feel"):
             near.cord(near.obj(f"r {name}-play"), 0, near.obj(f"ioa_sdd_script {name} {path}"))
@@ -152,8 +149,8 @@ def over_the_bus(line_ms, seconds, folder):
             near.cord(change, 0, fork)
             near.cord(change, 1, fork)
             near.tell(near.chain(fork, "change", "sel 1"), 0, word)
-        session.play(sound, far)
-        session.play(hand, near)
+        session.play(far_computer, far, name=sound)
+        session.play(near_computer, near, name=hand)
         for name, port in (("touch", TOUCH_PORT), ("feel", FEEL_PORT)):
             session.join(hand, sound, port, f"{name}-net", f"{name}-net")
         time.sleep(1)

@@ -10,6 +10,7 @@
 """
 import os
 import pathlib
+import re
 import socket
 import struct
 import subprocess
@@ -19,14 +20,16 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 STAGE = pathlib.Path(os.environ.get("TACTUS_STAGE", ROOT / "build" / "tactus")).resolve()
 SO_TIMESTAMPNS = 35
-EVENT_PORT, ORDER_PORT = 7801, 7802
+FIRST_PORT = 7801  # of the session's own messages, on each computer's 127.0.0.1
 
 
 class LivePatch:
-    """Boxes and cords of a patch; `tell` sends words to the session, Session.send comes to receivers."""
+    """Boxes and cords of a patch; `tell` sends words to the session, Session.send comes to receivers.
+    number: tells apart the Pds of one computer."""
 
-    def __init__(self):
+    def __init__(self, number=0):
         self.boxes, self.cords = [], []
+        self.event_port, self.order_port = FIRST_PORT + 2 * number, FIRST_PORT + 2 * number + 1
         self._event_sender()
         self._order_receiver()
         self.loaded = self.obj("loadbang")
@@ -58,14 +61,14 @@ class LivePatch:
         self.cord(message, 0, self.obj("s session-event"))
 
     def _event_sender(self):
-        load, door = self.obj("loadbang"), self.msg(f"connect 127.0.0.1 {EVENT_PORT}")
+        load, door = self.obj("loadbang"), self.msg(f"connect 127.0.0.1 {self.event_port}")
         send = self.chain(self.obj("r session-event"), "list", "list prepend send", "list trim",
                           "netsend -u")
         self.cord(load, 0, door)
         self.cord(door, 0, send)
 
     def _order_receiver(self):
-        fork = self.chain(self.obj(f"netreceive -u {ORDER_PORT} 127.0.0.1"), "list", "t l l")
+        fork = self.chain(self.obj(f"netreceive -u {self.order_port} 127.0.0.1"), "list", "t l l")
         name = self.chain(fork, "list split 1", "makefilename %s", outlet=1)
         words = self.chain(self.chain(fork, "list split 1"), "list trim", outlet=1)
         send = self.obj("s")
@@ -91,12 +94,13 @@ class LivePatch:
 
 
 class Session:
-    """Pds by the name of their computer, one each, and the time of each event, s of CLOCK_MONOTONIC,
-    taken by the kernel as Pd sends it."""
+    """Pds by name, that of their computer unless said otherwise, and the time of each event, s of
+    CLOCK_MONOTONIC, taken by the kernel as Pd sends it."""
 
     def __init__(self, network, folder):
         self.network, self.folder = network, pathlib.Path(folder)
-        self.pds, self.doors, self.events, self.threads = {}, {}, [], []
+        self.pds, self.doors, self.computers, self.order_ports = {}, {}, {}, {}
+        self.events, self.threads = [], []
         self.closing = False
         self.realtime_ahead_s = time.time() - time.monotonic()
 
@@ -106,27 +110,29 @@ class Session:
     def __exit__(self, *_):
         self.close()
 
-    def play(self, computer, patch, audio_rate=48000, opens=()):
+    def play(self, computer, patch, audio_rate=48000, opens=(), name=None):
         """Starts Pd with the patch, and with others beside it; it runs by the clock, with sound
         computed and not played."""
-        file = self.folder / f"{computer}.pd"
+        name = name or computer
+        self.computers[name], self.order_ports[name] = computer, patch.order_port
+        file = self.folder / f"{name}.pd"
         file.write_text(patch.text())
         door = self.network.socket(computer)
-        door.bind(("127.0.0.1", EVENT_PORT))
+        door.bind(("127.0.0.1", patch.event_port))
         door.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
         door.settimeout(0.2)
-        self.doors[computer] = door
-        self.threads.append(threading.Thread(target=self._listen, args=(computer, door)))
+        self.doors[name] = door
+        self.threads.append(threading.Thread(target=self._listen, args=(name, door)))
         self.threads[-1].start()
-        log = open(self.folder / f"{computer}.log", "w")
         opened = [word for other in opens for word in ("-open", other)]
-        self.pds[computer] = self.network.start(
-            computer, ["pd", "-nogui", "-nosound", "-nomidi", "-noprefs", "-stderr", "-r", audio_rate,
-                       "-path", STAGE, *opened, "-open", file],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, cwd=self.folder)
-        self.wait(computer, "loaded")
+        with open(self.folder / f"{name}.log", "w") as log:
+            self.pds[name] = self.network.start(
+                computer, ["pd", "-nogui", "-nosound", "-nomidi", "-noprefs", "-stderr", "-r", audio_rate,
+                           "-path", STAGE, *opened, "-open", file],
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, cwd=self.folder)
+        self.wait(name, "loaded")
 
-    def _listen(self, computer, door):
+    def _listen(self, name, door):
         while not self.closing:
             try:
                 data, ancillary, _, _ = door.recvmsg(2048, 64)
@@ -136,31 +142,32 @@ class Session:
                                         if kind == SO_TIMESTAMPNS)
             at_s = seconds + 1e-9 * nanoseconds - self.realtime_ahead_s
             for line in data.decode().replace("\n", "").split(";")[:-1]:
-                self.events.append((at_s, computer, line))
+                self.events.append((at_s, name, line.strip()))
 
-    def said(self, computer):
+    def said(self, name):
         """All that Pd has printed."""
-        return (self.folder / f"{computer}.log").read_text()
+        return (self.folder / f"{name}.log").read_text()
 
-    def of(self, computer, word):
+    def of(self, name, word):
         """Times of that event, s, in order."""
-        return [at_s for at_s, where, what in list(self.events) if (where, what) == (computer, word)]
+        return [at_s for at_s, where, what in list(self.events) if (where, what) == (name, word)]
 
-    def wait(self, computer, word, count=1, seconds=60):
+    def wait(self, name, word, count=1, seconds=60):
         end = time.monotonic() + seconds
-        while len(self.of(computer, word)) < count:
-            if self.pds[computer].poll() is not None or time.monotonic() > end:
-                raise RuntimeError(f"no {word} from the Pd on {computer}, which said:\n"
-                                   + self.said(computer)[-2000:])
+        while len(self.of(name, word)) < count:
+            if self.pds[name].poll() is not None or time.monotonic() > end:
+                raise RuntimeError(f"no {word} from the Pd {name}, which said:\n"
+                                   + self.said(name)[-2000:])
             time.sleep(0.01)
 
-    def send(self, computer, receiver, words):
+    def send(self, name, receiver, words):
         """To a receiver of that Pd."""
-        self.doors[computer].sendto(f"{receiver} {words};\n".encode(), ("127.0.0.1", ORDER_PORT))
+        self.doors[name].sendto(f"{receiver} {words};\n".encode(),
+                                ("127.0.0.1", self.order_ports[name]))
 
-    def cpu_s(self, computer):
+    def cpu_s(self, name):
         """Processor time that this Pd has used."""
-        fields = pathlib.Path(f"/proc/{self.pds[computer].pid}/stat").read_text().rpartition(")")[2].split()
+        fields = pathlib.Path(f"/proc/{self.pds[name].pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def join(self, caller, listener, port, calling, listening):
@@ -168,7 +175,7 @@ class Session:
         calling, listening: receivers that lead to them. Both sides tell `RECEIVER-connected`
         (LivePatch.net)."""
         self.send(listener, listening, f"listen {port}")
-        self.network.tunnel(caller, listener, port)
+        self.network.tunnel(self.computers[caller], self.computers[listener], port)
         end = time.monotonic() + 30
         while not self.of(caller, f"{calling}-connected") and time.monotonic() < end:
             self.send(caller, calling, f"connect {port}")
@@ -176,14 +183,15 @@ class Session:
         self.wait(caller, f"{calling}-connected")
         self.wait(listener, f"{listening}-connected")
 
-    def line_bytes(self, computer, interface="line"):
-        """{"rx_bytes", "rx_packets", "tx_bytes", "tx_packets"} of a network interface so far."""
-        lines = subprocess.run([*self.network.inside(computer), "cat", "/proc/net/dev"],
-                               capture_output=True, text=True, check=True).stdout
-        numbers = next(line.split(":")[1].split() for line in lines.splitlines()
-                       if line.strip().startswith(interface + ":"))
-        return dict(zip(("rx_bytes", "rx_packets", "tx_bytes", "tx_packets"),
-                        (int(numbers[i]) for i in (0, 1, 8, 9))))
+    def tcp_traffic(self, computer, port):
+        """(bytes, segments) that the TCP connection to that port of 127.0.0.1 has carried, both ways,
+        as the kernel counts them at its client; nothing of headers."""
+        text = subprocess.run([*self.network.inside(computer), "ss", "-tinH", "state", "established",
+                               "dst", f"127.0.0.1:{port}"], capture_output=True, text=True, check=True).stdout
+        found = {name: int(value) for name, value in
+                 re.findall(r"(bytes_sent|bytes_received|segs_out|segs_in):(\d+)", text)}
+        return (found.get("bytes_sent", 0) + found.get("bytes_received", 0),
+                found.get("segs_out", 0) + found.get("segs_in", 0))
 
     def close(self):
         for process in self.pds.values():
