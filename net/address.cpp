@@ -5,11 +5,11 @@
 namespace tactus::net {
 namespace {
 
-constexpr std::array<std::string_view, 26> kNames{
+constexpr std::array<std::string_view, 27> kNames{
     "?",         "hello",    "workspace", "cp/begin", "cp/set",   "cp/end", "cp/clear",
     "gains",     "forcemax", "start",     "stop",     "feedback", "force",  "anchor",
-    "subscribe", "ping",     "welcome",   "pos",      "vel",      "button", "cp/move",
-    "grab",      "pong",     "status",    "error",    "bye"};
+    "subscribe", "ping",     "udp",       "welcome",  "pos",      "vel",    "button",
+    "cp/move",   "grab",     "pong",      "status",   "error",    "bye"};
 static_assert(kNames.size() == static_cast<std::size_t>(Address::kBye) + 1);
 
 } // namespace

@@ -27,10 +27,11 @@ enum class Address : std::uint8_t {
   kAnchor,    ///< 3 f, mm
   kSubscribe, ///< s stream, f Hz
   kPing,      ///< i sequence [, i ms of the server's newest pos, vel or pong]
+  kUdp,       ///< i 0|1; as a datagram: i key, i sequence of the newest that came, or -1
   // of the server
   kWelcome,  ///< i protocol, s device, s model, i dof, f force limit, f rate
-  kPosition, ///< i sequence, i ms, 3 f, mm
-  kVelocity, ///< i sequence, i ms, 3 f, m/s
+  kPosition, ///< i sequence, i ms, 3 f, mm [, i key, of a datagram]
+  kVelocity, ///< i sequence, i ms, 3 f, m/s [, i key, of a datagram]
   kButton,   ///< i number, i 0|1
   kCpMove,   ///< i id, 3 f, mm
   kGrab,     ///< i id, i 0|1

@@ -24,7 +24,7 @@ bool BusExchange::try_take(std::vector<News>& news) {
   return lock.owns_lock();
 }
 
-std::optional<Service::ClientId> BusNode::connect(std::string_view peer, double now_s) {
+std::optional<Service::ClientId> BusNode::connect(std::string_view peer, double now_s, int) {
   for (ClientId client = 0; client < kMaxClients; ++client) {
     if (sessions_[client])
       continue;

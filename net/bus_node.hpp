@@ -55,7 +55,8 @@ public:
   BusNode(BusSession::Side side, BusSettings settings, BusExchange& exchange)
       : side_(side), settings_(std::move(settings)), exchange_(exchange) {}
 
-  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s) override;
+  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s,
+                                                int udp_port = 0) override;
   void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) override;
   void disconnect(ClientId client) override;
   void close(std::string_view reason) override;

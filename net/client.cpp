@@ -13,6 +13,18 @@ Message& add_mm(Message& message, const Vec3& position_m) {
   return message;
 }
 
+/// The vector of a `pos` or `vel`; nothing when it is none, or is no newer than `last`: a datagram
+/// that was overtaken, or the copy of one.
+std::optional<Vec3> newer_sample(const Message& message,
+                                 std::optional<std::int32_t>& last) noexcept {
+  const auto sequence = message.integer_at(0);
+  const auto x = message.number_at(2), y = message.number_at(3), z = message.number_at(4);
+  if (!sequence || !x || !y || !z || (last && !is_newer(*sequence, *last)))
+    return {};
+  last = sequence;
+  return Vec3{*x, *y, *z};
+}
+
 std::string_view word_of(RenderMode mode) noexcept {
   return mode == RenderMode::kSpring ? "spring" : mode == RenderMode::kDamper ? "damper" : "force";
 }
@@ -46,6 +58,11 @@ void Client::disconnect() noexcept {
   welcomed_ = ready_ = in_control_ = ended_ = false;
   buttons_ = 0;
   position_s_ = -1e9;
+  position_sequence_.reset();
+  velocity_sequence_.reset();
+  velocity_ = {};
+  datagrams_.close();
+  udp_refused_ = false;
   round_trip_s_.reset();
   server_ms_.reset();
 }
@@ -152,6 +169,12 @@ bool Client::receive(std::span<const std::uint8_t> bytes, double now_s) {
   return false;
 }
 
+void Client::receive_datagram(std::span<const std::uint8_t> bytes, double now_s) {
+  Message message;
+  if (!ended_ && datagrams_.take(bytes, message))
+    take(message, now_s);
+}
+
 void Client::take(const Message& message, double now_s) {
   switch (message.address()) {
   case Address::kWelcome:
@@ -166,16 +189,17 @@ void Client::take(const Message& message, double now_s) {
                  std::string(message.string_at(0).value_or("no reason"));
     ended_ = true;
     return;
-  case Address::kPosition: {
-    const auto x = message.number_at(2), y = message.number_at(3), z = message.number_at(4);
-    if (!x || !y || !z)
-      return;
-    server_ms_ = message.integer_at(1);
-    position_ = Vec3{*x, *y, *z} * (1 / kMm_per_m);
-    position_s_ = now_s;
-    ready_ = welcomed_;
+  case Address::kPosition:
+    if (const auto mm = newer_sample(message, position_sequence_)) {
+      server_ms_ = message.integer_at(1);
+      position_ = *mm * (1 / kMm_per_m);
+      position_s_ = now_s;
+      ready_ = welcomed_;
+    }
     return;
-  }
+  case Address::kVelocity:
+    velocity_ = newer_sample(message, velocity_sequence_).value_or(velocity_);
+    return;
   case Address::kButton: {
     const auto number = message.integer_at(0), on = message.integer_at(1);
     if (number && on && *number >= 0 && *number < 32)
@@ -204,9 +228,12 @@ void Client::take_welcome(const Message& message) {
   }
   welcome_ = {std::string(*device), std::string(*model), *axes, *limit_n, *rate_hz};
   welcomed_ = true;
-  send(Message(Address::kSubscribe)
-           .string("pos")
-           .real(std::min(settings_.position_hz, welcome_.rate_hz)));
+  for (const std::string_view stream : {"pos", "vel"})
+    send(Message(Address::kSubscribe)
+             .string(stream)
+             .real(std::min(settings_.position_hz, welcome_.rate_hz)));
+  if (settings_.udp)
+    send(Message(Address::kUdp).integer(1));
 }
 
 void Client::take_status(const Message& message) {
@@ -222,6 +249,12 @@ void Client::take_status(const Message& message) {
   } else if (word == "limits" && message.size() == 3) {
     welcome_.stiffness_limit_n_per_m = numbers[0];
     welcome_.damping_limit_n_s_per_m = numbers[1];
+  } else if (word == "udp" && settings_.udp) {
+    const auto key = message.integer_at(1), port = message.integer_at(2);
+    if (key && port && *key > 0 && *port > 0 && *port <= 65535)
+      datagrams_.open(*key, *port);
+    else
+      udp_refused_ = true;
   } else if (word == "stopped" && in_control_) {
     trouble_ = "the server has stopped the motors: " +
                std::string(message.string_at(1).value_or("no reason"));
@@ -231,6 +264,10 @@ void Client::take_status(const Message& message) {
 
 void Client::take_error(const Message& message) {
   const std::string_view code = message.string_at(0).value_or("");
+  if (settings_.udp && code == "unknown" && message.string_at(1) == "udp") {
+    udp_refused_ = true; // a server that does not know datagrams
+    return;
+  }
   trouble_ = "the server says: " + std::string(message.string_at(1).value_or(code));
   if (code == "busy" || code == "estop" || code == "role")
     lose_control();

@@ -2,6 +2,7 @@
 
 #include "core/haptic/device.hpp"
 #include "core/haptic/workspace.hpp"
+#include "net/datagrams.hpp"
 #include "net/framing.hpp"
 #include "net/limits.hpp"
 #include "net/out_queue.hpp"
@@ -34,6 +35,7 @@ struct Welcome {
 struct ClientSettings {
   std::string name = "tactus", token{};
   double position_hz = 1000;
+  bool udp = false; ///< positions as datagrams, where the server has them
 };
 
 /// The protocol's client without sockets, threads and clocks, as Server is. After every connection
@@ -50,6 +52,12 @@ public:
   void disconnect() noexcept;
   /// False when the connection is to be ended; trouble() says why.
   [[nodiscard]] bool receive(std::span<const std::uint8_t> bytes, double now_s);
+  /// A datagram from the server's address; what is no position with our key is counted and ignored.
+  void receive_datagram(std::span<const std::uint8_t> bytes, double now_s);
+  /// The port of the server that datagrams() are to go to; 0: none.
+  [[nodiscard]] DatagramReceiver& datagrams() noexcept { return datagrams_; }
+  /// The server has said that it sends no datagrams: positions come over TCP.
+  [[nodiscard]] bool udp_refused() const noexcept { return udp_refused_; }
   /// Once a millisecond or so: pings. False as receive().
   [[nodiscard]] bool advance(double now_s);
 
@@ -67,6 +75,9 @@ public:
   [[nodiscard]] const Welcome& welcome() const noexcept { return welcome_; }
   [[nodiscard]] const haptic::Vec3& position() const noexcept { return position_; } ///< m
   [[nodiscard]] double position_s() const noexcept { return position_s_; } ///< of its arrival
+  /// As the server's servo knows it, m/s. Differences of positions that come by a network show its
+  /// jitter: two in one tick, none in the next.
+  [[nodiscard]] const haptic::Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] std::uint32_t buttons() const noexcept { return buttons_; }
   /// Counts the times that the server refused or ended our control.
   [[nodiscard]] std::uint32_t refusals() const noexcept { return refusals_; }
@@ -93,7 +104,10 @@ private:
   double heard_s_ = 0, pinged_s_ = 0, connected_s_ = 0;
   std::optional<std::int32_t> server_ms_{}; ///< its time, as said last
   std::int32_t ping_ = 0, force_ = 0, feedback_ = 0;
-  haptic::Vec3 position_{};
+  DatagramReceiver datagrams_{};
+  bool udp_refused_ = false;
+  std::optional<std::int32_t> position_sequence_{}, velocity_sequence_{};
+  haptic::Vec3 position_{}, velocity_{};
   double position_s_ = -1e9;
   std::uint32_t buttons_ = 0, refusals_ = 0;
   std::optional<double> round_trip_s_{};

@@ -22,6 +22,8 @@ constexpr double kConnect_s = 2, kPatience_s = 4;
 constexpr double kStale_s = 0.1; ///< no force upon older positions
 /// As long as the servo takes to see a failure, and more.
 constexpr double kNoticed_s = 0.1;
+/// A velocity is held for as long as positions are late; then the handle counts as standing.
+constexpr double kHeldVelocity_s = 0.02;
 constexpr double kRepeat_s = 0.1;    ///< of a force that stays
 constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
 constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits
@@ -44,6 +46,22 @@ RemoteDevice::~RemoteDevice() { close(); }
 
 std::string RemoteDevice::configure(std::span<const std::string> words) {
   const std::lock_guard lock(guard_);
+  if (words.size() >= 2 && words[words.size() - 2] == "udp") {
+    const std::string& on = words.back();
+    if (on != "0" && on != "1")
+      return "net: udp " + on + " is not understood: expected udp 0 or udp 1";
+    const bool before = std::exchange(wish_.udp, on == "1");
+    if (words.size() == 2)
+      return {};
+    std::string refusal = configure_locked(words.first(words.size() - 2));
+    if (!refusal.empty())
+      wish_.udp = before;
+    return refusal;
+  }
+  return configure_locked(words);
+}
+
+std::string RemoteDevice::configure_locked(std::span<const std::string> words) {
   const auto refused_port = [](const std::string& port) {
     return "net: the port " + port + " is no whole number from 1 to 65535";
   };
@@ -82,7 +100,7 @@ std::string RemoteDevice::configure(std::span<const std::string> words) {
     return {};
   }
   return "net: " + (words.empty() ? "nothing" : words[0]) +
-         " is not understood; there are: host HOST PORT, token FILE, rate HZ (50..4000)";
+         " is not understood; there are: host HOST PORT, token FILE, rate HZ (50..4000), udp 0|1";
 }
 
 std::string RemoteDevice::open() {
@@ -142,7 +160,7 @@ void RemoteDevice::settle_caps(const Welcome& welcome, double round_trip_s,
   caps_.rate_hz = rate_hz;
   caps_.position_noise_m = kRounding_m;
   caps_.latency_ticks = 1 + static_cast<int>(std::ceil(round_trip_s / period_s));
-  caps_.has_buttons = true;
+  caps_.has_buttons = caps_.has_velocity = true;
   identity_ = {"tactus", welcome.device, used_.host + ":" + std::to_string(used_.port)};
   last_position_ = (welcome.workspace.min + welcome.workspace.max) * 0.5;
 }
@@ -172,6 +190,8 @@ bool RemoteDevice::read(const haptic::Tick& /*tick*/, State& state) noexcept {
   const double age_s = now_s() - sample.time_s;
   if (!sample.connected || age_s >= net::kSilence_s)
     return false;
+  if (age_s >= kHeldVelocity_s)
+    state.velocity = {};
   haptic::check_reach(caps_, state, last_position_);
   if (age_s >= kStale_s)
     state.flags |= State::kUnreachable;
@@ -227,7 +247,7 @@ void RemoteDevice::connect_and_talk() {
 
 std::string RemoteDevice::talk(Wire& wire) {
   const auto client = std::make_unique<Client>(
-      ClientSettings{"tactus-" + std::to_string(name_), used_.token, used_.rate_hz});
+      ClientSettings{"tactus-" + std::to_string(name_), used_.token, used_.rate_hz, used_.udp});
   may_start_ = false;
   refusals_ = 0;
   sent_force_ = {};
@@ -237,6 +257,7 @@ std::string RemoteDevice::talk(Wire& wire) {
       [&client](std::span<const std::uint8_t> bytes) { return client->receive(bytes, now_s()); });
   bool told = false;
   while (!stop_ && wire.open && !wire.refused && client->advance(now_s())) {
+    wire.exchange_datagrams(*client);
     exchange(*client, now_s());
     wire.send(client->out());
     wire.run();
@@ -246,7 +267,11 @@ std::string RemoteDevice::talk(Wire& wire) {
       const std::lock_guard lock(guard_);
       welcome_ = client->welcome();
       round_trip_s_ = *client->round_trip_s();
-      trouble_.clear();
+      trouble_ = client->udp_refused()
+                     ? "the haptic server on " + used_.host + ":" + std::to_string(used_.port) +
+                           " sends no datagrams, so positions come over TCP: "
+                           "start haptic_server with --udp"
+                     : std::string();
       changed_.notify_all();
     }
   }
@@ -290,6 +315,7 @@ void RemoteDevice::exchange(Client& client, double now) {
   sample_.failed = now < failed_until_s_ || failures_seen_ != failures_;
   sample_.time_s = client.position_s();
   sample_.state.position = client.position();
+  sample_.state.velocity = client.velocity();
   sample_.state.buttons = client.buttons();
   sample_.state.flags = State::kHomed;
   samples_.write(sample_);

@@ -31,7 +31,8 @@ public:
   [[nodiscard]] haptic::Caps caps() const noexcept override { return caps_; }
   [[nodiscard]] bool read(const haptic::Tick& tick, haptic::State& state) noexcept override;
   [[nodiscard]] bool write(const haptic::Vec3& force_n) noexcept override;
-  /// "HOST PORT", "device HOST" or "device HOST:PORT", "host HOST PORT", "token FILE", "rate HZ".
+  /// "HOST PORT", "device HOST" or "device HOST:PORT", "host HOST PORT", "token FILE", "rate HZ",
+  /// "udp 0" or "udp 1"; "udp 0|1" may also stand behind HOST PORT.
   [[nodiscard]] std::string configure(std::span<const std::string> words) override;
   [[nodiscard]] haptic::Identity identity() const override { return identity_; }
   [[nodiscard]] std::string trouble() const override;
@@ -50,8 +51,10 @@ private:
     int port = kPort;
     std::string token{};
     double rate_hz = 1000;
+    bool udp = false; ///< positions as datagrams
   };
 
+  [[nodiscard]] std::string configure_locked(std::span<const std::string> words);
   void serve() noexcept;
   void connect_and_talk();
   /// Until the connection is lost; why.

@@ -1,5 +1,8 @@
 #include "net/remote_wire.hpp"
 
+#include "core/haptic/force_timeout.hpp"
+#include "net/client.hpp"
+
 #include <boost/asio/connect.hpp>
 
 #include <chrono>
@@ -12,6 +15,7 @@ namespace tactus::net {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
+using asio::ip::udp;
 using Error = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 using Endpoints = std::vector<tcp::endpoint>;
@@ -122,6 +126,35 @@ void Wire::send(OutQueue& out) {
     }
     out.consume(sent);
   }
+}
+
+void Wire::exchange_datagrams(Client& client) {
+  const int port = client.datagrams().port();
+  if (port == 0)
+    return;
+  Error error;
+  if (!datagrams.is_open()) {
+    // Connected: the system lets nothing in but what comes from there.
+    const udp::endpoint server(socket.remote_endpoint(error).address(),
+                               static_cast<std::uint16_t>(port));
+    datagrams.open(server.protocol(), error);
+    if (!error)
+      datagrams.connect(server, error);
+    if (!error)
+      datagrams.non_blocking(true, error);
+    if (error)
+      return;
+  }
+  std::array<std::uint8_t, kMaxDatagram + 1> bytes;
+  for (int i = 0; i < kMaxDatagramsPerTick; ++i) {
+    const std::size_t size = datagrams.receive(asio::buffer(bytes), 0, error);
+    if (error == asio::error::would_block || error == asio::error::try_again)
+      break;
+    if (!error)
+      client.receive_datagram({bytes.data(), size}, haptic::ForceTimeout::now_s());
+  }
+  if (const auto probe = client.datagrams().probe(haptic::ForceTimeout::now_s()))
+    datagrams.send(asio::buffer(probe->bytes.data(), probe->size), 0, error);
 }
 
 void Wire::run() {

@@ -4,6 +4,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include <array>
@@ -13,7 +14,9 @@
 
 namespace tactus::net {
 
-/// One TCP connection of a client, in whose thread everything happens.
+class Client;
+
+/// One TCP connection of a client and its UDP socket, in whose thread everything happens.
 struct Wire {
   /// Takes what came; false when it wants no more of it.
   using Receiver = std::function<bool(std::span<const std::uint8_t>)>;
@@ -25,6 +28,9 @@ struct Wire {
   /// Begins to hand over what comes.
   void receive(Receiver receiver);
   void send(OutQueue& out);
+  /// What has come by UDP, bounded; and the client's probes. Opens the socket when the server has
+  /// given a port. A failure leaves the positions to TCP.
+  void exchange_datagrams(Client& client);
   /// Runs what is due for a millisecond at most.
   void run();
 
@@ -33,6 +39,7 @@ struct Wire {
   const std::atomic<bool>& stop;
   boost::asio::io_context context{1};
   boost::asio::ip::tcp::socket socket{context};
+  boost::asio::ip::udp::socket datagrams{context};
   boost::asio::steady_timer timer{context};
   Receiver receiver{};
   std::array<std::uint8_t, 1u << 14> received{};

@@ -11,11 +11,11 @@ std::size_t Server::clients() const noexcept {
   return count;
 }
 
-std::optional<Server::ClientId> Server::connect(std::string_view peer, double now_s) {
+std::optional<Server::ClientId> Server::connect(std::string_view peer, double now_s, int udp_port) {
   for (ClientId client = 0; client < kMaxClients; ++client) {
     if (sessions_[client])
       continue;
-    sessions_[client] = std::make_unique<Session>(std::string(peer), now_s);
+    sessions_[client] = std::make_unique<Session>(std::string(peer), udp_port, now_s);
     Setup& setup = sessions_[client]->setup;
     ++visits_;
     setup.workspace = settings_.workspace;
@@ -43,6 +43,20 @@ void Server::receive(ClientId client, std::span<const std::uint8_t> bytes, doubl
   }
   if (controller_ == &session)
     release_control("closed");
+}
+
+std::optional<Server::ClientId>
+Server::receive_datagram(std::string_view peer, std::span<const std::uint8_t> bytes, double now_s) {
+  if (const auto probe = read_probe(bytes))
+    for (ClientId client = 0; client < kMaxClients; ++client) {
+      Session* const session = sessions_[client].get();
+      if (!session || session->datagrams.key() != probe->key || session->peer != peer)
+        continue;
+      session->datagrams.take_probe(probe->sequence, now_s);
+      return client;
+    }
+  ++ignored_datagrams_;
+  return {};
 }
 
 void Server::take(Session& session, Outcome outcome, const Message& message, double now_s) {

@@ -49,8 +49,14 @@ class Server final : public Service {
 public:
   explicit Server(ServerSettings settings) : settings_(std::move(settings)) {}
 
-  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s) override;
+  /// udp_port: where this client can send datagrams, 0 when there are none.
+  [[nodiscard]] std::optional<ClientId> connect(std::string_view peer, double now_s,
+                                                int udp_port = 0) override;
   void receive(ClientId client, std::span<const std::uint8_t> bytes, double now_s) override;
+  /// Everything but a client's probe is counted and ignored; no datagram is a sign of life.
+  [[nodiscard]] std::optional<ClientId> receive_datagram(std::string_view peer,
+                                                         std::span<const std::uint8_t> bytes,
+                                                         double now_s) override;
   void disconnect(ClientId client) override;
 
   /// Once a servo's period: what depends on time alone, and streams.
@@ -69,6 +75,12 @@ public:
   [[nodiscard]] bool guarded() const noexcept override {
     return settings_.token.size() >= kMinToken;
   }
+
+  /// What waits to be sent to a client by UDP.
+  [[nodiscard]] DatagramSender* datagrams(ClientId client) noexcept override {
+    return &sessions_[client]->datagrams;
+  }
+  [[nodiscard]] std::uint64_t ignored_datagrams() const noexcept { return ignored_datagrams_; }
 
   [[nodiscard]] const ServoOrders& orders() const noexcept { return orders_; }
   [[nodiscard]] const ServerSettings& settings() const noexcept { return settings_; }
@@ -115,6 +127,7 @@ private:
   [[nodiscard]] Refusal on_force_max(Session& session, Words message);
   [[nodiscard]] Refusal on_anchor(Session& session, Words message);
   [[nodiscard]] Refusal on_subscribe(Session& session, Words message);
+  [[nodiscard]] static Refusal on_udp(Session& session, Words message);
   void apply_setup() noexcept;
 
   // server_streams.cpp: what the device does
@@ -136,7 +149,7 @@ private:
   haptic::Vec3 grab_offset_{};
   std::uint32_t faults_ = 0; ///< of the device, at the start
   std::vector<std::string> news_{};
-  std::uint64_t visits_ = 0;
+  std::uint64_t visits_ = 0, ignored_datagrams_ = 0;
 };
 
 } // namespace tactus::net

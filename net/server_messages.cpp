@@ -50,6 +50,8 @@ Server::Refusal Server::obey(Session& session, Words message, double now_s) {
   switch (address) {
   case Address::kSubscribe:
     return on_subscribe(session, message);
+  case Address::kUdp:
+    return on_udp(session, message);
   case Address::kStop:
     if (controller_ == &session)
       release_control("stop");

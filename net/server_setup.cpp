@@ -147,4 +147,19 @@ Server::Refusal Server::on_subscribe(Session& session, Words message) {
   return {};
 }
 
+Server::Refusal Server::on_udp(Session& session, Words message) {
+  const auto on = message.integer_at(0);
+  if (!on || (*on != 0 && *on != 1) || message.size() != 1)
+    return {"arguments", "expected udp 0 or udp 1", true};
+  session.datagrams.close();
+  if (*on == 1 && session.udp_port != 0)
+    session.datagrams.open(make_datagram_key());
+  const std::int32_t key = session.datagrams.key();
+  session.send_event(Message(Address::kStatus)
+                         .string("udp")
+                         .integer(key)
+                         .integer(key != 0 ? session.udp_port : 0));
+  return {};
+}
+
 } // namespace tactus::net

@@ -11,12 +11,16 @@ constexpr double kMm_per_m = 1e3;
 
 void Server::send_streams(Session& session, double now_s) {
   const auto sample = [&](Address address, const Vec3& v) {
-    session.send_sample(Message(address)
-                            .integer(session.sample)
-                            .integer(milliseconds(now_s))
-                            .real(v.x)
-                            .real(v.y)
-                            .real(v.z));
+    const Message message = Message(address)
+                                .integer(session.sample)
+                                .integer(milliseconds(now_s))
+                                .real(v.x)
+                                .real(v.y)
+                                .real(v.z);
+    if (session.datagrams.reachable(now_s))
+      session.datagrams.add(message);
+    if (!session.datagrams.confirmed(now_s))
+      session.send_sample(message);
     session.sample = (session.sample + 1) & 0x7fffffff;
   };
   if (session.position.due(now_s))

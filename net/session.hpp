@@ -2,6 +2,7 @@
 
 #include "core/haptic/workspace.hpp"
 #include "core/stress/render.hpp"
+#include "net/datagrams.hpp"
 #include "net/peer_connection.hpp"
 
 #include <optional>
@@ -69,9 +70,11 @@ struct Session : PeerConnection {
   enum class Role : std::uint8_t { kNone, kObserve, kControl };
   static constexpr double kDefaultPoint_hz = 60;
 
-  using PeerConnection::PeerConnection;
+  Session(std::string peer_address, int datagram_port, double now_s)
+      : PeerConnection(std::move(peer_address), now_s), udp_port(datagram_port) {}
 
   Role role = Role::kNone;
+  int udp_port;                     ///< where its probes are to go; 0: no datagrams here
   std::optional<double> echoed_s{}; ///< the server's time that the client has seen last
 
   Setup setup{};
@@ -79,6 +82,7 @@ struct Session : PeerConnection {
   std::optional<std::int32_t> force_sequence{}, feedback_sequence{};
   Subscription position{}, velocity{}, moves{kDefaultPoint_hz};
   std::int32_t sample = 0; ///< counts samples of pos and vel
+  DatagramSender datagrams{};
 
   [[nodiscard]] bool welcomed() const noexcept { return role != Role::kNone; }
 };

@@ -4,16 +4,19 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 
 namespace tactus::net {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
+using asio::ip::udp;
 using Error = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
@@ -28,9 +31,12 @@ constexpr auto kLastWords = std::chrono::milliseconds(200);
 
 /// One client's socket. Handlers keep it alive; `open` says whether it still is a connection.
 struct Connection {
-  explicit Connection(tcp::socket accepted) : socket(std::move(accepted)) {}
+  Connection(tcp::socket accepted, std::size_t of_door)
+      : socket(std::move(accepted)), door(of_door) {}
   tcp::socket socket;
+  std::size_t door; ///< the acceptor, and the socket for datagrams, that it came to
   Service::ClientId client = 0;
+  std::optional<udp::endpoint> datagrams_to{}; ///< where its newest probe came from
   std::array<std::uint8_t, 1u << 14> received{};
   bool open = true, waiting_to_write = false;
   double closing_since_s = 0;
@@ -52,6 +58,8 @@ struct TcpServer::Parts {
   Hooks hooks;
   asio::io_context context{1};
   std::vector<tcp::acceptor> acceptors{};
+  std::vector<udp::socket> datagram_sockets{}; ///< none, or one beside each acceptor
+  std::array<std::uint8_t, kMaxDatagram + 1> datagram{};
   std::array<ConnectionPtr, kMaxClients> connections{};
   asio::steady_timer timer{context};
   std::atomic<bool> stopping{false};
@@ -76,12 +84,67 @@ struct TcpServer::Parts {
     return {};
   }
 
+  /// On the acceptor's port, or on any that is free when another program has that.
+  std::string listen_for_datagrams(const tcp::endpoint& beside) {
+    Error error;
+    for (const std::uint16_t port : {beside.port(), std::uint16_t{0}}) {
+      udp::socket socket(context);
+      const udp::endpoint endpoint(beside.address(), port);
+      socket.open(endpoint.protocol(), error);
+      if (!error && beside.address().is_v6())
+        socket.set_option(asio::ip::v6_only(true), error);
+      if (!error)
+        socket.bind(endpoint, error);
+      if (!error)
+        socket.non_blocking(true, error);
+      if (error)
+        continue;
+      datagram_sockets.push_back(std::move(socket));
+      return {};
+    }
+    return error.message();
+  }
+
+  [[nodiscard]] int datagram_port(std::size_t door) const noexcept {
+    Error error;
+    return door < datagram_sockets.size() ? datagram_sockets[door].local_endpoint(error).port() : 0;
+  }
+
+  /// A bounded number, so that a flood of them delays nothing else.
+  void receive_datagrams() {
+    for (udp::socket& socket : datagram_sockets)
+      for (int i = 0; i < kMaxDatagramsPerTick; ++i) {
+        Error error;
+        udp::endpoint from;
+        const std::size_t size = socket.receive_from(asio::buffer(datagram), from, 0, error);
+        if (error == asio::error::would_block || error == asio::error::try_again)
+          break;
+        if (error)
+          continue; // such as the refusal of one that was sent before
+        const auto client =
+            service.receive_datagram(from.address().to_string(), {datagram.data(), size}, now_s());
+        if (client && connections[*client])
+          connections[*client]->datagrams_to = from;
+      }
+  }
+
+  /// What the socket does not take is lost, as any datagram may be.
+  void send_datagrams(Connection& connection) {
+    DatagramSender* const sender = service.datagrams(connection.client);
+    while (const auto next = sender ? sender->take() : std::nullopt) {
+      Error ignored;
+      if (connection.datagrams_to)
+        datagram_sockets[connection.door].send_to(asio::buffer(next->bytes.data(), next->size),
+                                                  *connection.datagrams_to, 0, ignored);
+    }
+  }
+
   void accept(std::size_t which) {
     acceptors[which].async_accept([this, which](Error error, tcp::socket socket) {
       if (error == asio::error::operation_aborted)
         return;
       if (!error) {
-        take(std::move(socket));
+        take(std::move(socket), which);
         return accept(which);
       }
       // Such as too many open files: try again, but do not spin.
@@ -93,7 +156,7 @@ struct TcpServer::Parts {
     });
   }
 
-  void take(tcp::socket socket) {
+  void take(tcp::socket socket, std::size_t door) {
     Error error;
     const auto peer = socket.remote_endpoint(error);
     if (!error)
@@ -102,10 +165,10 @@ struct TcpServer::Parts {
       socket.set_option(tcp::no_delay(true), error);
     if (error)
       return;
-    const auto client = service.connect(peer.address().to_string(), now_s());
+    const auto client = service.connect(peer.address().to_string(), now_s(), datagram_port(door));
     if (!client)
       return; // the socket closes: there are as many as there may be
-    auto connection = std::make_shared<Connection>(std::move(socket));
+    auto connection = std::make_shared<Connection>(std::move(socket), door);
     connection->client = *client;
     connections[*client] = connection;
     receive(connection);
@@ -189,8 +252,12 @@ struct TcpServer::Parts {
   }
 
   void tick() {
+    receive_datagrams();
     if (hooks.on_tick)
       hooks.on_tick(now_s());
+    for (const ConnectionPtr& connection : connections)
+      if (connection)
+        send_datagrams(*connection);
     send_all();
   }
 
@@ -236,6 +303,7 @@ std::string TcpServer::open(const Settings& settings) {
            reason + "): choose another port, or end the program that has it";
   };
   p.acceptors.clear();
+  p.datagram_sockets.clear();
   if (!settings.listen.empty()) {
     Error error;
     const auto address = asio::ip::make_address(settings.listen, error);
@@ -253,6 +321,14 @@ std::string TcpServer::open(const Settings& settings) {
     // A machine without IPv6 has no ::1.
     static_cast<void>(p.listen({asio::ip::address_v6::loopback(), port}));
   }
+  if (settings.udp)
+    for (const tcp::acceptor& acceptor : p.acceptors) {
+      Error error;
+      const tcp::endpoint beside = acceptor.local_endpoint(error);
+      if (const std::string reason = p.listen_for_datagrams(beside); !reason.empty())
+        return "cannot open a UDP socket on " + beside.address().to_string() + " (" + reason +
+               "): start it without udp";
+    }
   for (std::size_t i = 0; i < p.acceptors.size(); ++i)
     p.accept(i);
   return {};
@@ -262,6 +338,8 @@ int TcpServer::port() const noexcept {
   Error error;
   return parts_->acceptors.empty() ? 0 : parts_->acceptors.front().local_endpoint(error).port();
 }
+
+int TcpServer::udp_port() const noexcept { return parts_->datagram_port(0); }
 
 std::string TcpServer::addresses() const {
   std::string text;

@@ -10,13 +10,15 @@
 namespace tactus::net {
 
 /// The sockets of a server: TCP on 127.0.0.1 and ::1, or on one other address, which a token must
-/// guard. Everything happens in the thread that calls run() or poll(); the servo's thread is met in
-/// the orders alone.
+/// guard; and, where asked for, UDP on the same addresses, which carries positions to clients.
+/// Everything happens in the thread that calls run() or poll(); the servo's thread is met in the
+/// orders alone.
 class TcpServer {
 public:
   struct Settings {
     int port = kPort;     ///< 0: any that is free
     std::string listen{}; ///< a numeric address; empty: loopback alone
+    bool udp = false;     ///< clients may have positions as datagrams
   };
   /// on_tick: once a millisecond. on_orders: after each piece that was received.
   struct Hooks {
@@ -32,6 +34,8 @@ public:
   /// Empty when it listens, else one sentence that says what to do.
   [[nodiscard]] std::string open(const Settings& settings);
   [[nodiscard]] int port() const noexcept;
+  /// The first UDP port; 0 without. The same as port(), unless another program has that.
+  [[nodiscard]] int udp_port() const noexcept;
   /// Such as "127.0.0.1:7770 and [::1]:7770".
   [[nodiscard]] std::string addresses() const;
 

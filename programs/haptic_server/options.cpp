@@ -78,7 +78,7 @@ constexpr std::string_view kWithValue[] = {
 
 const char* usage() noexcept {
   return "haptic_server [--device DRIVER[:WHICH]] [--set \"NAME VALUE\"]... [--port N]\n"
-         "              [--listen ADDRESS --token FILE] [--force-limit N] [--once] ...\n"
+         "              [--listen ADDRESS --token FILE] [--udp] [--force-limit N] [--once] ...\n"
          "\n"
          "Serves a haptic device to clients on this machine, or on others: "
          "docs/haptic_network.md.\n"
@@ -90,6 +90,7 @@ const char* usage() noexcept {
          "  --port             0..65535; 0 takes one that is free (7770)\n"
          "  --listen           a numeric address besides this machine's own; needs --token\n"
          "  --token            a file of 16 to 1024 bytes whose text every client must bring\n"
+         "  --udp              send positions as datagrams to clients that ask for them\n"
          "  --force-limit      N, 0.01..40; no client can raise it (8, or the device's peak)\n"
          "  --stiffness-limit  N/m, of a client's spring (0.6 of the device's, or 500)\n"
          "  --damping-limit    N s/m, of a client's damper (the device's, or 5)\n"
@@ -111,6 +112,8 @@ ParsedOptions parse_options(int count, const char* const* words) {
     const std::string name = words[i];
     if (name == "--once") {
       parsed.options.once = true;
+    } else if (name == "--udp") {
+      parsed.options.udp = true;
     } else if (name == "--help" || name == "-h") {
       parsed.options.help = true;
     } else {

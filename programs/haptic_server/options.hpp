@@ -13,7 +13,7 @@ struct Options {
   std::string listen, token_file, trace, path, hand = "spring";
   std::optional<double> force_limit_n, stiffness_limit_n_per_m, damping_limit_n_s_per_m;
   double grab_radius_mm = 10, rate_hz = 1000;
-  bool once = false, help = false;
+  bool once = false, udp = false, help = false;
 };
 
 struct ParsedOptions {

@@ -119,14 +119,17 @@ std::string Station::serve(const Options& options, const std::string& token) {
   sockets_ = std::make_unique<net::TcpServer>(
       *server_, net::TcpServer::Hooks{[this](double now_s) { tick(now_s); },
                                       [this] { link_->give(server_->orders()); }});
-  if (std::string error = sockets_->open({options.port, options.listen}); !error.empty())
+  if (std::string error = sockets_->open({options.port, options.listen, options.udp});
+      !error.empty())
     return error;
   if (std::string error = servo_thread_.start(servo_, *device_, 1 / options.rate_hz);
       !error.empty())
     return error;
   char limit[32];
   std::snprintf(limit, sizeof limit, "%.3g", settings.force_limit_n);
-  description_ = settings.device + ", " + limit + " N at most, on " + sockets_->addresses();
+  description_ =
+      settings.device + ", " + limit + " N at most, on " + sockets_->addresses() +
+      (options.udp ? " with datagrams on port " + std::to_string(sockets_->udp_port()) : "");
   const devices::SignalsHeldBack held;
   network_ = std::thread([this] { sockets_->run(); });
   return {};

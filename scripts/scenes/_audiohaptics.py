@@ -48,7 +48,7 @@ def table_modes(name="disk"):
     return numpy.load(stage_folder() / f"{name}.modal.npz")["freq"]
 
 
-def latencies(path, rate=RATE, seconds=7.2):
+def latencies(path, rate=RATE, seconds=7.2, table="disk.modal.npz"):
     """[(hit's tick in ms, first tick with force in ms, first sample of the contact's sound in ms)] of
     each tap, with a rigid hand: the chain from the servo's contact to force and sound."""
     with tempfile.TemporaryDirectory(prefix="tactus-") as folder:
@@ -57,7 +57,7 @@ def latencies(path, rate=RATE, seconds=7.2):
         for box in (("ioa_re", "lab"), ("ioa_is", "lab"), ("ioa_mm_haptic", "lab", "disk_scene.txt"),
                     ("ioa_r_spring", "lab"), ("ioa_ddd_phantom", "lab")):
             patch.obj(*box)
-        contents = patch.obj("ioa_cs_modal", "lab", "disk", "disk.modal.npz")
+        contents = patch.obj("ioa_cs_modal", "lab", "disk", table)
         patch.at(0, contents, "choke 0.01")
         body = patch.obj("ioa_r_modal", "lab", "disk")
         patch.record("contact", body[2])

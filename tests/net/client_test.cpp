@@ -72,6 +72,21 @@ TEST_CASE("a client learns what the device is and where its handle is") {
   CHECK(*line.client.round_trip_s() <= 0.0021);
 }
 
+TEST_CASE("a client has the velocity of the server's servo, however its positions come") {
+  Line line;
+  line.rig.device.follow(haptic::LinePath{{-0.02, 0, 0}, {0.02, 0, 0}, 0.2}); // there and back
+  line.connect();
+  line.run(0.15);
+  const double served = line.rig.servo.exchange().reports.latest().state.velocity.x;
+  CHECK(std::abs(served) > 0.1);
+  CHECK(std::abs(line.client.velocity().x - served) < 0.02 * std::abs(served));
+  line.passes = false; // and then much at once, as after a retransmission
+  line.run(0.02);
+  line.passes = true;
+  line.run(0.001);
+  CHECK(std::abs(line.client.velocity().x) < 1.1 * std::abs(served));
+}
+
 TEST_CASE("its pings keep a force alive, and its silence ends it") {
   Line line;
   line.connect();
