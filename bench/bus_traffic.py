@@ -8,7 +8,7 @@ contents server (ioa_cs_modal) that answers each of its hits with excite; these 
 Both on this machine, in a namespace of their own (needs root). A row: bytes of TCP payload and segments
 a second, both ways; from the hit on one bus to the hit on the other, and to the excite on the first
 (median, 99 %, of about 50 a second, missing ones told); the processor time of each Pd, per cent of one
-core, beside its own without a hit.
+core, and what it is more than its own without a hit.
 """
 import argparse
 import pathlib
@@ -141,7 +141,7 @@ def measure(session, bodies, rates, seconds):
             times = numpy.array([1e3 * (found[n] - t) for n, t in sent.items() if n in found])
             texts.append(f"{numpy.median(times):.1f}, {numpy.quantile(times, 0.99):.1f}" if len(times) else "-")
         found = f"all {struck}" if struck == came == answered else f"{came} and {answered} of {struck}"
-        cpu_texts = [f"{used[name]:.1f} % ({used[name] / max(resting[name], 0.1):.1f} x)"
+        cpu_texts = [f"{used[name]:.1f} % ({round(used[name] - resting[name], 1) + 0.0:+.1f})"
                      for name in ("striking", "answering")]
         print(f"| {bodies} | {rate} | {size / lasted / 1e3:.1f} | {segments / lasted:.0f} | {texts[0]} | "
               f"{texts[1]} | {found} | {' | '.join(cpu_texts)} |", flush=True)
@@ -157,7 +157,7 @@ def main():
           "CPU of the striking Pd | of the answering Pd |\n|---|---|---|---|---|---|---|---|---|")
     try:
         for bodies in words.bodies:
-            with tempfile.TemporaryDirectory(prefix="tactus-") as folder, EmulatedNetwork(["one"]) as network, \
+            with tempfile.TemporaryDirectory(prefix="tactus-") as folder, EmulatedNetwork(["one"], nice=-10) as network, \
                     Session(network, folder) as session:
                 measure(session, bodies, words.rates, words.seconds)
     except NoNamespaces as missing:

@@ -32,7 +32,7 @@ def ages_ms(build, transport, seconds, delay_ms, loss, folder):
     token.write_text("sixteen bytes ok\n")
     token.chmod(0o600)
     path.write_text(f"0 {-REACH_MM} 0 0\n{2e3 * REACH_MM / SPEED_MM_PER_S} {REACH_MM} 0 0\n")
-    with EmulatedNetwork(["device", "reader"], delay_ms=delay_ms, loss=loss) as network:
+    with EmulatedNetwork(["device", "reader"], delay_ms=delay_ms, loss=loss, nice=-10) as network:
         server = network.start(
             "device", [build / "programs/haptic_server/haptic_server", "--listen",
                        network.address("device"), "--port", 0, "--token", token, "--hand", "rigid",

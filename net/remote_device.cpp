@@ -22,8 +22,10 @@ constexpr double kConnect_s = 2, kPatience_s = 4;
 constexpr double kStale_s = 0.1; ///< no force upon older positions
 /// As long as the servo takes to see a failure, and more.
 constexpr double kNoticed_s = 0.1;
-/// A velocity is held for as long as positions are late; then the handle counts as standing.
-constexpr double kHeldVelocity_s = 0.02;
+/// A velocity is held while positions are a little late, as a lost packet of TCP makes them, so
+/// that a hit is told of what then comes at once; later the handle counts as standing, for the sake
+/// of dampers.
+constexpr double kHeldVelocity_s = 0.05;
 constexpr double kRepeat_s = 0.1;    ///< of a force that stays
 constexpr double kMeasure_s = 0.6;   ///< of the round trip, when opening
 constexpr double kRounding_m = 5e-9; ///< of 100 mm in 32 bits

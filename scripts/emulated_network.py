@@ -52,8 +52,10 @@ class EmulatedNetwork:
     """Open from its construction on. Namespaces are named after this process, so that several can
     run at once; raises NoNamespaces."""
 
-    def __init__(self, computers, delay_ms=0.0, jitter_ms=0.0, loss=0.0, seed=1):
+    def __init__(self, computers, delay_ms=0.0, jitter_ms=0.0, loss=0.0, seed=1, nice=0):
+        """nice: of every process of this network; a measurement beside other work takes -10."""
         self.computers = list(computers)
+        self.nice = ["nice", "-n", str(nice)] if nice else []
         self.line = {"delay_ms": delay_ms, "jitter_ms": jitter_ms, "loss": loss, "seed": seed}
         self.router, self.processes = None, []
         self._open()
@@ -79,7 +81,7 @@ class EmulatedNetwork:
     def _join(self):
         names = [self.namespace(computer) for computer in self.computers]
         words = [f"--{key.replace('_', '-')}={value}" for key, value in self.line.items()]
-        self.router = subprocess.Popen([sys.executable, __file__, *words, *names],
+        self.router = subprocess.Popen([*self.nice, sys.executable, __file__, *words, *names],
                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         if self.router.stdout.readline() != "ready\n":
             raise NoNamespaces(self.router.communicate()[1].strip().splitlines()[-1])
@@ -89,7 +91,7 @@ class EmulatedNetwork:
 
     def inside(self, computer):
         """What is put before a command that is to run on that computer."""
-        return ["ip", "netns", "exec", self.namespace(computer)]
+        return [*self.nice, "ip", "netns", "exec", self.namespace(computer)]
 
     def start(self, computer, command, **options):
         """subprocess.Popen on that computer; ended with the network."""

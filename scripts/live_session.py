@@ -176,12 +176,17 @@ class Session:
         (LivePatch.net)."""
         self.send(listener, listening, f"listen {port}")
         self.network.tunnel(self.computers[caller], self.computers[listener], port)
-        end = time.monotonic() + 30
-        while not self.of(caller, f"{calling}-connected") and time.monotonic() < end:
+        words = f"{calling}-connected", f"{listening}-connected"
+        end = time.monotonic() + 60
+        while time.monotonic() < end:
             self.send(caller, calling, f"connect {port}")
-            time.sleep(0.3)
-        self.wait(caller, f"{calling}-connected")
-        self.wait(listener, f"{listening}-connected")
+            pause = time.monotonic() + 1
+            while time.monotonic() < pause:
+                if self.of(caller, words[0]) and self.of(listener, words[1]):
+                    return
+                time.sleep(0.02)
+            self.send(caller, calling, "disconnect")  # [netsend] says that it is connected too early
+        raise RuntimeError(f"{caller} did not reach {listener}, and said:\n{self.said(caller)[-2000:]}")
 
     def tcp_traffic(self, computer, port):
         """(bytes, segments) that the TCP connection to that port of 127.0.0.1 has carried, both ways,

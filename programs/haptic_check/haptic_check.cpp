@@ -29,30 +29,29 @@ std::unique_ptr<haptic::SimulatedDevice> simulation() {
 int check(const Options& options, const std::vector<std::string>& drivers) {
   std::unique_ptr<haptic::Backend> device;
   haptic::SimulatedDevice* simulated = nullptr;
-  if (options.driver == "sim") {
+  if (options.device.driver == "sim") {
     auto made = simulation();
     simulated = made.get();
     device = std::move(made);
-  } else if (const devices::Driver* driver = devices::find_driver(options.driver)) {
+  } else if (const devices::Driver* driver = devices::find_driver(options.device.driver)) {
     device = driver->make(); // what stands in the way may be a setting: open() tells
     if (!device)
-      return std::fprintf(stderr, "haptic_check: %s: %s\n", options.driver.c_str(),
+      return std::fprintf(stderr, "haptic_check: %s: %s\n", options.device.driver.c_str(),
                           driver->obstacle().c_str()),
              1;
   }
   if (!device)
     return std::fprintf(stderr, "haptic_check: there is no driver %s; --list shows all\n",
-                        options.driver.c_str()),
+                        options.device.driver.c_str()),
            2;
-  std::vector<std::vector<std::string>> settings = options.settings;
-  if (!options.which.empty() && !simulated)
-    settings.push_back({"device", options.which});
-  for (const auto& words : settings)
-    if (const std::string refusal = device->configure(words); !refusal.empty())
-      return std::fprintf(stderr, "haptic_check: %s\n", refusal.c_str()), 2;
+  programs::DeviceOptions wanted = options.device;
+  if (simulated)
+    wanted.which.clear(); // there is one of it
+  if (const std::string refusal = programs::configure(*device, wanted); !refusal.empty())
+    return std::fprintf(stderr, "haptic_check: %s\n", refusal.c_str()), 2;
 
   Session session(std::move(device), simulated);
-  std::printf("Opening %s ", options.driver.c_str());
+  std::printf("Opening %s ", options.device.driver.c_str());
   std::fflush(stdout);
   std::string error = session.open();
   std::printf("%s\n", error.empty() ? "done" : "failed");
@@ -71,7 +70,7 @@ int check(const Options& options, const std::vector<std::string>& drivers) {
   }
   if (interrupted())
     error = "interrupted";
-  const std::string text = report(options.driver, identity, session.device().caps(), options,
+  const std::string text = report(options.device.driver, identity, session.device().caps(), options,
                                   force_limit_n, findings, error, drivers);
   std::ofstream file(options.report);
   file << text;
@@ -98,15 +97,15 @@ int main(int count, char** words) {
   print(drivers);
   if (options.list)
     return 0;
-  if (options.driver.empty()) {
+  if (options.device.driver.empty()) {
     const Choice choice = first_ready();
     if (choice.driver.empty())
       return std::fprintf(stderr,
                           "haptic_check: no device is ready; see above what to do, or try the "
                           "simulated one: --device sim\n"),
              1;
-    options.driver = choice.driver;
-    options.which = choice.which;
+    options.device.driver = choice.driver;
+    options.device.which = choice.which;
   }
   return check(options, drivers);
 }

@@ -1,40 +1,20 @@
 #include "programs/haptic_check/options.hpp"
 
-#include <charconv>
-#include <sstream>
-
 namespace tactus::haptic_check {
 namespace {
 
-bool number(const char* word, double least, double most, double& value) {
-  const std::string text = word;
-  double parsed = 0;
-  const char* end = text.data() + text.size();
-  const auto [stopped, failed] = std::from_chars(text.data(), end, parsed);
-  if (failed != std::errc() || stopped != end || !(parsed >= least && parsed <= most))
-    return false;
-  value = parsed;
-  return true;
-}
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;)
-    words.push_back(word);
-  return words;
-}
-
 bool set_number(const std::string& name, const char* value, Options& options) {
+  const auto real = [value](double min, double max, auto& target) {
+    const auto parsed = programs::number_of(value, min, max);
+    if (parsed)
+      target = *parsed;
+    return parsed.has_value();
+  };
   if (name == "--seconds")
-    return number(value, 0.5, 300, options.seconds);
+    return real(0.5, 300, options.seconds);
   if (name == "--rate")
-    return number(value, 200, 4000, options.rate_hz);
-  double force_n = 0;
-  if (name != "--force" || !number(value, 0.1, 20, force_n))
-    return false;
-  options.force_n = force_n;
-  return true;
+    return real(200, 4000, options.rate_hz);
+  return name == "--force" && real(0.1, 20, options.force_n);
 }
 
 } // namespace
@@ -70,13 +50,9 @@ ParsedOptions parse_options(int count, const char* const* words) {
       return {{}, name + " is no option, or lacks its value"};
     else {
       ++i;
-      if (name == "--device") {
-        const std::string wanted = value;
-        const auto colon = wanted.find(':');
-        options.driver = wanted.substr(0, colon);
-        options.which = colon == std::string::npos ? "" : wanted.substr(colon + 1);
-      } else if (name == "--set") {
-        options.settings.push_back(words_of(value));
+      if (const auto taken = programs::set_device_option(name, value, options.device)) {
+        if (!*taken)
+          return {{}, name + " " + value + " is not understood"};
       } else if (name == "--report") {
         options.report = value;
       } else if (!set_number(name, value, options)) {

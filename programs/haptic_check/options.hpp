@@ -1,16 +1,13 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
+#include "programs/device_options/device_options.hpp"
 
 namespace tactus::haptic_check {
 
 struct Options {
   bool list = false, yes = false, help = false;
-  std::string driver, which;                      ///< --device DRIVER[:WHICH]
-  std::vector<std::vector<std::string>> settings; ///< --set "WORD VALUE..."
-  double seconds = 8;                             ///< a station
+  programs::DeviceOptions device{};
+  double seconds = 8; ///< a station
   double rate_hz = 1000;
   std::optional<double> force_n; ///< the most that is asked for
   std::string report = "haptic_check.txt";

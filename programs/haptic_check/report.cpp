@@ -117,7 +117,7 @@ std::string report(const std::string& driver, const haptic::Identity& identity,
       caps.has_velocity ? "measured" : "estimated");
   add(text, "asked: %.0f Hz, at most %.2f N, %.1f s a station\n", options.rate_hz, force_limit_n,
       options.seconds);
-  for (const auto& words : options.settings) {
+  for (const auto& words : options.device.settings) {
     text += "set:";
     for (const std::string& word : words)
       text += " " + word;

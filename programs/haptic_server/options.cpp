@@ -1,43 +1,20 @@
 #include "programs/haptic_server/options.hpp"
 
-#include <charconv>
-#include <sstream>
 #include <string_view>
 
 namespace tactus::haptic_server {
 namespace {
 
-std::optional<double> number(std::string_view text, double min, double max) {
-  double value = 0;
-  const auto [stopped, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failed != std::errc() || stopped != text.data() + text.size() ||
-      !(value >= min && value <= max))
-    return {};
-  return value;
-}
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;)
-    words.push_back(word);
-  return words;
-}
-
 /// One option with its value; false when the value is not understood.
 bool set(const std::string& name, const std::string& value, Options& options) {
   const auto real = [&](double min, double max, auto& target) {
-    const auto parsed = number(value, min, max);
+    const auto parsed = programs::number_of(value, min, max);
     if (parsed)
       target = *parsed;
     return parsed.has_value();
   };
-  if (name == "--device") {
-    const auto colon = value.find(':');
-    options.driver = value.substr(0, colon);
-    options.which = colon == std::string::npos ? "" : value.substr(colon + 1);
-    return !options.driver.empty();
-  }
+  if (const auto taken = programs::set_device_option(name, value, options.device))
+    return *taken;
   if (name == "--port") {
     double port = 0;
     if (!real(0, 65535, port) || port != static_cast<int>(port))
@@ -48,8 +25,6 @@ bool set(const std::string& name, const std::string& value, Options& options) {
   if (name == "--hand")
     return options.hand = value,
            value == "free" || value == "rigid" || value == "spring" || value == "person";
-  if (name == "--set")
-    return options.settings.push_back(words_of(value)), true;
   if (name == "--listen")
     return options.listen = value, true;
   if (name == "--token")

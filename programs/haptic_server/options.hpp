@@ -1,14 +1,11 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
+#include "programs/device_options/device_options.hpp"
 
 namespace tactus::haptic_server {
 
 struct Options {
-  std::string driver = "simulated", which; ///< `--device DRIVER[:WHICH]`
-  std::vector<std::vector<std::string>> settings;
+  programs::DeviceOptions device{"simulated", ""};
   int port = 7770;
   std::string listen, token_file, trace, path, hand = "spring";
   std::optional<double> force_limit_n, stiffness_limit_n_per_m, damping_limit_n_s_per_m;

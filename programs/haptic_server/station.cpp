@@ -23,7 +23,7 @@ double or_else(double value, double otherwise) { return value > 0 ? value : othe
 net::ServerSettings settings_of(const Options& options, const haptic::Caps& caps,
                                 const haptic::Identity& identity) {
   net::ServerSettings settings;
-  settings.device = options.driver == "sim" ? "simulated" : options.driver;
+  settings.device = options.device.driver == "sim" ? "simulated" : options.device.driver;
   settings.model = identity.model.empty() ? "-" : identity.model;
   settings.axes = caps.axes_in;
   settings.rate_hz = options.rate_hz;
@@ -64,26 +64,22 @@ std::string Station::hold_simulated(const Options& options) {
 }
 
 std::string Station::make_device(const Options& options) {
-  if (options.driver == "simulated" || options.driver == "sim") {
+  if (options.device.driver == "simulated" || options.device.driver == "sim") {
     auto made = std::make_unique<haptic::SimulatedDevice>();
     simulated_ = made.get();
     device_ = std::move(made);
     if (std::string error = hold_simulated(options); !error.empty())
       return error;
   } else {
-    const devices::Driver* driver = devices::find_driver(options.driver);
+    const devices::Driver* driver = devices::find_driver(options.device.driver);
     if (!driver)
-      return "there is no driver " + options.driver + "; --help names them";
+      return "there is no driver " + options.device.driver + "; --help names them";
     device_ = driver->make();
     if (!device_)
-      return options.driver + ": " + driver->obstacle();
+      return options.device.driver + ": " + driver->obstacle();
   }
-  auto settings = options.settings;
-  if (!options.which.empty())
-    settings.push_back({"device", options.which});
-  for (const auto& words : settings)
-    if (std::string refusal = device_->configure(words); !refusal.empty())
-      return refusal;
+  if (std::string refusal = programs::configure(*device_, options.device); !refusal.empty())
+    return refusal;
   return device_->open();
 }
 

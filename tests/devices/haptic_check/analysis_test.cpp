@@ -111,10 +111,10 @@ TEST_CASE("options are read, and what is none is refused") {
                                "--seconds",    "3",        "--force",  "2.5",   "--yes"};
   const ParsedOptions parsed = parse_options(10, words);
   CHECK(parsed.error == "");
-  CHECK(parsed.options.driver == "falcon");
-  CHECK(parsed.options.which == "1");
-  REQUIRE(parsed.options.settings.size() == 1);
-  CHECK(parsed.options.settings[0][1] == "a.bin");
+  CHECK(parsed.options.device.driver == "falcon");
+  CHECK(parsed.options.device.which == "1");
+  REQUIRE(parsed.options.device.settings.size() == 1);
+  CHECK(parsed.options.device.settings[0][1] == "a.bin");
   CHECK(*parsed.options.force_n == 2.5);
   CHECK(parsed.options.yes);
   const auto refused = [](std::initializer_list<const char*> more) {

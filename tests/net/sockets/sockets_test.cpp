@@ -32,7 +32,8 @@ template <class Condition> bool becomes(Condition holds) {
 /// A server whose servo is stepped by the thread of its sockets.
 class Serving {
 public:
-  explicit Serving(int port = 0, const ServerSettings& settings = {}) : server_(settings) {
+  explicit Serving(int port = 0, const ServerSettings& settings = {}, bool udp = false)
+      : server_(settings) {
     haptic::SimulatedDevice::Settings held;
     held.hand.hold = haptic::HandSettings::Hold::kRigid;
     device_.set(held);
@@ -40,7 +41,7 @@ public:
     servo_.attach(device_, &model_);
     bool open = false;
     for (int i = 0; i < 2000 && !open; ++i) { // the port of a server that has just ended
-      open = sockets_.open({port, ""}).empty();
+      open = sockets_.open({port, "", udp}).empty();
       wait_1ms();
     }
     REQUIRE(open);
@@ -53,6 +54,8 @@ public:
   }
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] double force_x() const { return force_x_; }
+  /// The handle goes to and fro between 0 and 20 mm, at 0.2 m/s.
+  void move() { moves_ = true; }
   void stop_motors() { servo_.exchange().motors.emergency_stop(); }
   /// Sends nothing for that long.
   void stall(double seconds) { stall_s_ = seconds; }
@@ -61,6 +64,8 @@ public:
 private:
   void tick(double now_s) {
     std::this_thread::sleep_for(std::chrono::duration<double>(stall_s_.exchange(0)));
+    if (moves_.exchange(false))
+      device_.follow(haptic::LinePath{{0, 0, 0}, {0.02, 0, 0}, 0.2});
     link_.exchange(server_, now_s);
     servo_.step({++ticks_, now_s, 1e-3});
     force_x_ = servo_.chain().written.x;
@@ -74,6 +79,7 @@ private:
       server_, {[this](double now_s) { tick(now_s); }, [this] { link_.give(server_.orders()); }}};
   std::uint64_t ticks_ = 0;
   int port_ = 0;
+  std::atomic<bool> moves_{false};
   std::atomic<double> force_x_{0}, stall_s_{0};
   std::thread thread_;
 };
@@ -81,8 +87,8 @@ private:
 /// A remote device with a servo's thread that writes a force.
 class Using {
 public:
-  explicit Using(int port) {
-    const std::string words[] = {"127.0.0.1", std::to_string(port)};
+  explicit Using(int port, bool udp = false) {
+    const std::string words[] = {"127.0.0.1", std::to_string(port), "udp", udp ? "1" : "0"};
     REQUIRE(device.configure(words) == "");
     const std::string refusal = device.open();
     REQUIRE_MESSAGE(refusal == "", refusal);
@@ -103,6 +109,8 @@ public:
         no_answers += !answered;
         no_positions += answered && unreachable;
         x = state.position.x;
+        fast += alive && std::abs(state.velocity.x) > 0.1;
+        still += answered && unreachable && state.velocity.x == 0;
         if (writes)
           static_cast<void>(device.write({force.load(), 0, 0}));
         wait_1ms();
@@ -135,6 +143,7 @@ public:
   std::atomic<double> x{0}, force{0};
   /// Reads that showed a failure, no answer, an old position: a state may last a single tick.
   std::atomic<int> failures{0}, no_answers{0}, no_positions{0};
+  std::atomic<int> fast{0}, still{0}; ///< reads of a moving handle, and of one with old positions
 
 private:
   std::atomic<bool> stop_{false};
@@ -193,6 +202,26 @@ TEST_CASE("positions that stop coming take the force away, later they are a fail
   server.stall(0.8);
   CHECK(becomes([&] { return client.no_answers > 0; }));
   CHECK(becomes([&] { return client.alive.load(); }));
+}
+
+TEST_CASE("positions and velocities come as datagrams, too") {
+  Serving server(0, {}, true);
+  Using client(server.port(), true);
+  CHECK(becomes([&] { return client.alive && client.x == doctest::Approx(0.01); }));
+  CHECK(client.device.trouble().empty());
+  server.move();
+  CHECK(becomes([&] { return client.fast > 100; }));
+  server.stall(0.3); // the last velocity is not held for ever
+  CHECK(becomes([&] { return client.still > 0; }));
+  CHECK(becomes([&] { return client.alive.load(); }));
+  CHECK(client.takes_hold(server, 0.5)); // forces go by TCP as before
+}
+
+TEST_CASE("a server without datagrams is told of, and serves by TCP") {
+  Serving server;
+  Using client(server.port(), true);
+  CHECK(becomes([&] { return client.device.trouble().find("--udp") != std::string::npos; }));
+  CHECK(becomes([&] { return client.alive && client.x == doctest::Approx(0.01); }));
 }
 
 TEST_CASE("an emergency stop at the server is a fault of the device here") {
@@ -257,6 +286,11 @@ TEST_CASE("settings that are not understood are refused with what there is") {
   CHECK(refusal({"device", "box:7771"}) == "");
   CHECK(refusal({"host", "box", "7771"}) == "");
   CHECK(refusal({"rate", "500"}) == "");
+  CHECK(refusal({"udp", "1"}) == "");
+  CHECK(refusal({"box", "7771", "udp", "1"}) == "");
+  CHECK(refusal({"device", "box:7771", "udp", "0"}) == "");
+  CHECK(refusal({"box", "7771", "udp", "2"}).find("udp 0 or udp 1") != std::string::npos);
+  CHECK(refusal({"box", "0", "udp", "1"}).find("port") != std::string::npos);
   CHECK(refusal({"device", "box:0"}).find("port") != std::string::npos);
   CHECK(refusal({"box", "66000"}).find("port") != std::string::npos);
   CHECK(refusal({"rate", "5"}).find("50 to 4000") != std::string::npos);
