@@ -1,0 +1,109 @@
+"""The ioa modules under wrong messages and doubled or deleted modules: one line each, and they go on."""
+import re
+
+import pytest
+
+from harness import Patch
+from ioa_system import NEEDS_DISK, SCENE, System, hits, of, taps
+
+pytestmark = pytest.mark.skipif(NEEDS_DISK, reason="the disk's table is made where modal_fem is built")
+
+APART_MS = 600  # ioa_error tells the first wrong message of each half second and counts the others
+MODEL = r"lab module model .*expected add id"
+WRONG = {  # role: [(message, what the one line says)]
+    "bus": [("raw foo", "lab module raw foo expected t x y z"), ("raw 0 1 2", "expected t x y z"),
+            ("hand 0 1e38 0 0 0 0 0", "expected t x y z vx"), ("1 2 3", "expected a topic"),
+            ("foo bar", "foo bar expected a topic"), ("hit 0 disk 1 2", "expected t id x y z nx"),
+            ("excite 0 disk a b c d", "expected t id x y z v"), ("model add a blob 1 2", MODEL),
+            ("model add a sphere 0 0 0 0", MODEL), ("model add a box 0 0 0 1 -1 1", MODEL),
+            ("model add a disk 0 0 0 0 0 1 5 0", MODEL), ("model add a mesh", MODEL),
+            ("model set disk mat foo", MODEL), ("model set disk mat 1 2 3 4", MODEL),
+            ("model set disk mat", MODEL), ("model set disk move 1 2", MODEL),
+            ("model set disk colour red", MODEL), ("model set ghost mat 1 2 3", "ghost: no such body"),
+            ("model del ghost", "ghost: no such body"), ("model del", MODEL),
+            ("table disk nosuch.npz", "nosuch.npz: there is no such file"),
+            ("excite 0 disk 0 0 6 1e20", "expected 1e-06..50"), ("force 0 1 2", "expected t fx fy fz")],
+    "sdd": [("rate foo", "ioa_sdd_script rate foo expected a number from 1 to 4000"), ("rate 1e38", "rate 1e"),
+            ("rate", "rate expected"), ("rate 0", "rate 0 expected"),
+            ("start nosuch.txt", "start nosuch.txt expected a file"), ("start 3", "start 3 expected a file")],
+    "re": [("tau foo", "ioa_re tau foo expected a number from 0.01"), ("tau 1e38", "tau 1e"),
+           ("tau -1", "tau -1"), ("grip_button foo", "grip_button foo expected"), ("foo", "expected a topic")],
+    "cs": [("table disk", "lab ioa_cs_modal table disk expected id file"), ("table 3 4", "expected id file")],
+    "mm_haptic": [("add x blob 1", "ioa_mm_haptic model add x blob 1 expected add id"),
+                  ("mat disk foo", "ioa_mm_haptic model set disk mat foo expected add id"), ("foo", "ioa_mm_haptic foo expected add or mat"), ("load", "load expected a file"),
+                  ("load nosuch.txt", "load nosuch.txt expected a file"), ("load 3", "load 3 expected a file")],
+    "mm_sound": [("speaker foo", "speaker foo expected 0 to 3 numbers"), ("speaker 0 0 0 0", "0 to 3"),
+                 ("speaker 1e38 0 0", "0 to 3"), ("speaker hand foo", "speaker-hand foo expected")],
+    "mm_screen": [("size foo", "ioa_mm_screen size foo expected"), ("size 1e38", "size 1e"),
+                  ("colour disk foo", "colour foo expected")],
+    "r_spring": [("spring foo", "ioa_r_spring spring foo expected 1 to 2"), ("spring 1e38 1", "spring 1e"),
+                 ("spring 100 foo", "100 foo expected"), ("spring", "spring expected")],
+    "r_modal": [("latency 1e38", "ioa_r_modal latency 1e.* expected a number from 0 to 1000"),
+                ("latency foo", "latency foo"), ("latency -3", "latency -3"), ("ears 1e38", "ears 1e"),
+                ("ears foo", "ears foo"), ("fix foo", "fix foo expected 3"), ("fix 1e38 0 0", "fix 1e"),
+                ("fix 1", "fix 1 expected"), ("gain foo", "gain foo"), ("load nosuch.npz", "no such file")],
+}
+
+
+def loudest(result, begin_ms):
+    return abs(result["lab.left"][int(begin_ms * 48):]).max()
+
+
+@pytest.mark.parametrize("role", WRONG)
+def test_a_wrong_message_is_one_line_and_nothing_stops(role, tmp_path):
+    patch = Patch()
+    system = System(patch, sdd=["ioa_sdd_script", taps(tmp_path / "taps.txt", (10, 0))])
+    box = system.bus if role == "bus" else system.box[role]
+    for k, (message, _) in enumerate(WRONG[role]):
+        patch.at(APART_MS * (k + 1), box, message)
+    end = APART_MS * (len(WRONG[role]) + 1)
+    if role == "bus":  # the table that was not found is no table
+        patch.at(end - 100, system.bus, "table disk disk.modal.npz")
+    patch.at(end, system.box["sdd"], "bang")
+    result = patch.render(end / 1000 + 0.4, expect_errors=["error"])
+    assert len(result.errors) == len(WRONG[role]), result.errors
+    for line, (message, pattern) in zip(result.errors, WRONG[role]):
+        assert re.search(pattern, line), (message, line)
+    if (role, "load nosuch.npz") != ("r_modal", WRONG[role][-1][0]):
+        assert [body for t, body in hits(result) if t > end] == ["disk"]
+        assert loudest(result, end) > 1e-3
+
+
+def test_packets_that_are_no_osc_are_told_once_and_counted(tmp_path):
+    patch = Patch()
+    system = System(patch, sdd=["ioa_sdd_osc"])
+    for k, packet in enumerate(("foo", "1 2 3", "1e20 5", "47 114 97 119", "47 98 99 100 0 0 0", "300 300 1 1 1 1 1 1")):
+        patch.at(10 + k, system.box["sdd"], packet)
+    result = patch.render(1, expect_errors=["ioa_sdd_osc foo expected listen", "5 more wrong messages"])
+    assert len(result.errors) == 2
+
+
+@pytest.mark.parametrize("module,more,kind", [("ioa_re", (1,), "recognition-engine"),
+                                              ("ioa_is", (), "interaction-server"),
+                                              ("ioa_is_pd", (), "interaction-server")])
+def test_a_second_one_of_its_kind_says_so_and_waits(module, more, kind, tmp_path):
+    path = taps(tmp_path / "taps.txt", (0, 0), (10, 0), (20, 0), (30, 0))
+    patch = Patch()
+    patch.obj(module, "lab", *more)
+    system = System(patch, sdd=["ioa_sdd_script", path], **{"is": "ioa_is_pd" if module == "ioa_is_pd" else "ioa_is"})
+    patch.at(600, system.box["sdd"], "bang")
+    result = patch.render(1.6, expect_errors=[f"expected to be the only {kind}"])
+    assert len(result.errors) == 1
+    assert len(hits(result)) == 4 and len(of(result, "lab", "excite")) == 4
+    assert len(set(t for t, _ in hits(result))) == 4
+
+
+@pytest.mark.parametrize("module,more", [("ioa_re", (1,)), ("ioa_is", ()), ("ioa_is_pd", ())])
+def test_the_second_takes_over_when_the_first_is_deleted(module, more, tmp_path):
+    path = taps(tmp_path / "taps.txt", *[(x, 0) for x in range(0, 40, 2)])
+    patch = Patch()
+    first = patch.sub("first")
+    first.obj(module, "lab", *more)
+    system = System(patch, sdd=["ioa_sdd_script", path], **{"is": "ioa_is_pd" if module == "ioa_is_pd" else "ioa_is"})
+    patch.at(600, system.box["sdd"], "bang")
+    patch.send(1000, "pd-first", "clear")
+    result = patch.render(4, expect_errors=["expected to be the only"])
+    begun = [t for t, _ in hits(result)]
+    assert len([t for t in begun if t < 1000]) == 2
+    assert len([t for t in begun if 2000 < t < 3900]) >= 9  # one in 187 ms
+    assert SCENE.is_file() and loudest(result, 2000) > 1e-3
