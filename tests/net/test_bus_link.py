@@ -100,6 +100,9 @@ def compare(local, networked, late):
 def test_p23_over_30_ms_and_20_ms_of_jitter_each_way_the_hits_are_the_same(pds, tmp_path, seed):
     local, networked, late = play(pds, tmp_path, seed, 0.03, 0.02)
     worst_ms, compared = compare(local, networked, late)
+    # Translated times stay right when messages are late; without a stall of the machine all of them.
+    median_ms = sorted(abs(t - other) for (t, _), (other, _) in zip(local, networked))[len(local) // 2]
+    assert median_ms <= 2
     print(f"{len(local)} hits, {compared} compared, largest difference {worst_ms:.3f} ms")
     assert worst_ms <= 2
 
