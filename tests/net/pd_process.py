@@ -8,6 +8,14 @@ PD = [os.environ.get("TACTUS_PD", "pd"), "-nogui", "-oss", "-noaudio", "-nomidi"
       "-stderr", "-path", os.environ["TACTUS_STAGE"]]
 
 
+def patch(boxes, cords):
+    """Lines of a patch: boxes by name, as `obj ...` or `msg ...`; cords as `from out to in`."""
+    number = {name: i for i, name in enumerate(boxes)}
+    return [f"#X {words.split()[0]} 10 10 {words.split(' ', 1)[1]};" for words in boxes.values()] + [
+        f"#X connect {number[a]} {i} {number[b]} {j};"
+        for a, i, b, j in (cord.split() for cord in cords)]
+
+
 class Pd:
     """A patch from its lines; what it prints. before: words in front of Pd's own."""
 

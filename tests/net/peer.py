@@ -16,7 +16,8 @@ def padded(text):
 
 
 def osc(address, *values):
-    """An OSC 1.0 packet: ints are i, floats f, strings s."""
+    """An OSC 1.0 packet of the haptic protocol, or with a whole address of another; ints are i, floats
+    f, strings s."""
     tags, body = ",", b""
     for value in values:
         if isinstance(value, str):
@@ -25,7 +26,7 @@ def osc(address, *values):
             tags, body = tags + "i", body + struct.pack(">i", value)
         else:
             tags, body = tags + "f", body + struct.pack(">f", value)
-    return padded("/hap/" + address) + padded(tags) + body
+    return padded(address if address.startswith("/") else "/hap/" + address) + padded(tags) + body
 
 
 def parse(packet):
