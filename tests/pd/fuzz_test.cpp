@@ -76,7 +76,12 @@ public:
     }
     const auto inlets = static_cast<std::size_t>(host_inlets(box.get(), 0));
     if (up_to(3) == 0 && inlets > 1) {
-      box.send(static_cast<int>(1 + up_to(inlets - 2)), "float", {number()});
+      const std::size_t inlet = 1 + up_to(inlets - 2);
+      if (inlet < declaration_.inlets.size() &&
+          declaration_.inlets[inlet].kind == Port::Kind::kList && up_to(3) > 0)
+        box.send(static_cast<int>(inlet), "list", atoms);
+      else
+        box.send(static_cast<int>(inlet), "float", {number()});
       return;
     }
     std::string selector = selectors_[up_to(selectors_.size() - 1)];

@@ -69,6 +69,20 @@ TEST_CASE("control inlets take numbers and refuse words") {
   CHECK(errors().size() == 1);
 }
 
+TEST_CASE("list inlets take lists and numbers, and refuse words") {
+  Box box("probe~");
+  box.send(3, "list", {7, "eight", 9});
+  box.send(3, "float", {5});
+  const auto answers = sent();
+  REQUIRE(answers.size() == 2);
+  CHECK(answers[0].selector == "list");
+  CHECK(answers[0].atoms == Words{3, 7, "eight", 9});
+  CHECK(answers[1].atoms == Words{3, 5});
+  nothing_said();
+  box.send(3, "symbol", {"word"});
+  CHECK(errors().size() == 1);
+}
+
 TEST_CASE("a message with the wrong number of arguments is refused") {
   Box box("probe~");
   box.send("wake");

@@ -3,6 +3,7 @@
 #include "core/object.hpp"
 
 #include <array>
+#include <vector>
 
 namespace tactus::test {
 
