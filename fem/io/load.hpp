@@ -15,7 +15,8 @@ struct LoadChoice {
   double shrink_wrap = 0; ///< closes gaps of a surface file narrower than this, m; below 0: chosen
   bool grade_concave = true, curved = true, remesh = false;
   bool multi = false; ///< several separate bodies may come
-  int elements_per_turn = 12; ///< around curved CAD faces; curved sides are then 1e-4 of the radius off
+  int elements_per_turn =
+      12; ///< around curved CAD faces; curved sides are then 1e-4 of the radius off
   /// Of a CAD body: its faces become node sets (face_set()), and each is told. Prisms are not
   /// swept.
   bool face_sets = false;

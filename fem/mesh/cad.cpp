@@ -54,10 +54,14 @@ void tell_faces(double unit, const std::function<void(const std::string&)>& say)
     gmsh::model::getParametrizationBounds(dimension, face, low, high);
     gmsh::model::getPrincipalCurvatures(face, {.5 * (low[0] + high[0]), .5 * (low[1] + high[1])},
                                         largest, smallest, a, b);
-    if (kind == "Cylinder" && std::abs(largest[0]) > 0)
-      text += format(" of radius %.6g mm", 1e3 * unit / std::abs(largest[0]));
+    // A hole's wall bends inward: the curvature that is not zero may be the smaller one.
+    if (const double bend = std::max(std::abs(largest[0]), std::abs(smallest[0]));
+        kind == "Cylinder" && bend > 0)
+      text += format(" of radius %.6g mm", 1e3 * unit / bend);
     Vector3 middle;
     gmsh::model::occ::getCenterOfMass(dimension, face, middle.x, middle.y, middle.z);
+    for (int k = 0; k < 3; ++k)
+      middle[k] = std::abs(middle[k]) < 1e-9 ? 0 : middle[k];
     say(text + format(", area %.4g mm^2, around (%.4g, %.4g, %.4g) mm",
                       1e6 * unit * unit * mass_of(dimension, face), 1e3 * unit * middle.x,
                       1e3 * unit * middle.y, 1e3 * unit * middle.z));

@@ -98,7 +98,8 @@ LoadOrder read_load(const std::string& option, const std::string& words, double 
                  {}};
   auto parts = split(words, ':');
   if (load.kind == Kind::point) {
-    expect_end(option, parts, 2, "X,Y,Z:FX,FY,FZ; nothing");
+    if (parts.size() != 2)
+      throw Refusal(option + " " + printable(words, 60) + ": expected X,Y,Z:FX,FY,FZ");
     load.point = read_vector(option, parts[0], unit);
     parts.erase(parts.begin());
   } else {

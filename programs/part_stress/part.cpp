@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace tactus::fem {
 namespace {
 
-constexpr double kUsualElements = 2200; ///< asked of a file; curved faces take two to four times as many
+constexpr double kUsualElements =
+    2200; ///< asked of a file; curved faces take two to four times as many
 constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
 constexpr int kElementsPerTurn = 8;        ///< two along a quarter's fillet
 constexpr double kTrustShare = .1;         ///< of the lattice's shortest side
@@ -56,10 +58,12 @@ Mesh mesh_of_shape(const PartOrder& order, const Budget& budget, ProgressLine& p
 Mesh mesh_of_file(const PartOrder& order, const Budget& budget, ProgressLine& progress) {
   LoadChoice load = load_choice(order, progress);
   load.face_sets = order.needs_faces();
-  if (load.face_sets && !order.list_faces) // told only where they were asked for
-    load.say = [&progress](const std::string& sentence) {
+  if (load.face_sets)
+    load.say = [&](const std::string& sentence) {
       if (!sentence.starts_with("face "))
         progress.say(sentence);
+      else if (order.list_faces)
+        std::puts(sentence.c_str());
     };
   load.elements_per_turn = kElementsPerTurn;
   load.size_for = [](double volume, double, double) {
@@ -106,10 +110,12 @@ Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std
     axis = (1 / length(next)) * next;
   }
   const double along = dot(axis, {dot(m[0], axis), dot(m[1], axis), dot(m[2], axis)}) / whole;
-  if (!(along < .01))
+  // Of squares of the eigenvalues' shares: 1/2 of a wall all around, 1 of a plane.
+  const double flatness = (dot(m[0], m[0]) + dot(m[1], m[1]) + dot(m[2], m[2])) / (whole * whole);
+  if (!(along < .01 && flatness < .9))
     throw Refusal("--" + words +
-                  ": expected the wall of a round hole or pin, whose faces run along "
-                  "one axis");
+                  ": expected the wall of a round hole or pin, whose faces turn "
+                  "around one axis");
   return axis;
 }
 
@@ -129,9 +135,9 @@ Load load_of(const LoadOrder& order, const Mesh& mesh) {
       selected(order.words, [&] { return select_faces(mesh, order.where.selection); });
   switch (order.kind) {
   case Kind::traction:
-    return Traction{order.words, faces, order.value};
+    return Traction{order.where.words, faces, order.value};
   case Kind::pressure:
-    return Pressure{order.words, faces, order.value.x};
+    return Pressure{order.where.words, faces, order.value.x};
   case Kind::bolt: {
     Vector3 axis = axis_of_wall(mesh, faces, order.words);
     // Facets find the axis within a percent; a force that is no further from perpendicular is meant
@@ -140,10 +146,10 @@ Load load_of(const LoadOrder& order, const Mesh& mesh) {
     const double along = size > 0 ? dot(axis, order.value) / size : 0;
     if (std::abs(along) < .02 && size > 0)
       axis = axis - (along / size) * order.value;
-    return BoltLoad{order.words, faces, axis, order.value};
+    return BoltLoad{order.where.words, faces, axis, order.value};
   }
   default:
-    return TotalForce{order.words, faces, order.value};
+    return TotalForce{order.where.words, faces, order.value};
   }
 }
 

@@ -167,8 +167,8 @@ int run(const std::vector<std::string>& words) {
   if (!order.moves.empty()) {
     progress.stage("moving control points", 0);
     if (const ValidStep step = part.move_to(wanted); step.fraction < 1)
-      progress.say(format("warning: the move stops at %.1f %%: element %zu would turn inside out",
-                          100 * step.fraction, step.element + 1));
+      std::printf("the move stops at %.1f %%: element %zu would be too distorted beyond\n",
+                  100 * step.fraction, step.element + 1);
     beside.taylor = part.taylor().von_mises;
     const StressUpdate solved = part.solve();
     states.push_back(picture_of(part.mesh(), model, part.solution(), solved.von_mises));

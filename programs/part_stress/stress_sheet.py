@@ -14,6 +14,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection, TriMesh
+from matplotlib.patheffects import withStroke
 from matplotlib.tri import Triangulation
 
 INK, PAPER, FAINT, HELD, LOAD, CONTROL = "#22303c", "#fbfaf7", "#a9b4bd", "#3d4c5a", "#b3262e", "#1d5fa8"
@@ -66,15 +67,16 @@ def draw_state(axes, data, meta, state, top, reach):
     free = data["is_free"] > 0
     flat = on_paper(controls)
     axes.plot(*flat[~free].T, "o", ms=3.5, mfc=PAPER, mec=FAINT, zorder=4)
-    axes.plot(*flat[free].T, "o", ms=3.5, color=CONTROL, zorder=4)
+    axes.plot(*flat[free].T, "o", ms=4.6, mfc=CONTROL, mec="white", mew=0.7, zorder=4)
     moved = np.linalg.norm(data["moved_controls"] - data["controls"], axis=1) > 1e-9
     if state and moved.any():
         start, end = on_paper(data["controls"])[moved], flat[moved]
         for from_, to in zip(start, end):
-            axes.annotate("", to, from_, arrowprops={"arrowstyle": "-|>", "color": CONTROL, "lw": 1.4}, zorder=6)
+            axes.annotate("", to, from_, arrowprops={"arrowstyle": "-|>", "color": CONTROL, "lw": 1.6, "shrinkA": 0, "shrinkB": 0},
+                          zorder=6)
     for number in np.flatnonzero(moved if moved.any() else free & False):
-        axes.annotate(str(number), flat[number], xytext=(5, 5), textcoords="offset points", fontsize=9, color=CONTROL,
-                      zorder=6)
+        axes.annotate(str(number), flat[number], xytext=(6, 6), textcoords="offset points", fontsize=9.5, color=CONTROL,
+                      weight="bold", zorder=9, path_effects=[withStroke(linewidth=2.5, foreground="white")])
     held = data["held"]
     if len(held):
         facing = on_paper(held)
@@ -158,7 +160,7 @@ def main(data_path, picture_path):
         figure.add_artist(plt.Line2D([x + 0.008], [y], marker=mark, ms=7 if mark[0] == "$" else 5, mfc=colour,
                                      mec=INK if colour == "none" else FAINT if colour == PAPER else colour))
         figure.text(x + 0.018, y, words, fontsize=9.5, color=INK, va="center")
-        x += 0.05 + 0.0085 * len(words)
+        x += 0.045 + 0.0068 * len(words)
     figure.savefig(picture_path, dpi=110, facecolor=PAPER)
 
 
