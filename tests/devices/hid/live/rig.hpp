@@ -47,7 +47,21 @@ struct Rig {
     }
     return false;
   }
-  bool reaches(const tactus::haptic::Vec3& position_mm) {
-    return until([&] { return norm(state.position * 1e3 - position_mm) < 1e-6; });
+  bool reaches(const tactus::haptic::Vec3& position_mm, int ticks = 3000) {
+    return until([&] { return norm(state.position * 1e3 - position_mm) < 1e-6; }, ticks);
+  }
+  /// Sends reports until the condition holds: on a busy machine the double may lose one.
+  template <class Condition>
+  bool sent(const std::vector<std::string>& reports, Condition condition) {
+    for (int tries = 0; tries < 10; ++tries) {
+      for (const std::string& report : reports)
+        control.ask(report.c_str());
+      if (until(condition, 300))
+        return true;
+    }
+    return false;
+  }
+  bool moves_to(const tactus::haptic::Vec3& position_mm, const std::string& report) {
+    return sent({report}, [&] { return norm(state.position * 1e3 - position_mm) < 1e-6; });
   }
 };

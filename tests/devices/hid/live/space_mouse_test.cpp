@@ -48,8 +48,7 @@ TEST_CASE("full deflection to the right is the workspace's edge" * doctest::skip
   Rig rig;
   REQUIRE(rig.device.open() == "");
   CHECK(rig.reaches({0, 0, 0}));
-  rig.control.ask(report(350, 0, 0));
-  CHECK(rig.reaches({50, 0, 0}));
+  CHECK(rig.moves_to({50, 0, 0}, report(350, 0, 0)));
   const auto caps = rig.device.caps();
   CHECK(tactus::haptic::Workspace{caps.workspace_min, caps.workspace_max}.normalised(
             rig.state.position) == Vec3{1, 0.5, 0.5});
@@ -60,31 +59,25 @@ TEST_CASE("full deflection to the right is the workspace's edge" * doctest::skip
   CHECK(caps.position_noise_m == doctest::Approx(0.5 / 350 * 0.05).scale(0));
   for (const char* unknown : {"report 55 0102", "report 01 02", "report 02"}) { // and goes on
     rig.control.ask(unknown);
-    rig.control.ask(report(0, 0, 0));
-    CHECK(rig.reaches({0, 0, 0}));
-    rig.control.ask(report(350, 0, 0));
-    CHECK(rig.reaches({50, 0, 0}));
+    CHECK(rig.moves_to({0, 0, 0}, report(0, 0, 0)));
+    CHECK(rig.moves_to({50, 0, 0}, report(350, 0, 0)));
   }
   // towards the user and down: HID's Y and Z
-  rig.control.ask(report(0, 350, 350));
-  CHECK(rig.reaches({0, -50, 50}));
-  rig.control.ask(report(5, -5, 10)); // within the dead zone of 3 %: 10.5 counts
-  CHECK(rig.reaches({0, 0, 0}));
+  CHECK(rig.moves_to({0, -50, 50}, report(0, 350, 350)));
+  CHECK(rig.moves_to({0, 0, 0}, report(5, -5, 10))); // within the dead zone of 3 %: 10.5 counts
 }
 
 TEST_CASE("all six axes come through in both styles of report" * doctest::skip(skipped())) {
   Rig rig;
   REQUIRE(rig.set({"deadzone", "0"}) == "");
   REQUIRE(rig.device.open() == "");
-  if (Rig::is("compact")) {
-    rig.control.ask("report 01 0a00 ecff 1e00 d8ff 3200 c4ff");
-  } else {
-    rig.control.ask("report 01 0a00 ecff 1e00");
-    rig.control.ask("report 02 d8ff 3200 c4ff");
-  }
+  const std::vector<std::string> reports =
+      Rig::is("compact")
+          ? std::vector<std::string>{"report 01 0a00 ecff 1e00 d8ff 3200 c4ff"}
+          : std::vector<std::string>{"report 01 0a00 ecff 1e00", "report 02 d8ff 3200 c4ff"};
   // An earlier case's report may still be on its way.
   const double scale = 50.0 / 350;
-  CHECK(rig.until([&] {
+  CHECK(rig.sent(reports, [&] {
     return norm(rig.state.position * 1e3 - Vec3{10, -30, -20} * scale) < 1e-9 &&
            norm(rig.state.rotation * 350 - Vec3{-40, 60, 50}) < 1e-9;
   }));
@@ -113,12 +106,12 @@ TEST_CASE("a report is reached by a glide, whose speed is that of the hand" *
           doctest::skip(skipped())) {
   Rig rig;
   REQUIRE(rig.device.open() == "");
-  rig.control.ask(report(0, 0, 0));
   int resting = 0; // an earlier case's report may still be on its way
-  REQUIRE(rig.until(
-      [&] { return (resting = norm(rig.state.position) < 1e-9 ? resting + 1 : 0) > 100; }));
-  rig.control.ask(report(350, 0, 0));
-  REQUIRE(rig.until([&] { return rig.state.position.x > 0; }));
+  REQUIRE(rig.sent({report(0, 0, 0)}, [&] {
+    resting = norm(rig.state.position) < 1e-9 ? resting + 1 : 0;
+    return resting > 100;
+  }));
+  REQUIRE(rig.sent({report(350, 0, 0)}, [&] { return rig.state.position.x > 0; }));
   // After a pause the usual 10 ms between reports, a quarter longer: 4 mm a tick to 50 mm. When the
   // report came between two ticks does not matter: it counts from the tick that took it.
   double before = rig.state.position.x * 1e3;
@@ -132,8 +125,7 @@ TEST_CASE("a report is reached by a glide, whose speed is that of the hand" *
     before = now;
   }
   CHECK(ticks == 13);
-  rig.control.ask(report(0, 0, 0));
-  CHECK(rig.reaches({0, 0, 0}));
+  CHECK(rig.moves_to({0, 0, 0}, report(0, 0, 0)));
 }
 
 TEST_CASE("as a rate, deflection moves and the workspace ends it" * doctest::skip(skipped())) {
@@ -141,8 +133,7 @@ TEST_CASE("as a rate, deflection moves and the workspace ends it" * doctest::ski
   REQUIRE(rig.set({"mapping", "rate"}) == "");
   REQUIRE(rig.set({"speed", "200"}) == "");
   REQUIRE(rig.device.open() == "");
-  rig.control.ask(report(-350, 0, 0));
-  REQUIRE(rig.until([&] { return rig.state.position.x < 0; }));
+  REQUIRE(rig.sent({report(-350, 0, 0)}, [&] { return rig.state.position.x < 0; }));
   const double begin = rig.state.position.x;
   for (int i = 0; i < 100; ++i)
     rig.step();
@@ -159,8 +150,7 @@ TEST_CASE("as a rate, a stall moves by a tenth of a second at most" * doctest::s
   REQUIRE(rig.set({"mapping", "rate"}) == "");
   REQUIRE(rig.set({"speed", "100"}) == "");
   REQUIRE(rig.device.open() == "");
-  rig.control.ask(report(-350, 0, 0));
-  REQUIRE(rig.until([&] { return rig.state.position.x < 0; }));
+  REQUIRE(rig.sent({report(-350, 0, 0)}, [&] { return rig.state.position.x < 0; }));
   for (const auto& [passed_s, moved_s] :
        {std::pair{0.07, 0.07}, {0.1, 0.1}, {3.0, 0.1}, {-1.0, 0.0}}) {
     const double before = rig.state.position.x;
@@ -175,10 +165,8 @@ TEST_CASE("a device that is open is opened again" * doctest::skip(skipped())) {
   Rig rig;
   REQUIRE(rig.device.open() == "");
   REQUIRE(rig.device.open() == "");
-  rig.control.ask(report(350, 0, 0));
-  CHECK(rig.reaches({50, 0, 0}));
-  rig.control.ask(report(0, 0, 0));
-  CHECK(rig.reaches({0, 0, 0}));
+  CHECK(rig.moves_to({50, 0, 0}, report(350, 0, 0)));
+  CHECK(rig.moves_to({0, 0, 0}, report(0, 0, 0)));
 }
 
 TEST_CASE("pulled out it fails, plugged in it opens again" * doctest::skip(skipped())) {
@@ -192,8 +180,7 @@ TEST_CASE("pulled out it fails, plugged in it opens again" * doctest::skip(skipp
   CHECK(rig.device.open().find("plugged in") != std::string::npos);
   rig.control.ask("plug");
   REQUIRE(rig.device.open() == "");
-  rig.control.ask(report(350, 0, 0));
-  CHECK(rig.reaches({50, 0, 0}));
+  CHECK(rig.moves_to({50, 0, 0}, report(350, 0, 0)));
 }
 
 TEST_CASE("settings that make no sense are explained" * doctest::skip(skipped())) {
