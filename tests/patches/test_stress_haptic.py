@@ -78,3 +78,104 @@ def test_spring_and_damper_of_p21(table):
     assert last(both, "force") == pytest.approx([-0.6, 0.2, 0], abs=1e-7)
     off = play(table, [(10, "render off")], [(300, "3 0 0 1 1 1")])
     assert last(off, "force") == [0, 0, 0]
+
+
+def test_taylors_series_moves_the_stress_and_bounds_hold(tmp_path):
+    """s = s0 + S dp at dp = (2, 0, -1) mm: cp and list say the same; 5 m is cut to the bound of 1 m."""
+    file = save(tmp_path / "four.stress.npz", P20["s0"], 1e3 * numpy.array(P20["S"], float))
+    words = ("-norm", "mean")
+    by_cp = play(file, [(10, "range fixed 0 100"), (20, "cp 0 2 0 -1"), (300, "bang")], words=words)
+    by_list = play(file, [(10, "range fixed 0 100"), (20, "list 2 0 -1"), (300, "bang")], words=words)
+    expected = numpy.mean([10 + 2, 20, 30 - 1, 40 + 2 - 1]) / 100
+    assert last(by_cp, "gamma") == pytest.approx([expected], rel=1e-6)
+    assert last(by_cp, "gamma") == last(by_list, "gamma")
+    far = play(file, [(10, "range fixed 0 1000"), (20, "cp 0 5000 0 0"), (300, "bang")])
+    assert last(far, "gamma") == pytest.approx([(25 + 1e3 / 2) / 1000], rel=1e-6)
+    assert last(far, "info", "outside") == [1]
+    assert last(far, "info", "method") == ["taylor"]
+
+
+def test_a_render_repeats_exactly(table):
+    def once():
+        return play(table, [(20, "grab 0"), (40, "mode axis"), (60, "list 1 2 3")],
+                    [(10 + 5 * i, f"{i} {2 * i} 0") for i in range(60)]).logs
+    first, second = once(), once()
+    for outlet in ("gamma", "force", "protocol"):
+        assert first[outlet] == second[outlet]
+
+
+def test_force_is_continuous_when_another_table_is_loaded(tmp_path):
+    """gamma 0.25 to 0.75, 20 N at 1: 10 N over 100 ms are 0.1 N in a millisecond."""
+    save(tmp_path / "weak.stress.npz", [75] * 3, [[0] * 3])
+    first = save(tmp_path / "strong.stress.npz", [25] * 3, [[0] * 3])
+    result = play(first, [(1, "range fixed 0 100"), (2, "gains 0 500 0 0"), (3, "anchor 0 0 0"),
+                          (300, f"load {tmp_path / 'weak.stress.npz'}")],
+                  [(250, "40 0 0 0 0 0")], seconds=0.6)
+    force = [(ms, atoms[0]) for ms, atoms in result.logs["force"] if ms >= 250]
+    assert force[0][1] == pytest.approx(-5) and force[-1][1] == pytest.approx(-15)
+    steps = [abs(b - a) / max(1, tb - ta) for (ta, a), (tb, b) in zip(force, force[1:])]
+    assert 0.09 < max(steps) < 0.1001
+    change = [ms for ms, f in force if -14.999 < f < -5.001]
+    assert change[-1] - change[0] == pytest.approx(98, abs=2)
+
+
+def test_phantom_and_stress_haptic_close_the_loop():
+    """A hand of 200 N/m pulls the middle of the beam up; the spring k(gamma) to the anchor holds against
+    it: at rest k y = 200 N/m (14 mm - start - y), and gamma is that of the shape where it rests."""
+    patch = Patch()
+    device = patch.obj("phantom sim")
+    box = patch.obj("stress_haptic", str(stage_folder() / "beam.stress.npz"), "-gains", 100, 500, 0, 0)
+    route, join = patch.obj("route mm"), patch.obj("t a")
+    device[3] >> route
+    route >> join >> box[1]
+    box[1] >> device
+    patch.at(1, device, "report mm 1, hand spring 200 2, target 0 10 0")
+    patch.at(1500, box, "anchor here, grab 1")
+    patch.at(1700, device, "target 0 14 0")
+    for name, outlet in (("gamma", box), ("force", box[1]), ("mm", route)):
+        patch.log(name, outlet)
+    result = patch.render(4)
+    start = [atoms[1] for ms, atoms in result.logs["mm"] if ms <= 1500][-1]
+    y = result.logs["mm"][-1][1][1] - start
+    gamma, force = last(result, "gamma")[0], last(result, "force")
+    assert 1 < y < 8
+    assert force[1] == pytest.approx(-(100 + 400 * gamma) * 1e-3 * y, rel=1e-3)
+    assert force[1] == pytest.approx(-200 * 1e-3 * (14 - start - y), abs=0.01)
+    lifted = play(stage_folder() / "beam.stress.npz", [(100, f"cp 1 0 {10 + y} 0")])  # the point began at 10 mm
+    assert gamma == pytest.approx(last(lifted, "gamma")[0], abs=1e-4)
+    steps = numpy.abs(numpy.diff([atoms[1] for ms, atoms in result.logs["force"] if ms > 1500]))
+    assert steps.max() < 0.02
+
+
+def test_bad_messages_and_files_are_one_sentence_and_the_last_state_goes_on(table, tmp_path):
+    (tmp_path / "torn.stress.npz").write_bytes(table.read_bytes()[:200])
+    other = save(tmp_path / "mpa.stress.npz", **P20, meta={"units": {"stress": "MPa"}})
+    result = play(table, [(20, "cp 9 0 0 0"), (21, "cp 0 left 0 0"), (22, "list 1 2"), (23, "range fixed 2 1"),
+                          (24, "gains 0 9999 0 0"), (25, "grab -1"), (26, "anchor up"), (27, "mode loud"),
+                          (28, f"load {tmp_path / 'torn.stress.npz'}"), (29, f"load {other}"),
+                          (30, "load missing.stress.npz"), (31, "resolve full"), (32, "state shear"),
+                          (33, "nominal -5"), (300, "bang")],
+                  [(40, "1 2"), (41, [1.0, float("nan"), 2.0])],
+                  fails=[r"stress_haptic: cp: control point 9: expected 0\.\.0",
+                         r"stress_haptic: cp: 'left'", r"stress_haptic: list: 2 numbers: expected 3",
+                         r"stress_haptic: range: expected current", r"stress_haptic: gains: 9999 N/m: expected at",
+                         r"stress_haptic: grab: control point -1", r"stress_haptic: anchor: expected here",
+                         r"stress_haptic: mode loud: expected", r"stress_haptic: load .*torn.*: not an \.npz",
+                         r"stress_haptic: load .*mpa.*: meta says that stress is in MPa: expected Pa",
+                         r"stress_haptic: load missing.*no such file", r"stress_haptic: resolve full: no solver",
+                         r"stress_haptic: state shear: the table has no", r"stress_haptic: nominal -5",
+                         r"stress_haptic: device: 2 numbers", r"stress_haptic: device: '-?nan'"])
+    assert len(result.errors) == 16
+    assert last(result, "gamma") == pytest.approx([0.5])
+
+
+def test_the_protocol_outlet_speaks_to_a_haptic_server(table):
+    result = play(table, [(20, "points"), (30, "mode axis")], seconds=1)
+    said = [atoms for _, atoms in result.logs["protocol"]]
+    assert ["hap", "workspace", -1001, -1001, -1001, 1001, 1001, 1001] in said
+    at = said.index(["hap", "cp", "begin", 1])
+    assert said[at + 1:at + 3] == [["hap", "cp", "set", 0, 0, 0, 0], ["hap", "cp", "end"]]
+    feedback = [(ms, atoms[2:]) for ms, atoms in result.logs["protocol"] if atoms[1] == "feedback"]
+    assert [f[0] for _, f in feedback] == list(range(int(feedback[0][1][0]), int(feedback[-1][1][0]) + 1))
+    assert len(feedback[-1][1]) == 4
+    assert max(b - a for (a, _), (b, _) in zip(feedback, feedback[1:])) <= 251
