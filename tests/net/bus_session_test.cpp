@@ -270,6 +270,20 @@ TEST_CASE("a patch that takes nothing ends the connection before an event is los
   CHECK(stranger.end.heard.size() == static_cast<std::size_t>(sent - 1)); // all but the refused one
 }
 
+TEST_CASE("streams that the patch does not take leave half of the room to events") {
+  Stranger stranger;
+  stranger.hello();
+  for (int i = 0; i < 20000; ++i) {
+    stranger.say(topic("hand", 0, 0));
+    stranger.now_s += 1e-3;
+  }
+  CHECK_FALSE(stranger.closing());
+  CHECK(stranger.end.node.session(0).left_out() > 0);
+  for (int i = 1; i <= 5000; ++i)
+    stranger.say(topic("hit", i, 0));
+  CHECK_FALSE(stranger.closing());
+}
+
 TEST_CASE("events that the patch could not hand over end the connection, too") {
   Link link;
   link.run(0.5);
