@@ -277,20 +277,15 @@ std::vector<News> BusLink::take_news() {
 
 int BusLink::peers() const noexcept { return worker_ ? worker_->exchange.ready.load() : 0; }
 
-double BusLink::delay_s() const noexcept {
+double BusLink::longest_s(std::atomic<double> BusExchange::Incoming::*time) const noexcept {
   double longest_s = 0;
   if (worker_)
     for (const auto& incoming : worker_->exchange.incoming)
-      longest_s = std::max(longest_s, incoming.delay_s.load());
+      longest_s = std::max(longest_s, (incoming.*time).load());
   return longest_s;
 }
 
-double BusLink::transit_s() const noexcept {
-  double longest_s = 0;
-  if (worker_)
-    for (const auto& incoming : worker_->exchange.incoming)
-      longest_s = std::max(longest_s, incoming.transit_s.load());
-  return longest_s;
-}
+double BusLink::delay_s() const noexcept { return longest_s(&BusExchange::Incoming::delay_s); }
+double BusLink::transit_s() const noexcept { return longest_s(&BusExchange::Incoming::transit_s); }
 
 } // namespace tactus::net

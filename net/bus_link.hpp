@@ -56,6 +56,7 @@ private:
   void start(std::shared_ptr<Worker> worker);
   [[nodiscard]] BusSettings settings() const;
   void observe(double logical_s) noexcept;
+  [[nodiscard]] double longest_s(std::atomic<double> BusExchange::Incoming::*time) const noexcept;
 
   std::string token_{};
   double playout_s_ = -1;

@@ -33,6 +33,8 @@ public:
   static constexpr int kFirstPings = 8;
   static constexpr double kFirstPing_s = 0.01;
   static constexpr double kWelcome_s = 2; ///< to wait for it
+  /// Of kPackets_hz, what pings and pongs leave to topics.
+  static constexpr double kTopics_hz = 4800;
 
   BusSession(Side side, const BusSettings& settings, LockOut& lock_out, std::string peer,
              double now_s);
@@ -78,7 +80,7 @@ private:
   LockOut& lock_out_;
   PlayoutClock clock_{};
   PlayoutDelay playout_{};
-  RateLimit sending_{kPackets_hz};
+  RateLimit sending_{kTopics_hz};
   double began_s_, pinged_s_ = -1e18;
   bool welcomed_ = false, ready_ = false;
   std::int32_t pings_ = 0, clocks_ = 0; ///< sent; clocks of the other side that were taken

@@ -49,6 +49,8 @@ void IoaLink::send(std::span<const Atom> arguments, Host& host) {
     timed.real(arguments[1].number - (now_ms + bus_ahead_ms_));
     for (std::size_t i = 1; i < topic.size(); ++i)
       timed.add(topic[i]);
+    if (!std::isfinite(timed[0].number))
+      return host.error("send " + text_of(arguments[0]) + ": its time is out of range");
     topic = timed;
   }
   if (!link_.send(topic, now_ms / kPerSecond))

@@ -191,7 +191,7 @@ TEST_CASE("messages pass both ways with their fields, and times in the receiver'
 TEST_CASE("nothing is sent before clocks are known, and news tells when") {
   Link link;
   link.caller.send(hit(1), link.now_s);
-  link.run(0.03);
+  link.run(0.095); // the first pong came at 80 ms, two clocks come each 10 ms
   CHECK(link.caller.exchange->ready == 0);
   link.run(1);
   CHECK(link.listener.heard.empty());
@@ -268,6 +268,56 @@ TEST_CASE("a patch that takes nothing ends the connection before an event is los
   CHECK(stranger.answer().find("bye 'busy'") != std::string::npos);
   stranger.end.take();
   CHECK(stranger.end.heard.size() == static_cast<std::size_t>(sent - 1)); // all but the refused one
+}
+
+TEST_CASE("streams that the patch does not take leave half of the room to events") {
+  Stranger stranger;
+  stranger.hello();
+  for (int i = 0; i < 20000; ++i) {
+    stranger.say(topic("hand", 0, 0));
+    stranger.now_s += 1e-3;
+  }
+  CHECK_FALSE(stranger.closing());
+  CHECK(stranger.end.node.session(0).left_out() > 0);
+  for (int i = 1; i <= 5000; ++i)
+    stranger.say(topic("hit", i, 0));
+  CHECK_FALSE(stranger.closing());
+}
+
+TEST_CASE("events that the patch could not hand over end the connection, too") {
+  Link link;
+  link.run(0.5);
+  link.caller.exchange->overflowed = true;
+  link.run(0.1);
+  CHECK_FALSE(link.caller.alive());
+  CHECK_FALSE(link.listener.alive());
+  CHECK(link.listener.node.last_reason() == "the other side has ended it: busy");
+}
+
+TEST_CASE("what the other side would drop is not sent: no flood is complained of") {
+  Link link;
+  link.run(0.5);
+  for (int i = 0; i < 10000; ++i) {
+    link.caller.send(hand(i), link.now_s);
+    if (i % 20 == 0)
+      link.tick();
+  }
+  link.run(0.1);
+  CHECK(link.caller.node.session(0).left_out() > 1000);
+  CHECK(link.listener.heard.size() > 4000);
+  for (const auto& news : link.caller.news())
+    CHECK(news.what != BusExchange::News::What::kComplaint);
+}
+
+TEST_CASE("bad packets are no sign of life") {
+  Stranger stranger;
+  stranger.hello();
+  for (int i = 0; i < 11 && !stranger.closing(); ++i) {
+    stranger.say(Message(Address::kTopic, "hit"));
+    stranger.pass(0.5);
+  }
+  CHECK(stranger.closing());
+  CHECK(stranger.answer().find("bye 'timeout'") != std::string::npos);
 }
 
 TEST_CASE("a peer that does not read is given up when a megabyte of events waits") {
@@ -428,7 +478,7 @@ TEST_CASE("whatever time a message claims, it was sent before it came") {
   Stranger stranger;
   stranger.hello();
   for (const std::uint32_t stamp : {0u, 1u, 0x7fffffffu, 0x80000000u, 0xffffffffu, 12345678u}) {
-    stranger.now_s += 0.1;
+    stranger.now_s += 0.7; // beyond the offset's warm-up
     stranger.say(Message(Address::kPing)
                      .integer(1)
                      .integer(static_cast<std::int32_t>(stamp))

@@ -185,6 +185,8 @@ TEST_CASE("a minimum is forgotten after the window") {
     CHECK(minimum == (now_s < 1 + MinimumFilter::kWindow_s ? 1 : 2));
   }
   CHECK(*filter.value(1000) == 2); // nothing new: the last stays
+  filter.add(3, 1000);
+  CHECK(*filter.value(1000) == 3); // nor does what was before a pause
 }
 
 namespace {
