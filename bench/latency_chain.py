@@ -189,7 +189,7 @@ def row_of(chain, line, values):
     paper_ms = PAPER_FORCE_MS if "force" in chain else PAPER_SOUND_MS
     median = numpy.median(times)
     return (f"| {chain} | {line} | {found} | {median:.2f} | {numpy.quantile(times, 0.99):.2f} | "
-            f"{times.max():.2f} | {median / paper_ms:.2g} of {paper_ms:g} ms |")
+            f"{times.max():.2f} | {median / paper_ms:.3g} of {paper_ms:g} ms |")
 
 
 def picture(results, path):

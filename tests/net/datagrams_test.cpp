@@ -247,12 +247,29 @@ TEST_CASE("without datagrams at the server, or without a wish, all stays with TC
   CHECK(deaf.client.udp_refused());
   CHECK(deaf.client.ready());
   CHECK(deaf.datagrams == 0);
+  CHECK(deaf.rig.server.datagrams(*deaf.id).key() == 0);
   CHECK(deaf.client.trouble().empty());
   Line plain(false);
   plain.run(0.3);
   CHECK(plain.client.ready());
   CHECK(plain.datagrams == 0);
   CHECK_FALSE(plain.client.udp_refused());
+}
+
+TEST_CASE("a server that knows no datagrams is no trouble, and an ended connection has no key") {
+  Line line;
+  const Message unknown = Message(Address::kError).string("unknown").string("udp");
+  CHECK(line.client.receive(frame(Framing::kLength, unknown), line.rig.now_s));
+  CHECK(line.client.udp_refused());
+  CHECK(line.client.trouble().empty());
+  line.run(0.1);
+  const std::int32_t key = line.rig.server.datagrams(*line.id).key();
+  CHECK(line.client.datagrams().port() == 7770);
+  line.client.disconnect();
+  CHECK(line.client.datagrams().port() == 0);
+  CHECK_FALSE(line.client.datagrams().probe(line.rig.now_s + 1).has_value());
+  line.client.receive_datagram(packet(sample(4000, 40).integer(key)), line.rig.now_s);
+  CHECK(line.client.position().x != doctest::Approx(0.04));
 }
 
 TEST_CASE("a server answers nobody else's datagrams, and obeys none") {
