@@ -13,7 +13,7 @@ namespace {
 constexpr double kUsualElements =
     2200; ///< asked of a file; curved faces take two to four times as many
 constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
-constexpr int kElementsPerTurn = 8;        ///< two along a quarter's fillet
+constexpr int kElementsPerTurn = 6;        ///< around curved faces; their sides are curved too
 constexpr double kTrustShare = .1;         ///< of the lattice's shortest side
 
 /// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
@@ -74,6 +74,32 @@ Mesh mesh_of_file(const PartOrder& order, const Budget& budget, ProgressLine& pr
     hold(order, budget, size, [&](double h) { return resized_tetrahedra(size, h); });
   };
   return order.is_lift_arm() ? mesh_lift_arm(order.lift_arm(), load) : load_body(order.body, load);
+}
+
+/// Straightens the curved sides of tet10 whose scaled Jacobian is small, as long as that betters
+/// them: such elements would stop the first move of a control point.
+void straighten_flat(Mesh& mesh) {
+  constexpr double kGoodEnough = .15;
+  constexpr std::array<std::array<std::size_t, 2>, 6> kSides{
+      {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+  for (int round = 0; round < 4; ++round) { // a node that moves may spoil a neighbour
+    bool changed = false;
+    for (const Element& e : mesh.elements) {
+      if (e.shape != Shape::tet10 || scaled_jacobian(mesh, e) >= kGoodEnough)
+        continue;
+      const auto nodes = mesh.nodes_of(e);
+      for (std::size_t side = 0; side < kSides.size(); ++side) {
+        const auto at = [&](std::size_t k) -> Vector3& {
+          return mesh.nodes[static_cast<std::size_t>(nodes[k])];
+        };
+        const Vector3 straight = .5 * (at(kSides[side][0]) + at(kSides[side][1]));
+        changed |= !(at(4 + side) == straight);
+        at(4 + side) = straight;
+      }
+    }
+    if (!changed)
+      return;
+  }
 }
 
 /// Runs `select` with the option's words before its refusal.
@@ -232,6 +258,8 @@ Mesh mesh_of(const PartOrder& order, ProgressLine& progress) {
   progress.stage("meshing", 0);
   Mesh mesh = order.is_file || order.is_lift_arm() ? mesh_of_file(order, budget, progress)
                                                    : mesh_of_shape(order, budget, progress);
+  if (order.is_lift_arm() || order.is_file)
+    straighten_flat(mesh);
   check(mesh);
   describe(mesh, progress, "stresses far too low");
   hold(order, budget, size_of(mesh),
