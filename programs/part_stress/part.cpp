@@ -116,15 +116,23 @@ template <class Select> auto selected(const std::string& words, Select&& select)
 Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std::string& words) {
   std::array<Vector3, 3> m{};
   double whole = 0;
-  for (const MeshFace& at : wall) {
-    const Element& e = mesh.elements[static_cast<std::size_t>(at.element)];
-    const Face& face = faces(e.shape)[static_cast<std::size_t>(at.face)];
-    const auto corner = [&](std::size_t c) {
+  for (const MeshFace& where : wall) {
+    const Element& e = mesh.elements[static_cast<std::size_t>(where.element)];
+    const Face& face = faces(e.shape)[static_cast<std::size_t>(where.face)];
+    const auto at_node = [&](std::size_t c) {
       const auto local = static_cast<std::size_t>(face.node[c]);
       return mesh.nodes[static_cast<std::size_t>(mesh.nodes_of(e)[local])];
     };
-    const auto last = static_cast<std::size_t>(face.corners - 1);
-    Vector3 n = cross(corner(1) - corner(0), corner(last) - corner(0));
+    // The tangents at the middle; those of a curved triangle by its shape functions' derivatives.
+    Vector3 along_r = at_node(1) - at_node(0), along_s = at_node(2) - at_node(0);
+    if (face.corners == 4) {
+      along_r = at_node(2) - at_node(0);
+      along_s = at_node(3) - at_node(1);
+    } else if (!is_linear(e.shape)) {
+      along_r = (1. / 3) * along_r + (4. / 3) * (at_node(4) - at_node(5));
+      along_s = (1. / 3) * along_s + (4. / 3) * (at_node(4) - at_node(3));
+    }
+    const Vector3 n = cross(along_r, along_s);
     const double area = length(n);
     whole += area;
     for (int i = 0; i < 3; ++i)
@@ -138,7 +146,7 @@ Vector3 axis_of_wall(const Mesh& mesh, std::span<const MeshFace> wall, const std
   const double along = dot(axis, {dot(m[0], axis), dot(m[1], axis), dot(m[2], axis)}) / whole;
   // Of squares of the eigenvalues' shares: 1/2 of a wall all around, 1 of a plane.
   const double flatness = (dot(m[0], m[0]) + dot(m[1], m[1]) + dot(m[2], m[2])) / (whole * whole);
-  if (!(along < .01 && flatness < .9))
+  if (!(along < .02 && flatness < .9))
     throw Refusal("--" + words +
                   ": expected the wall of a round hole or pin, whose faces turn "
                   "around one axis");
