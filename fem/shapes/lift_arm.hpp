@@ -25,10 +25,10 @@ struct LiftArm {
   struct Boss {
     double bore, diameter, width; ///< diameters; width along z, over both sides of the plate
   };
-  double length = .380, rise = .055, depth = .100, thickness = .022;
-  Boss hub{.060, .096, .058}, lift_eye{.030, .056, .042}, rod_eye{.026, .050, .042};
+  double length = .380, rise = .055, depth = .108, thickness = .022;
+  Boss hub{.060, .096, .062}, lift_eye{.030, .056, .054}, rod_eye{.026, .050, .050};
   double lift_position = .46; ///< of the lift eye along the centreline, 0 to 1
-  double shoulder = .010;     ///< of the plate around the hub's and the rod eye's bosses
+  double shoulder = .016;     ///< of the plate around the hub's and the rod eye's bosses
   double fillet = .008;       ///< radius where bosses meet the plate
   double slot_width = .028;   ///< of the two lightening holes along the centreline; 0: none
   double web = .014;          ///< between a boss and a lightening hole

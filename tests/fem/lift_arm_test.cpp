@@ -59,7 +59,6 @@ TEST_CASE(
 TEST_CASE("fillets and rounded edges have the volume that Pappus and Guldin give them") {
   LiftArm sharp, rounded;
   rounded.edge_radius = .004;
-  rounded.shoulder = sharp.shoulder = .012;
   LoadChoice choice;
   choice.h = .02;
   choice.grade_concave = false;

@@ -260,7 +260,7 @@ def test_a_step_file_of_the_arm_lists_its_faces_and_takes_them_by_number(tmp_pat
         if found := re.match(r"face (\d+): cylinder of radius ([\d.]+) mm, area ([\d.e+]+)", line):
             number, radius, area = found.groups()
             holes.setdefault(float(radius), []).append((int(number), float(area)))
-    for radius, width in ((30, 58), (15, 42), (13, 42)):
+    for radius, width in ((30, 62), (15, 54), (13, 50)):
         (number, area), = holes[radius]
         assert area == pytest.approx(2 * np.pi * radius * width, rel=1e-3)
     said = run("arm.step", "--h", 40, "--no-grade", "--fix", f"face:{holes[30][0][0]}", "--bolt",
