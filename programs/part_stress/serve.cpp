@@ -1,7 +1,7 @@
 #include "programs/part_stress/serve.hpp"
 
-#include "core/modal/json.hpp"
 #include "core/modal/npz.hpp"
+#include "core/table/json.hpp"
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/words.hpp"
