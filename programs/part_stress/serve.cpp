@@ -1,6 +1,6 @@
 #include "programs/part_stress/serve.hpp"
 
-#include "core/modal/npz.hpp"
+#include "core/table/npz.hpp"
 #include "core/table/json.hpp"
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/mesh_bytes.hpp"
