@@ -266,6 +266,40 @@ TEST_CASE("the handle drags the grabbed control point within its bounds, scaled"
   CHECK(rig.gamma() == doctest::Approx(0.5));
 }
 
+TEST_CASE("a point that is grabbed again is dragged on from where it is") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("range", {"fixed", 0.0, 1e6});
+  rig.hold(0, 0, 0);
+  rig.say("grab", {1.0});
+  rig.hold(0, 2, 0);
+  rig.say("release");
+  rig.hold(0, 0, 0);
+  rig.say("grab", {1.0});
+  rig.say("grab", {0.0, 0.0}); // lets another go: nothing
+  rig.hold(0, 1, 0);           // 2 mm and 1 mm
+  rig.run(300);
+  StressModel model(test::shared(Cantilever::table()));
+  CHECK(rig.gamma() ==
+        doctest::Approx(model.update(std::vector<double>{0, 0.003}).mean_pa / 1e6).epsilon(1e-9));
+  rig.say("grab", {1.0, 0.0});
+  rig.hold(0, 9, 0);
+  rig.run(300);
+  CHECK(rig.gamma() ==
+        doctest::Approx(model.update(std::vector<double>{0, 0.003}).mean_pa / 1e6).epsilon(1e-9));
+}
+
+TEST_CASE("every position is answered by a force, also by the same one") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.run(300);
+  rig.hold(1, 0, 0);
+  const std::size_t count = rig.host.sent.at(1).size();
+  rig.hold(1, 0, 0);
+  rig.hold(1, 0, 0);
+  CHECK(rig.host.sent.at(1).size() == count + 2);
+}
+
 TEST_CASE("another table begins at its own shape, with nothing grabbed") {
   Rig rig;
   rig.say("load", {"cantilever.stress.npz"});
