@@ -1,5 +1,7 @@
 #pragma once
 
+#include "externals/ordinary_priority.hpp"
+
 #include <atomic>
 #include <cstddef>
 #include <functional>
@@ -8,11 +10,6 @@
 #include <system_error>
 #include <thread>
 #include <vector>
-
-#if defined(__unix__) || defined(__APPLE__)
-#include <pthread.h>
-#include <sched.h>
-#endif
 
 namespace tactus::reed {
 
@@ -35,7 +32,7 @@ public:
     running_.store(true, std::memory_order_relaxed);
     try {
       thread_ = std::jthread([this, work = portion](const std::stop_token& stop) {
-        give_way();
+        take_ordinary_priority();
         std::size_t done = 0;
         while (done < nodes_.size() && !stop.stop_requested()) {
           done = work(nodes_, done);
@@ -91,13 +88,6 @@ private:
     done_.store(0, std::memory_order_release);
   }
   std::vector<double> nodes_;
-  /// A thread is born with its parent's priority, which may be that of the audio.
-  static void give_way() noexcept {
-#if defined(__unix__) || defined(__APPLE__)
-    sched_param ordinary{};
-    (void)pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
-#endif
-  }
 
   std::atomic<std::size_t> done_{0};
   std::atomic<bool> running_{false};

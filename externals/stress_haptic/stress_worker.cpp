@@ -1,5 +1,6 @@
 #include "externals/stress_haptic/stress_worker.hpp"
 
+#include "externals/ordinary_priority.hpp"
 #include "externals/read_file.hpp"
 
 #include <algorithm>
@@ -111,17 +112,24 @@ void StressWorker::step(double now) {
   const SessionRequest& request = requests_.latest();
   if (!session_ || request.table != number_)
     return;
-  const double begin_s = now_s();
-  SessionResult result = session_->step(now, request);
-  result.update_s = now_s() - begin_s;
-  results_.write(result);
-  if (std::string refusal = session_->take_refusal(); !refusal.empty()) {
+  std::string refusal;
+  try {
+    const double begin_s = now_s();
+    SessionResult result = session_->step(now, request);
+    result.update_s = now_s() - begin_s;
+    results_.write(result);
+    refusal = session_->take_refusal();
+  } catch (const std::bad_alloc&) {
+    refusal = "not enough memory for the stress; the last value stays";
+  }
+  if (!refusal.empty()) {
     const std::lock_guard lock(mutex_);
     refusal_ = std::move(refusal);
   }
 }
 
 void StressWorker::work(const std::stop_token& stop) {
+  take_ordinary_priority();
   while (!stop.stop_requested()) {
     std::optional<std::pair<std::string, std::uint64_t>> to_load;
     {
@@ -136,12 +144,7 @@ void StressWorker::work(const std::stop_token& stop) {
       return;
     if (to_load)
       carry_out_load(to_load->first, to_load->second);
-    try {
-      step(now_s());
-    } catch (const std::bad_alloc&) {
-      const std::lock_guard lock(mutex_);
-      refusal_ = "not enough memory for the stress; the last value stays";
-    }
+    step(now_s());
     ready_();
   }
 }

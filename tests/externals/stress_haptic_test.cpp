@@ -188,9 +188,9 @@ TEST_CASE("force is continuous when a re-solved stress takes the place of the se
   // A large move: the series is far off, its solution changes gamma by much.
   rig.say("range", {"fixed", 100e3, 500e3});
   rig.run(200);
-  rig.solver->polls_needed = 60; // one every 2 ms
+  rig.solver->polls_needed = 60;        // one every 2 ms
   rig.say("cp", {0.0, 0.0, 20.0, 0.0}); // 10 mm up
-  rig.run(60); // the series' own glide is over
+  rig.run(60);                          // the series' own glide is over
   const double series = rig.gamma();
   const std::size_t from = rig.host.sent.at(1).size();
   rig.run(400);
@@ -264,6 +264,59 @@ TEST_CASE("the handle drags the grabbed control point within its bounds, scaled"
   rig.say("reset");
   rig.run(300);
   CHECK(rig.gamma() == doctest::Approx(0.5));
+}
+
+TEST_CASE("a point that is grabbed again is dragged on from where it is") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("range", {"fixed", 0.0, 1e6});
+  rig.hold(0, 0, 0);
+  rig.say("grab", {1.0});
+  rig.hold(0, 2, 0);
+  rig.say("release");
+  rig.hold(0, 0, 0);
+  rig.say("grab", {1.0});
+  rig.say("grab", {0.0, 0.0}); // lets another go: nothing
+  rig.hold(0, 1, 0);           // 2 mm and 1 mm
+  rig.run(300);
+  StressModel model(test::shared(Cantilever::table()));
+  CHECK(rig.gamma() ==
+        doctest::Approx(model.update(std::vector<double>{0, 0.003}).mean_pa / 1e6).epsilon(1e-9));
+  rig.say("grab", {1.0, 0.0});
+  rig.hold(0, 9, 0);
+  rig.run(300);
+  CHECK(rig.gamma() ==
+        doctest::Approx(model.update(std::vector<double>{0, 0.003}).mean_pa / 1e6).epsilon(1e-9));
+}
+
+TEST_CASE("every position is answered by a force, also by the same one") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.run(300);
+  rig.hold(1, 0, 0);
+  const std::size_t count = rig.host.sent.at(1).size();
+  rig.hold(1, 0, 0);
+  rig.hold(1, 0, 0);
+  CHECK(rig.host.sent.at(1).size() == count + 2);
+}
+
+TEST_CASE("another table begins at its own shape, with nothing grabbed") {
+  Rig rig;
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("range", {"fixed", 0.0, 1e6});
+  rig.hold(0, 0, 0);
+  rig.say("grab", {1.0});
+  rig.hold(0, 5, 0);
+  rig.run(300);
+  CHECK(rig.gamma() < 0.49);
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.run(300);
+  CHECK(rig.gamma() == doctest::Approx(0.5));
+  rig.hold(0, 0, 0);
+  rig.run(300);
+  CHECK(rig.gamma() == doctest::Approx(0.5));
+  rig.object.dump(rig.host);
+  CHECK(rig.host.said("grabbed -1"));
 }
 
 TEST_CASE("stiffness and damping never exceed the device's limits") {
