@@ -315,9 +315,15 @@ TEST_CASE("a fade keeps its time although targets that come meanwhile are closer
   CHECK(glide.at(5.05).x == approx(0.5));
   glide.go({0.1, 0, 0}, 5.05);
   CHECK(glide.at(5.051).x == doctest::Approx(0.5 - 0.4 / 50).epsilon(1e-9));
+  const double before = 0.5 - 0.4 / 5; // at 5.06
   glide.go({0.2, 0, 0}, 5.06);
+  CHECK(glide.at(5.08).x == doctest::Approx((before + 0.2) / 2).epsilon(1e-9));
   CHECK(glide.at(5.1).x == approx(0.2));
   CHECK(!glide.moving());
+  LinearGlide unseen; // nobody asked for its value meanwhile
+  unseen.fade({1, 0, 0}, 1, 0.1);
+  unseen.go({0.5, 0, 0}, 1.05);
+  CHECK(unseen.at(1.05).x == doctest::Approx(0.5));
   glide.go({0.3, 0, 0}, 6);
   CHECK(glide.at(6.05).x == approx(0.3));
 }
