@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tactus::fem {
@@ -37,7 +38,7 @@ CgReport conjugate_gradients(const Matrices& m, ShiftedFactor& preconditioner,
                              std::span<const double> b, std::span<double> x, double tolerance,
                              int max_iterations) {
   const std::size_t n = b.size();
-  std::vector<double> r(n), z(n), p(n), image(n), alpha, beta;
+  std::vector<double> r(n), z(n), p(n), image(n), before(n), alpha, beta;
   const double size = std::sqrt(dot(b, b));
   m.multiply_stiffness(x, image, 1);
   for (std::size_t i = 0; i < n; ++i)
@@ -53,14 +54,18 @@ CgReport conjugate_gradients(const Matrices& m, ShiftedFactor& preconditioner,
     report.converged = report.residual <= tolerance;
     if (report.converged || report.iterations >= max_iterations)
       break;
-    preconditioner.solve(r, z, 1);
+    preconditioner.precondition(r, z);
     const double next = dot(r, z);
     if (!(next > 0))
       break;
+    // Polak and Ribiere's form: with a preconditioner in single precision, r' z of before does not
+    // vanish, and the usual form loses steps (Notay 2000).
+    const double turn = report.iterations > 0 ? (next - dot(before, z)) / rz : 0;
     if (report.iterations > 0)
-      beta.push_back(next / rz);
+      beta.push_back(std::max(turn, 0.0));
     for (std::size_t i = 0; i < n; ++i)
-      p[i] = z[i] + (report.iterations > 0 ? next / rz * p[i] : 0);
+      p[i] = z[i] + turn * p[i];
+    before = r;
     rz = next;
     m.multiply_stiffness(p, image, 1);
     const double curvature = dot(p, image);

@@ -12,9 +12,9 @@ struct CgReport {
 };
 
 /// Solves K x = b from the start x by conjugate gradients, preconditioned with the factor of
-/// another matrix of the same size (Golub & Van Loan, Matrix Computations, 11.5). Held directions
-/// stay zero. Ends at ||b - K x|| <= tolerance ||b||, after `max_iterations`, or where rounding
-/// allows no further progress.
+/// another matrix of the same size in single precision (Golub & Van Loan, Matrix
+/// Computations, 11.5). Held directions stay zero. Ends at ||b - K x|| <= tolerance ||b||, after
+/// `max_iterations`, or where rounding allows no further progress.
 [[nodiscard]] CgReport conjugate_gradients(const Matrices&, ShiftedFactor& preconditioner,
                                            std::span<const double> b, std::span<double> x,
                                            double tolerance, int max_iterations);

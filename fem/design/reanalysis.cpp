@@ -115,7 +115,7 @@ struct Reanalysis::Implementation {
       return best;
     };
     cost.product = best_of(3, [&] { m.multiply_stiffness(x, y, 1); });
-    cost.solve = best_of(3, [&] { analysis.factor->solve(y, x, 1); });
+    cost.solve = best_of(3, [&] { analysis.factor->precondition(y, x); });
     Matrices copy = m;
     cost.assembly = best_of(1, [&] { assemble_stiffness(mesh, model.materials, -1, copy); });
     ShiftedFactor again(*analysis.factor, m, 0);
@@ -295,7 +295,7 @@ MemoryUse Reanalysis::memory() const {
   const StaticSystem& system = own_->analysis.system;
   const NodeGraph& graph = system.matrices.graph;
   MemoryUse use;
-  use.factor = own_->analysis.factor->cost().memory_bytes;
+  use.factor = own_->analysis.factor->memory_bytes();
   use.matrix = static_cast<double>(8 * system.matrices.stiffness.size() + 8 * graph.row.size() +
                                    8 * graph.start.size()) +
                own_->moving.bytes();

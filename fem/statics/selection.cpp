@@ -10,6 +10,7 @@ namespace tactus::fem {
 namespace {
 
 template <class... F> struct Overloaded : F... { using F::operator()...; };
+template <class... F> Overloaded(F...) -> Overloaded<F...>; // clang 14 asks for it
 
 using Inside = std::function<bool(std::size_t node)>;
 

@@ -163,11 +163,12 @@ TEST_CASE("conjugate gradients solve from any start and stop where they are told
   report = conjugate_gradients(truth.system.matrices, *old.factor, b, x, 1e-11, needed - 2);
   CHECK(!report.converged);
   CHECK(report.iterations == needed - 2);
-  // Its own factor: one step, and combined approximations of one vector are exact.
+  // Its own factor, in single precision: three steps to 1e-9, and combined approximations are
+  // exact.
   std::fill(x.begin(), x.end(), 0.0);
   report = conjugate_gradients(truth.system.matrices, *truth.factor, b, x, 1e-9, 60);
-  CHECK(report.iterations == 1);
-  CHECK(report.condition == doctest::Approx(1).epsilon(1e-6));
+  CHECK(report.iterations <= 3);
+  CHECK(report.condition == doctest::Approx(1).epsilon(1e-4));
   CHECK(combined_approximations(truth.system.matrices, *truth.factor, b, x, 3) < 1e-9);
   CHECK(relative_difference(x, truth.solution.displacement) < 1e-9);
   // With n vectors, combined approximations are n steps of conjugate gradients from zero (Kirsch,
@@ -177,7 +178,7 @@ TEST_CASE("conjugate gradients solve from any start and stop where they are told
     (void)combined_approximations(truth.system.matrices, *old.factor, b, x, vectors);
     std::fill(y.begin(), y.end(), 0.0);
     (void)conjugate_gradients(truth.system.matrices, *old.factor, b, y, 0, int(vectors));
-    CHECK(relative_difference(x, y) < 1e-8);
+    CHECK(relative_difference(x, y) < 2e-6); // single precision
   }
 }
 
