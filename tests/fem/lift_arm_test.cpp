@@ -82,7 +82,6 @@ TEST_CASE("the walls of the three holes are named, round, and where the pins are
     const auto& nodes = mesh.node_sets.at(pin.name);
     REQUIRE(nodes.size() > 20);
     double low = 1, high = -1;
-    Vector3 sum;
     for (const int n : nodes) {
       const Vector3& p = mesh.nodes[static_cast<std::size_t>(n)];
       CHECK(std::hypot(p.x - pin.centre.x, p.y - pin.centre.y) ==
