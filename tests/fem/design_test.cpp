@@ -196,6 +196,15 @@ TEST_CASE("a step stops where the mesh would turn inside out") {
   step = valid_step(cube, target);
   CHECK(step.fraction == 1);
   CHECK(step.scaled_jacobian == doctest::Approx(1));
+  // One corner pushed inwards by t along the diagonal: there alone, det = 1 - 3 t over edges of
+  // sqrt((1 - t)^2 + 2 t^2), which is 0.05 at t = 0.3242.
+  const Mesh one = block(even(0, 1, 1), even(0, 1, 1), even(0, 1, 1));
+  auto pushed = one.nodes;
+  for (Vector3& p : pushed) {
+    const double weight = p.x * p.y * p.z;
+    p += -.5 * weight * Vector3{1, 1, 1};
+  }
+  CHECK(valid_step(one, pushed).fraction == doctest::Approx(.3242 / .5).epsilon(3e-3));
   // Elements that are bad to begin with may move, but not get worse.
   Mesh bad = cube;
   for (Vector3& p : bad.nodes)

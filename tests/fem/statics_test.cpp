@@ -422,6 +422,53 @@ TEST_CASE("stress measures have their textbook values and slopes") {
   CHECK(von_mises_slope({}) == Stress{});
 }
 
+TEST_CASE("peak and smoothed stress are what their definitions say") {
+  // Linear tetrahedra of uneven volume: each has one stress, so a node's is the plain weighted sum.
+  Mesh mesh = tetrahedral_block(3, false);
+  distort(mesh, .1);
+  StaticModel model;
+  model.materials = {steel()};
+  model.fixed = {{"wall", nodes_on(mesh, 0, 0), {true, true, true}, {}}};
+  model.loads = {TotalForce{"tip", select_faces(mesh, plane(0, 1)), {1e6, 2e6, -3e6}}};
+  const auto analysis = solve_static(mesh, model);
+  const auto& u = analysis.solution.displacement;
+  const auto stress = element_stress(mesh, model.materials, u);
+  const auto nodal = nodal_stress(mesh, model.materials, u);
+  std::vector<Stress> sum(mesh.nodes.size(), Stress{});
+  std::vector<double> whole(mesh.nodes.size(), 0.0);
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    const auto nodes = mesh.nodes_of(mesh.elements[e]);
+    const auto at = [&](std::size_t a) { return mesh.nodes[std::size_t(nodes[a])]; };
+    const double v = dot(at(1) - at(0), cross(at(2) - at(0), at(3) - at(0))) / 6;
+    CHECK(element_volumes(mesh)[e] == doctest::Approx(v).epsilon(1e-12));
+    for (const int n : nodes) {
+      whole[std::size_t(n)] += v;
+      for (std::size_t k = 0; k < 6; ++k)
+        sum[std::size_t(n)][k] += v * stress[e][k];
+    }
+  }
+  for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+    for (std::size_t k = 0; k < 6; ++k)
+      CHECK(std::abs(nodal[n][k] - sum[n][k] / whole[n]) < 1e-9 * 1e7);
+  // Bricks in bending: the peak is the largest of the quadrature points, by definition.
+  const Cantilever beam(block(even(0, .2, 6), even(0, .02, 1), even(0, .02, 1)), .3);
+  const auto bent = solve_static(beam.mesh, beam.model).solution.displacement;
+  const PeakStress peak = peak_stress(beam.mesh, beam.model.materials, bent);
+  const auto laws = elastic_laws(beam.mesh, beam.model.materials);
+  for (std::size_t e = 0; e < beam.mesh.elements.size(); ++e) {
+    double mises = 0, shear = 0;
+    for (const double x : {-.7745966692414834, 0., .7745966692414834})
+      for (const double y : {-.7745966692414834, 0., .7745966692414834})
+        for (const double z : {-.7745966692414834, 0., .7745966692414834}) {
+          const Stress s = stress_at(beam.mesh, beam.mesh.elements[e], laws[0], bent, {x, y, z});
+          mises = std::max(mises, von_mises(s));
+          shear = std::max(shear, max_shear(s));
+        }
+    CHECK(peak.von_mises[e] == doctest::Approx(mises).epsilon(1e-9));
+    CHECK(peak.max_shear[e] == doctest::Approx(shear).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("bodies that can move are refused with the motion that is free") {
   Mesh mesh = block(even(0, .1, 2), even(0, .02, 1), even(0, .02, 1));
   StaticModel model;
