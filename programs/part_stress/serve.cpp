@@ -28,26 +28,26 @@ struct Source {
 
 Source read_source(const std::string& path) {
   const std::string bytes = read_bytes(path);
-  modal::NpzFile archive;
+  table::NpzFile archive;
   if (const std::string refusal = archive.open(std::as_bytes(std::span(bytes))); !refusal.empty())
     throw Refusal(path + ": " + refusal);
   const auto text = [&](const char* name) {
-    const modal::NpzArray* array = archive.find(name);
+    const table::NpzArray* array = archive.find(name);
     if (!array || array->item_bytes != 1)
       throw Refusal(path + " has no array of bytes '" + name +
                     "', expected a table of part_stress");
     return std::string_view(reinterpret_cast<const char*>(array->bytes.data()),
                             array->bytes.size());
   };
-  modal::Json meta;
-  if (!modal::read_json(text("meta"), meta))
+  table::Json meta;
+  if (!table::read_json(text("meta"), meta))
     throw Refusal(path + ": array 'meta' is not JSON");
   if (meta.text_or("format", "") != "stress-table")
     throw Refusal(path + " is no stress table: expected one of part_stress");
-  const modal::Json* command = meta.find("command");
+  const table::Json* command = meta.find("command");
   std::vector<std::string> words;
   if (command)
-    for (const modal::Json& word : command->list)
+    for (const table::Json& word : command->list)
       words.push_back(word.text);
   if (words.empty())
     throw Refusal(path + " does not say how it was made: expected 'command' in its meta");
