@@ -1,8 +1,7 @@
 #include "fem/assembly/matrices.hpp"
 
-#include "fem/element/matrices.hpp"
-
 #include <algorithm>
+#include <cstdlib>
 
 namespace tactus::fem {
 
@@ -44,25 +43,27 @@ namespace {
 
 /// Vectors that pass through the matrix together: it is read from memory once for all of them.
 constexpr std::size_t kTogether = 8;
-using Lanes = std::array<double, kTogether>;
+template <std::size_t Width> using Lanes = std::array<double, Width>;
 
-void add(Lanes& y, double a, const Lanes& x) noexcept {
-  for (std::size_t c = 0; c < kTogether; ++c)
+template <std::size_t Width> void add(Lanes<Width>& y, double a, const Lanes<Width>& x) noexcept {
+  for (std::size_t c = 0; c < Width; ++c)
     y[c] += a * x[c];
 }
 
 /// y = A x over the lower blocks of a symmetric matrix; block(k, x, y, turned) adds block k of A,
-/// or its transpose, times x[0..2] to y[0..2].
-template <class Block>
+/// or its transpose, times x[0..2] to y[0..2]. Rows and columns in `held` count as zero; `held` may
+/// be empty.
+template <std::size_t Width, class Block>
 void multiply(const NodeGraph& graph, std::span<const std::uint8_t> held, std::span<const double> x,
-              std::span<double> y, std::size_t columns, Block&& block) {
-  const std::size_t n = held.size();
-  std::vector<Lanes> in(n), out(n);
-  for (std::size_t first = 0; first < columns; first += kTogether) {
-    const std::size_t width = std::min(kTogether, columns - first);
+              std::span<double> y, std::size_t columns, const Block& block) {
+  const std::size_t n = 3 * graph.node_count();
+  const auto skipped = [&](std::size_t i) { return !held.empty() && held[i]; };
+  std::vector<Lanes<Width>> in(n), out(n);
+  for (std::size_t first = 0; first < columns; first += Width) {
+    const std::size_t width = std::min(Width, columns - first);
     for (std::size_t i = 0; i < n; ++i) {
       out[i] = in[i] = {};
-      for (std::size_t c = 0; c < width && !held[i]; ++c)
+      for (std::size_t c = 0; c < width && !skipped(i); ++c)
         in[i][c] = x[(first + c) * n + i];
     }
     for (std::size_t column = 0; column < graph.node_count(); ++column)
@@ -75,15 +76,35 @@ void multiply(const NodeGraph& graph, std::span<const std::uint8_t> held, std::s
       }
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t c = 0; c < width; ++c)
-        y[(first + c) * n + i] = held[i] ? 0 : out[i][c];
+        y[(first + c) * n + i] = skipped(i) ? 0 : out[i][c];
   }
+}
+
+/// One vector alone would waste seven of the lanes.
+template <class Block>
+void multiply_any(const NodeGraph& graph, std::span<const std::uint8_t> held,
+                  std::span<const double> x, std::span<double> y, std::size_t columns,
+                  const Block& block) {
+  if (columns == 1)
+    multiply<1>(graph, held, x, y, columns, block);
+  else
+    multiply<kTogether>(graph, held, x, y, columns, block);
+}
+
+auto stiffness_block(std::span<const double> stiffness) {
+  return [stiffness](std::size_t k, const auto* from, auto* to, bool turned) {
+    const double* s = &stiffness[9 * k];
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        add(to[i], turned ? s[3 * j + i] : s[3 * i + j], from[j]);
+  };
 }
 
 } // namespace
 
 void Matrices::multiply_mass(std::span<const double> x, std::span<double> y,
                              std::size_t columns) const {
-  multiply(graph, held, x, y, columns, [this](std::size_t k, const Lanes* from, Lanes* to, bool) {
+  multiply_any(graph, held, x, y, columns, [this](std::size_t k, const auto* from, auto* to, bool) {
     for (std::size_t i = 0; i < 3; ++i)
       add(to[i], mass[k], from[i]);
   });
@@ -91,71 +112,87 @@ void Matrices::multiply_mass(std::span<const double> x, std::span<double> y,
 
 void Matrices::multiply_stiffness(std::span<const double> x, std::span<double> y,
                                   std::size_t columns) const {
-  multiply(graph, held, x, y, columns,
-           [this](std::size_t k, const Lanes* from, Lanes* to, bool turned) {
-             const double* s = &stiffness[9 * k];
-             for (std::size_t i = 0; i < 3; ++i)
-               for (std::size_t j = 0; j < 3; ++j)
-                 add(to[i], turned ? s[3 * j + i] : s[3 * i + j], from[j]);
-           });
+  multiply_any(graph, held, x, y, columns, stiffness_block(stiffness));
 }
 
-namespace {
+void Matrices::multiply_whole_stiffness(std::span<const double> x, std::span<double> y) const {
+  multiply_any(graph, {}, x, y, 1, stiffness_block(stiffness));
+}
 
-void add_stiffness(const Mesh& mesh, const Element& e, const ElasticLaw& law, Matrices& into,
-                   StiffnessBlocks& blocks) {
+PairPositions::PairPositions(const Mesh& mesh, const NodeGraph& graph) : start_{0} {
+  if (graph.row.size() > 0x7FFFFFFE)
+    throw TooLarge("the mesh has more than 2^31 pairs of nodes: take a coarser one");
+  for (const Element& e : mesh.elements) {
+    const auto nodes = mesh.nodes_of(e);
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        const bool turned = nodes[a] < nodes[b];
+        const auto k = static_cast<std::int32_t>(
+            graph.find(std::max(nodes[a], nodes[b]), std::min(nodes[a], nodes[b])) + 1);
+        position_.push_back(turned ? -k : k);
+      }
+    start_.push_back(position_.size());
+  }
+}
+
+void add_element_stiffness(const Mesh& mesh, std::size_t element, const ElasticLaw& law,
+                           const PairPositions& positions, std::span<double> stiffness,
+                           std::span<const std::uint8_t> only) {
+  StiffnessBlocks blocks;
+  const Element& e = mesh.elements[element];
   element_stiffness(mesh, e, law, blocks);
-  const auto nodes = mesh.nodes_of(e);
-  const std::size_t n = nodes.size();
+  const auto n = static_cast<std::size_t>(node_count(e.shape));
+  const std::int32_t* position = positions.of(element).data();
   for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b <= a; ++b) {
+    for (std::size_t b = 0; b <= a; ++b, ++position) {
+      const bool turned = *position < 0;
+      const auto k = static_cast<std::size_t>(turned ? -*position : *position) - 1;
+      if (!only.empty() && !only[k])
+        continue;
       const double* from = &blocks[9 * (a * n + b)];
-      const bool turned = nodes[a] < nodes[b];
-      double* to = &into.stiffness[9 * (turned ? into.graph.find(nodes[b], nodes[a])
-                                               : into.graph.find(nodes[a], nodes[b]))];
+      double* to = &stiffness[9 * k];
       for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
           to[3 * i + j] += turned ? from[3 * j + i] : from[3 * i + j];
     }
 }
 
-std::vector<ElasticLaw> laws_of(const Mesh& mesh, std::span<const Material> materials) {
+std::vector<ElasticLaw> elastic_laws(const Mesh& mesh, std::span<const Material> materials) {
   if (materials.size() != mesh.regions.size())
     throw Refusal("the mesh has " + std::to_string(mesh.regions.size()) + " regions and " +
                   std::to_string(materials.size()) + " materials, expected one for each");
   return {materials.begin(), materials.end()};
 }
 
-} // namespace
-
 void assemble_stiffness(const Mesh& mesh, std::span<const Material> materials, int region,
                         Matrices& into) {
-  const auto laws = laws_of(mesh, materials);
+  const auto laws = elastic_laws(mesh, materials);
+  const PairPositions positions(mesh, into.graph);
   into.stiffness.assign(9 * into.graph.row.size(), 0.0);
-  StiffnessBlocks blocks;
-  for (const Element& e : mesh.elements)
-    if (region < 0 || e.region == region)
-      add_stiffness(mesh, e, laws[static_cast<std::size_t>(e.region)], into, blocks);
+  for (std::size_t k = 0; k < mesh.elements.size(); ++k)
+    if (const int own = mesh.elements[k].region; region < 0 || own == region)
+      add_element_stiffness(mesh, k, laws[static_cast<std::size_t>(own)], positions,
+                            into.stiffness);
 }
 
 Matrices assemble(const Mesh& mesh, std::span<const Material> materials,
                   std::span<const Support> supports, const Progress& progress) {
-  const auto laws = laws_of(mesh, materials);
+  const auto laws = elastic_laws(mesh, materials);
   Matrices matrices(mesh);
+  const PairPositions positions(mesh, matrices.graph);
   matrices.stiffness.assign(9 * matrices.graph.row.size(), 0.0);
   matrices.mass.assign(matrices.graph.row.size(), 0.0);
-  StiffnessBlocks blocks;
   MassEntries entries;
   for (std::size_t k = 0; k < mesh.elements.size(); ++k) {
     const Element& e = mesh.elements[k];
     const ElasticLaw& law = laws[static_cast<std::size_t>(e.region)];
-    add_stiffness(mesh, e, law, matrices, blocks);
+    add_element_stiffness(mesh, k, law, positions, matrices.stiffness);
     element_mass(mesh, e, law.density, entries);
     const auto nodes = mesh.nodes_of(e);
+    const std::int32_t* position = positions.of(k).data();
     for (std::size_t a = 0; a < nodes.size(); ++a)
-      for (std::size_t b = 0; b <= a; ++b)
-        matrices.mass[matrices.graph.find(std::max(nodes[a], nodes[b]),
-                                          std::min(nodes[a], nodes[b]))] +=
+      for (std::size_t b = 0; b <= a; ++b, ++position)
+        matrices.mass[static_cast<std::size_t>(std::abs(*position)) - 1] +=
             entries[a * nodes.size() + b];
     if (progress && k % 1024 == 0)
       progress(static_cast<double>(k) / static_cast<double>(mesh.elements.size()));

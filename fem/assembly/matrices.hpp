@@ -1,5 +1,5 @@
 #pragma once
-#include "fem/material/material.hpp"
+#include "fem/element/matrices.hpp"
 #include "fem/mesh/mesh.hpp"
 
 #include <array>
@@ -19,6 +19,25 @@ struct NodeGraph {
   [[nodiscard]] std::size_t node_count() const noexcept { return start.size() - 1; }
   /// Position of (row, column), row >= column; both must share an element.
   [[nodiscard]] std::size_t find(std::int64_t at_row, std::int64_t column) const noexcept;
+};
+
+/// Where the node pairs of each element stand in the graph: found once, used in every assembly.
+class PairPositions {
+public:
+  /// Refuses graphs beyond 2^31 pairs.
+  PairPositions(const Mesh&, const NodeGraph&);
+  /// Of an element, in the order (a, b), b <= a: the pair's index + 1; negative where the block is
+  /// stored transposed.
+  [[nodiscard]] std::span<const std::int32_t> of(std::size_t element) const noexcept {
+    return std::span(position_).subspan(start_[element], start_[element + 1] - start_[element]);
+  }
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return sizeof(std::int32_t) * position_.size() + sizeof(std::size_t) * start_.size();
+  }
+
+private:
+  std::vector<std::size_t> start_;
+  std::vector<std::int32_t> position_;
 };
 
 /// A support. Nodes held in the chosen directions: rigidly, or by springs whose stiffness (N/m, the
@@ -47,6 +66,8 @@ struct Matrices {
   void multiply_mass(std::span<const double> x, std::span<double> y, std::size_t columns) const;
   void multiply_stiffness(std::span<const double> x, std::span<double> y,
                           std::size_t columns) const;
+  /// y = K x with the rows and columns of held directions.
+  void multiply_whole_stiffness(std::span<const double> x, std::span<double> y) const;
 };
 
 /// A share of the work that is done, 0 to 1.
@@ -55,6 +76,15 @@ using Progress = std::function<void(double)>;
 /// One material a region. Refuses when the numbers differ.
 [[nodiscard]] Matrices assemble(const Mesh&, std::span<const Material>, std::span<const Support>,
                                 const Progress& = {});
+
+/// An elastic law for each region. Refuses when the numbers differ.
+[[nodiscard]] std::vector<ElasticLaw> elastic_laws(const Mesh&, std::span<const Material>);
+
+/// Adds an element's stiffness to the blocks `stiffness` of the graph that `positions` is of.
+/// Where `only` is not empty, only to the pairs that it marks.
+void add_element_stiffness(const Mesh&, std::size_t element, const ElasticLaw&,
+                           const PairPositions&, std::span<double> stiffness,
+                           std::span<const std::uint8_t> only = {});
 
 /// The stiffness alone, of elements in one region (-1: all), onto an existing graph.
 void assemble_stiffness(const Mesh&, std::span<const Material>, int region, Matrices& into);

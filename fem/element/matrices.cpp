@@ -1,39 +1,11 @@
 #include "fem/element/matrices.hpp"
 
-#include "fem/element/jacobian.hpp"
-#include "fem/element/quadrature.hpp"
+#include "fem/element/tabulated.hpp"
 
 #include <algorithm>
-#include <vector>
 
 namespace tactus::fem {
 namespace {
-
-/// Shape functions at quadrature points are the same for every element of a shape.
-struct Tabulated {
-  std::vector<ShapeValues> values;
-  std::vector<double> weights;
-
-  Tabulated(Shape shape, std::span<const QuadraturePoint> points) {
-    for (const QuadraturePoint& q : points) {
-      evaluate(shape, q.at, values.emplace_back());
-      weights.push_back(q.weight);
-    }
-  }
-};
-
-const Tabulated& tabulated(Shape shape, bool for_mass) {
-  using List = std::array<Tabulated, 5>;
-  const auto make = [](auto points) {
-    return List{Tabulated(Shape::tet4, points(Shape::tet4)),
-                {Shape::tet10, points(Shape::tet10)},
-                {Shape::hex8, points(Shape::hex8)},
-                {Shape::hex20, points(Shape::hex20)},
-                {Shape::wedge15, points(Shape::wedge15)}};
-  };
-  static const List stiffness = make(stiffness_points), mass = make(mass_points);
-  return (for_mass ? mass : stiffness)[static_cast<std::size_t>(shape)];
-}
 
 using Slopes = std::array<Vector3, kMostNodes>;
 
@@ -95,25 +67,22 @@ void element_stiffness(const Mesh& mesh, const Element& e, const ElasticLaw& law
                        StiffnessBlocks& out) {
   const auto n = static_cast<std::size_t>(node_count(e.shape));
   std::fill_n(out.begin(), 9 * n * n, 0.0);
-  const Tabulated& table = tabulated(e.shape, false);
-  Slopes slopes;
+  const Tabulated& table = at_stiffness_points(e.shape);
+  PointGradients at;
   for (std::size_t q = 0; q < table.weights.size(); ++q) {
-    const ShapeValues& values = table.values[q];
-    const Jacobian j = jacobian(mesh, e, values);
-    for (std::size_t a = 0; a < n; ++a)
-      slopes[a] = j.to_space(values.derivative[a]);
-    const double weight = table.weights[q] * j.determinant;
+    gradients(mesh, e, table.values[q], at);
+    const double weight = table.weights[q] * at.determinant;
     if (law.isotropic)
-      add_isotropic(slopes, n, weight * law.lame_lambda, weight * law.lame_mu, out);
+      add_isotropic(at.slope, n, weight * law.lame_lambda, weight * law.lame_mu, out);
     else
-      add_general(slopes, n, weight, law.matrix, out);
+      add_general(at.slope, n, weight, law.matrix, out);
   }
 }
 
 void element_mass(const Mesh& mesh, const Element& e, double density, MassEntries& out) {
   const auto n = static_cast<std::size_t>(node_count(e.shape));
   std::fill_n(out.begin(), n * n, 0.0);
-  const Tabulated& table = tabulated(e.shape, true);
+  const Tabulated& table = at_mass_points(e.shape);
   for (std::size_t q = 0; q < table.weights.size(); ++q) {
     const ShapeValues& values = table.values[q];
     const double weight = density * table.weights[q] * jacobian(mesh, e, values).determinant;

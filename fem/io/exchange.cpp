@@ -56,11 +56,7 @@ void put_big(std::string& out, std::uint64_t value, int bytes) {
 
 constexpr std::uint32_t kMatrixClass = 1211216, kVectorClass = 1211214;
 
-} // namespace
-
-void write_inp(const std::string& path, const Mesh& mesh, std::span<const Material> materials,
-               std::span<const Support> supports, std::size_t modes) {
-  SafeFile file(path);
+void write_body(SafeFile& file, const Mesh& mesh, std::span<const Material> materials) {
   file.write("*NODE,NSET=NALL\n");
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
     file.write(format("%zu,%.13e,%.13e,%.13e\n", i + 1, mesh.nodes[i].x, mesh.nodes[i].y,
@@ -91,6 +87,14 @@ void write_inp(const std::string& path, const Mesh& mesh, std::span<const Materi
     file.write(format("*SOLID SECTION,ELSET=R%zu,MATERIAL=M%zu", r, r) +
                (m.isotropic() ? "\n" : format(",ORIENTATION=O%zu\n", r)));
   }
+}
+
+} // namespace
+
+void write_inp(const std::string& path, const Mesh& mesh, std::span<const Material> materials,
+               std::span<const Support> supports, std::size_t modes) {
+  SafeFile file(path);
+  write_body(file, mesh, materials);
   for (const Support& s : supports) {
     if (s.stiffness_n_per_m > 0)
       throw Refusal("springs cannot be written to " + path + ": CalculiX' springs need elements");
@@ -101,6 +105,30 @@ void write_inp(const std::string& path, const Mesh& mesh, std::span<const Materi
           file.write(format("%d,%zu\n", n + 1, i + 1));
   }
   file.write(format("*STEP\n*FREQUENCY\n%zu\n*NODE FILE\nU\n*END STEP\n", modes));
+  file.commit();
+}
+
+void write_static_inp(const std::string& path, const Mesh& mesh, const StaticModel& model) {
+  if (!model.springs.empty())
+    throw Refusal("springs cannot be written to " + path + ": CalculiX' springs need elements");
+  SafeFile file(path);
+  write_body(file, mesh, model.materials);
+  file.write("*STEP\n*STATIC\n*BOUNDARY\n");
+  for (const FixedPatch& patch : model.fixed)
+    for (const int n : patch.nodes)
+      for (std::size_t i = 0; i < 3; ++i)
+        if (patch.directions[i])
+          file.write(format("%d,%zu,%zu,%.13e\n", n + 1, i + 1, i + 1,
+                            patch.displacement_m[static_cast<int>(i)]));
+  file.write("*CLOAD\n");
+  const std::vector<double> f = load_vector(mesh, model.materials, model.loads);
+  for (std::size_t i = 0; i < f.size(); ++i)
+    if (f[i] != 0)
+      file.write(format("%zu,%zu,%.13e\n", i / 3 + 1, i % 3 + 1, f[i]));
+  file.write("*NODE FILE\nU\n*EL FILE\nS\n*NODE PRINT,NSET=NALL\nU\n");
+  for (std::size_t r = 0; r < mesh.regions.size(); ++r)
+    file.write(format("*EL PRINT,ELSET=R%zu\nS\n", r));
+  file.write("*END STEP\n");
   file.commit();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "fem/modes/modes.hpp"
+#include "fem/statics/statics.hpp"
 
 #include <string>
 
@@ -8,6 +9,11 @@ namespace tactus::fem {
 /// The same mesh, materials and supports as a CalculiX / Abaqus frequency step.
 void write_inp(const std::string& path, const Mesh&, std::span<const Material>,
                std::span<const Support>, std::size_t modes);
+
+/// A static step for CalculiX / Abaqus: the same mesh, materials and fixed patches, all loads as
+/// the nodal forces of load_vector(). Writes displacements at nodes, and stresses at nodes (.frd)
+/// and integration points (.dat). Refuses springs.
+void write_static_inp(const std::string& path, const Mesh&, const StaticModel&);
 
 /// K, then M, as PETSc binary matrices (big-endian, both triangles, 32-bit indices). Held
 /// directions have a unit diagonal in K and none in M.

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 namespace tactus::fem {
 
-Surface surface_of(const Mesh& mesh) {
+std::vector<MeshFace> outer_faces(const Mesh& mesh) {
   struct Use {
     std::size_t element, face;
     int count;
@@ -26,21 +27,27 @@ Surface surface_of(const Mesh& mesh) {
                       " shares a face with two others, expected with one at most");
     }
   }
-  Surface surface;
-  std::vector<std::array<std::size_t, 2>> outer;
+  std::vector<MeshFace> outer;
   for (const auto& [key, use] : uses)
     if (use.count == 1)
-      outer.push_back({use.element, use.face});
-  std::sort(outer.begin(), outer.end());
+      outer.push_back({static_cast<int>(use.element), static_cast<int>(use.face)});
+  std::sort(outer.begin(), outer.end(), [](const MeshFace& a, const MeshFace& b) {
+    return std::tie(a.element, a.face) < std::tie(b.element, b.face);
+  });
+  return outer;
+}
+
+Surface surface_of(const Mesh& mesh) {
+  Surface surface;
   using Pattern = std::vector<std::array<int, 3>>;
   static const Pattern tri3{{0, 1, 2}}, tri6{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
   static const Pattern quad4{{0, 1, 2}, {0, 2, 3}};
   static const Pattern quad8{{0, 4, 7}, {1, 5, 4}, {2, 6, 5}, {3, 7, 6}, {4, 5, 6}, {4, 6, 7}};
   static const Pattern crosswise{{0, 4, 7}, {1, 5, 4}, {2, 6, 5}, {3, 7, 6}, {4, 5, 7}, {5, 6, 7}};
-  for (const auto& [e, f] : outer) {
-    const Element& element = mesh.elements[e];
+  for (const auto& [e, f] : outer_faces(mesh)) {
+    const Element& element = mesh.elements[static_cast<std::size_t>(e)];
     const auto nodes = mesh.nodes_of(element);
-    const Face& face = faces(element.shape)[f];
+    const Face& face = faces(element.shape)[static_cast<std::size_t>(f)];
     const bool linear = is_linear(element.shape);
     const auto across = [&](std::size_t i, std::size_t j) {
       const auto at = [&](std::size_t k) {

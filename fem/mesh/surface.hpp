@@ -5,6 +5,16 @@
 
 namespace tactus::fem {
 
+/// A face of an element: its index in faces(shape).
+struct MeshFace {
+  int element = 0, face = 0;
+  friend bool operator==(const MeshFace&, const MeshFace&) = default;
+};
+
+/// The faces that belong to one element alone, ascending by element and face. Refuses a face that
+/// three elements share.
+[[nodiscard]] std::vector<MeshFace> outer_faces(const Mesh&);
+
 /// The body's skin as flat triangles, outward. Every node of the skin is a vertex, the middle nodes
 /// of quadratic faces too: six nodes give four triangles, eight give six.
 struct Surface {

@@ -15,7 +15,7 @@ struct ShiftedFactor::Implementation {
   cholmod_sparse matrix{};
   std::vector<SuiteSparse_long> start, row;
   std::vector<double> value;
-  cholmod_factor* factor = nullptr;
+  cholmod_factor *symbolic = nullptr, *factor = nullptr;
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;
 
   Implementation() {
@@ -28,6 +28,7 @@ struct ShiftedFactor::Implementation {
     common.postorder = 1;
   }
   ~Implementation() {
+    cholmod_l_free_factor(&symbolic, &common);
     cholmod_l_free_factor(&factor, &common);
     cholmod_l_free_dense(&solution, &common);
     cholmod_l_free_dense(&work_y, &common);
@@ -39,6 +40,12 @@ struct ShiftedFactor::Implementation {
 
   void fill(const Matrices& m, double shift);
   std::vector<SuiteSparse_long> order(const NodeGraph&);
+  /// What the numeric phase fills; the original stays for factors of other numbers.
+  void copy_symbolic(cholmod_factor* from) {
+    factor = from ? cholmod_l_copy_factor(from, &common) : nullptr;
+    if (!factor)
+      throw Refusal("the equations cannot be analysed: out of memory");
+  }
 };
 
 namespace {
@@ -77,7 +84,7 @@ void ShiftedFactor::Implementation::fill(const Matrices& m, double shift) {
           const bool held = m.held[3 * r + i] || m.held[c];
           const bool diagonal = 3 * r + i == c;
           double a = held ? (diagonal ? 1.0 : 0.0) : m.stiffness[9 * k + 3 * i + j];
-          if (!held && i == j)
+          if (!held && i == j && shift != 0)
             a += shift * m.mass[k];
           row.push_back(static_cast<SuiteSparse_long>(3 * r + i));
           value.push_back(a);
@@ -108,13 +115,20 @@ ShiftedFactor::ShiftedFactor(const Matrices& m, double shift)
     : own_(std::make_unique<Implementation>()) {
   own_->fill(m, shift);
   auto permutation = own_->order(m.graph);
-  own_->factor = cholmod_l_analyze_p(&own_->matrix, permutation.data(), nullptr, 0, &own_->common);
-  if (!own_->factor)
-    throw Refusal("the equations cannot be analysed: out of memory");
+  own_->symbolic =
+      cholmod_l_analyze_p(&own_->matrix, permutation.data(), nullptr, 0, &own_->common);
+  own_->copy_symbolic(own_->symbolic);
   cost_.entries = own_->common.lnz;
   cost_.operations = own_->common.fl;
   cost_.memory_bytes =
       8.0 * static_cast<double>(own_->factor->xsize) + 16.0 * static_cast<double>(own_->row.size());
+}
+
+ShiftedFactor::ShiftedFactor(const ShiftedFactor& pattern, const Matrices& m, double shift)
+    : own_(std::make_unique<Implementation>()), cost_(pattern.cost_) {
+  own_->fill(m, shift);
+  own_->symbolic = cholmod_l_copy_factor(pattern.own_->symbolic, &own_->common);
+  own_->copy_symbolic(own_->symbolic);
 }
 
 ShiftedFactor::~ShiftedFactor() = default;

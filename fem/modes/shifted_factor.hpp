@@ -14,11 +14,13 @@ struct FactorCost {
 
 /// L L' = K + s M by supernodal Cholesky (CHOLMOD) with nested dissection of the node graph
 /// (METIS). s > 0 keeps the matrix positive definite for free bodies too. Held directions become
-/// identities.
+/// identities. s = 0 needs no mass, and supports that hold every rigid motion.
 class ShiftedFactor {
 public:
   /// Symbolic phase. `shift` in rad^2/s^2.
   ShiftedFactor(const Matrices&, double shift);
+  /// The symbolic phase of a factor of the same graph, for other numbers in the matrix.
+  ShiftedFactor(const ShiftedFactor& pattern, const Matrices&, double shift);
   ~ShiftedFactor();
   ShiftedFactor(const ShiftedFactor&) = delete;
   ShiftedFactor& operator=(const ShiftedFactor&) = delete;

@@ -1,0 +1,84 @@
+#pragma once
+#include "fem/mesh/mesh.hpp"
+
+namespace tactus::fem {
+
+/// Weights of control points at every node, frozen when the mesh is embedded: a node moves by
+/// sum_c W[node][c] times the displacement of control point c. Compressed by nodes.
+struct ControlWeights {
+  std::vector<Vector3> control_points; ///< undeformed, m
+  std::vector<std::size_t> start;      ///< node count + 1
+  std::vector<int> control;
+  std::vector<double> weight;
+};
+
+/// Free-form deformation (Sederberg & Parry 1986): a lattice of control points over a box, with a
+/// trivariate tensor product of clamped uniform B-splines (Piegl & Tiller, The NURBS Book, ch. 2).
+/// Bernstein polynomials when a direction's degree is one less than its points.
+struct Lattice {
+  Box box;
+  std::array<int, 3> points{3, 3, 3}; ///< control points along x, y, z, at least 2
+  std::array<int, 3> degree{2, 2, 2}; ///< 1 to points - 1
+
+  /// Number of control point (i, j, k): x runs fastest.
+  [[nodiscard]] int control(int i, int j, int k) const noexcept {
+    return i + points[0] * (j + points[1] * k);
+  }
+  [[nodiscard]] int control_count() const noexcept { return points[0] * points[1] * points[2]; }
+};
+
+/// Embeds the mesh. Control points lie at the Greville abscissae, so the undeformed lattice
+/// reproduces every point of the box. Nodes outside the box do not move; the deformation is
+/// continuous across a face of the box where that face's control points stay. Refuses impossible
+/// lattices and a box without nodes.
+[[nodiscard]] ControlWeights embed(const Mesh&, const Lattice&);
+
+/// Weights made elsewhere (a Catmull-Clark volume, a hexahedral cage subdivided once): dense, row
+/// by row, [node][control]. Refuses a wrong size, values that are no numbers, and rows that sum
+/// neither to 1 (moves with the cage) nor to 0 (does not move).
+[[nodiscard]] ControlWeights import_weights(const Mesh&, std::vector<Vector3> control_points,
+                                            std::span<const double> weights);
+
+/// dX/dp of one shape parameter, the design velocity (Choi & Kim, Structural Sensitivity Analysis
+/// and Optimization 1, ch. 6): nodes that move, and how far a unit of the parameter moves them.
+struct DesignVelocity {
+  std::string name;
+  std::vector<int> node;
+  std::vector<Vector3> velocity;
+};
+
+/// One direction of a control point, or of several that move together: parameter p moves control
+/// point c by p * direction.
+struct ShapeParameter {
+  std::string name;
+  std::vector<int> controls;
+  Vector3 direction;
+};
+
+/// x, y and z of each control point given: "cp 5 x" ... in that order.
+[[nodiscard]] std::vector<ShapeParameter> free_parameters(std::span<const int> controls);
+
+/// Refuses control points that are not there and parameters that move no node.
+[[nodiscard]] std::vector<DesignVelocity> design_velocities(const ControlWeights&,
+                                                            std::span<const ShapeParameter>);
+
+/// X0 + sum_k p_k dX/dp_k for all nodes.
+[[nodiscard]] std::vector<Vector3> moved_nodes(std::span<const Vector3> nodes,
+                                               std::span<const DesignVelocity>,
+                                               std::span<const double> parameters);
+
+/// Where valid meshes end: a scaled Jacobian (fem/mesh/quality.hpp) below this is refused.
+inline constexpr double kMinScaledJacobian = 0.05;
+
+/// The largest fraction, 0 to 1, of the way from `mesh` to `target` (node positions) on which every
+/// element keeps a scaled Jacobian of `least`, found by bisection to 1e-3; the elements that stop
+/// it. Elements below it already at the start are held against their own value instead.
+struct ValidStep {
+  double fraction = 1;
+  std::size_t element = 0;    ///< the first that would be invalid; meaningful when fraction < 1
+  double scaled_jacobian = 1; ///< the smallest at the fraction
+};
+[[nodiscard]] ValidStep valid_step(const Mesh&, std::span<const Vector3> target,
+                                   double least = kMinScaledJacobian);
+
+} // namespace tactus::fem

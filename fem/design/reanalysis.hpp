@@ -1,0 +1,116 @@
+#pragma once
+#include "fem/design/sensitivity.hpp"
+
+namespace tactus::fem {
+
+/// How the stress of a moved shape is found.
+enum class Method : std::uint8_t {
+  taylor,   ///< s0 + S dp: no solve
+  combined, ///< combined approximations (Kirsch 1991), three basis vectors
+  pcg,      ///< conjugate gradients, preconditioned with the factor of an earlier shape
+  refactor  ///< a new factor on the old symbolic analysis
+};
+[[nodiscard]] const char* name(Method) noexcept;
+
+/// Seconds of one operation, measured on this machine when the part was loaded.
+struct CostModel {
+  double product = 0, solve = 0, assembly = 0, factor = 0;
+};
+
+/// Bytes held.
+struct MemoryUse {
+  double factor = 0, matrix = 0, sensitivities = 0, mesh = 0;
+  [[nodiscard]] double total() const noexcept { return factor + matrix + sensitivities + mesh; }
+};
+
+struct ReanalysisSettings {
+  double tolerance = 1e-6;      ///< of PCG: ||f - K u|| / ||f||
+  int max_iterations = 60;      ///< of PCG, after which it refuses and asks for a new factor
+  int refactor_iterations = 15; ///< more than this asks for a new factor
+  bool sensitivities = true;    ///< S for the Taylor update: one back-substitution a parameter
+};
+
+/// What one update gave.
+struct StressUpdate {
+  Method method = Method::taylor;
+  std::vector<double> von_mises, max_shear; ///< at the centroids, [element], Pa
+  int iterations = 0;                       ///< of PCG
+  double residual = 0;                      ///< ||f - K u|| / ||f||; NaN for Taylor
+  double seconds = 0;
+  bool wants_factor = false; ///< a new factor would pay: start a Refactorisation
+};
+
+/// The numeric factorisation of one shape, to be run by a thread of the caller's: it owns all that
+/// it needs. run() once, then Reanalysis::adopt().
+class Refactorisation {
+public:
+  Refactorisation(Refactorisation&&) noexcept;
+  ~Refactorisation();
+  void run();
+
+private:
+  friend class Reanalysis;
+  Refactorisation();
+  struct Implementation;
+  std::unique_ptr<Implementation> own_;
+};
+
+/// A part whose stress follows its shape: a mesh, a model, shape parameters, and the factor of an
+/// earlier shape. Not safe for use by two threads at once; a Refactorisation may run beside it.
+///
+///   Reanalysis part(mesh, model, velocities);
+///   part.move_to(p);                      // nodes move, as far as the mesh stays valid
+///   StressUpdate s = part.taylor();       // microseconds
+///   s = part.solve();                     // by what the cost model expects to be fastest
+///   if (s.wants_factor) { auto job = part.refactorisation(); ...job.run() elsewhere...;
+///                         part.adopt(std::move(job)); }
+///   part.rebase();                        // s0 and S at the present shape
+class Reanalysis {
+public:
+  /// Solves the shape at hand and measures the cost model. Refuses as solve_static() does.
+  Reanalysis(Mesh, StaticModel, std::vector<DesignVelocity>, ReanalysisSettings = {},
+             const Progress& = {});
+  ~Reanalysis();
+  Reanalysis(const Reanalysis&) = delete;
+  Reanalysis& operator=(const Reanalysis&) = delete;
+
+  /// Moves the nodes to parameters p (absolute, 0: the mesh as given). The step is cut to the
+  /// largest fraction on which every element stays valid; the parameters that were reached are
+  /// parameters(). Refuses a wrong count and values that are no numbers, and stays.
+  ValidStep move_to(std::span<const double> parameters);
+  [[nodiscard]] std::span<const double> parameters() const noexcept;
+
+  /// Stress at parameters() from the last base: s0 + S (p - p_base).
+  [[nodiscard]] StressUpdate taylor() const;
+  /// At parameters(): assembles the elements that moved since the last assembly and solves.
+  StressUpdate solve(Method);
+  /// By the cheaper of PCG and a new factor, as the cost model expects.
+  StressUpdate solve();
+
+  /// The job of factorising the present shape.
+  [[nodiscard]] Refactorisation refactorisation();
+  /// Takes a factor that has run; it preconditions from now on.
+  void adopt(Refactorisation);
+
+  /// s0 and S at the present shape: solves it with a new factor and finds the sensitivities anew.
+  void rebase(const Progress& = {});
+
+  [[nodiscard]] const Mesh& mesh() const noexcept;
+  [[nodiscard]] const StaticModel& model() const noexcept;
+  [[nodiscard]] const StaticSolution& solution() const noexcept; ///< of the last solve
+  [[nodiscard]] const StressSensitivity& sensitivity() const noexcept;
+  [[nodiscard]] std::span<const double> base_von_mises() const noexcept;
+  [[nodiscard]] std::span<const double> base_max_shear() const noexcept;
+  [[nodiscard]] std::span<const double> base_parameters() const noexcept;
+  [[nodiscard]] const CostModel& cost() const noexcept;
+  [[nodiscard]] MemoryUse memory() const;
+  /// PCG iterations expected at parameters(), from the spread of the preconditioned spectrum that
+  /// the last run saw (Lanczos), which grows exponentially with the move from the factor's shape.
+  [[nodiscard]] double expected_iterations() const;
+
+private:
+  struct Implementation;
+  std::unique_ptr<Implementation> own_;
+};
+
+} // namespace tactus::fem

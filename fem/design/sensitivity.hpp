@@ -1,0 +1,75 @@
+#pragma once
+#include "fem/design/lattice.hpp"
+#include "fem/statics/statics.hpp"
+
+namespace tactus::fem {
+
+/// What a stress tensor is reduced to.
+enum class StressMeasure : std::uint8_t { von_mises, max_shear };
+
+/// Of each element at its centroid, Pa.
+[[nodiscard]] std::vector<double> measured(std::span<const Stress>, StressMeasure);
+
+/// d stress / d parameter by the direct method: one back-substitution a parameter.
+struct StressSensitivity {
+  std::vector<float> von_mises; ///< [parameter][element], Pa per unit of the parameter
+  std::vector<float> max_shear; ///< the same
+};
+
+/// K du/dp = f' - K' u. K' u is the material derivative of the element integrals, exact at the
+/// quadrature points: with the velocity gradient L = grad V, (grad N)' = -L^T grad N, (dV)' = tr L
+/// dV (Choi & Kim ch. 6); loads on faces and springs by central differences of their small vectors,
+/// so the whole is semi-analytic. Then d sigma = C sym(grad du - grad u L).
+/// Returns du/dp, column by column, [parameter][dof].
+[[nodiscard]] std::vector<double> displacement_sensitivity(const Mesh&, const StaticModel&,
+                                                           StaticAnalysis&,
+                                                           std::span<const DesignVelocity>);
+
+/// Works on eight parameters at a time, so the displacement's derivatives need not be kept.
+[[nodiscard]] StressSensitivity stress_sensitivity(const Mesh&, const StaticModel&, StaticAnalysis&,
+                                                   std::span<const DesignVelocity>,
+                                                   const Progress& = {});
+
+/// A scalar of the whole stress field of a measure s at the centroids.
+struct StressScalar {
+  enum class Kind : std::uint8_t {
+    mean,        ///< (1/N) sum s
+    volume_mean, ///< sum V s / sum V
+    p_norm       ///< (sum V s^p / sum V)^(1/p): a smooth stand-in for the largest
+  };
+  Kind kind = Kind::volume_mean;
+  StressMeasure measure = StressMeasure::von_mises;
+  double power = 8; ///< p of p_norm
+};
+
+/// A scalar with its gradient.
+struct Gradient {
+  double value = 0;
+  std::vector<double> by_parameter;
+};
+
+/// By the adjoint method: one back-substitution, however many parameters.
+[[nodiscard]] Gradient stress_scalar(const Mesh&, const StaticModel&, StaticAnalysis&,
+                                     const StressScalar&, std::span<const DesignVelocity>);
+
+/// The volume of the body, m^3.
+[[nodiscard]] Gradient volume_gradient(const Mesh&, std::span<const DesignVelocity>);
+
+/// d(omega^2)/dp of a group of modes at one shape, rad^2/s^2 per unit of the parameter.
+struct EigenvalueSensitivity {
+  std::vector<double> by_parameter; ///< [parameter][mode]
+};
+
+/// Eigenvalue derivatives phi' (K' - omega^2 M') phi of mass-normalised modes (Fox & Kapoor 1968).
+/// Modes closer than `same` (relative, in frequency) count as one eigenvalue of that multiplicity:
+/// its derivatives are the eigenvalues of the matrix phi_i' (K' - omega^2 M') phi_j over the group,
+/// ascending (Seyranian, Lund & Olhoff 1994); they are directional, true while the other parameters
+/// stand still. `shapes` columns of dofs() numbers as in Modes; held directions and springs of
+/// `model` stay where they are. Refuses a group that may be cut off at the last mode given.
+[[nodiscard]] EigenvalueSensitivity eigenvalue_sensitivity(const Mesh&, const StaticModel&,
+                                                           std::span<const double> frequency_hz,
+                                                           std::span<const double> shapes,
+                                                           std::span<const DesignVelocity>,
+                                                           double same = 1e-3);
+
+} // namespace tactus::fem

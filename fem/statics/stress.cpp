@@ -1,0 +1,222 @@
+#include "fem/statics/stress.hpp"
+
+#include "fem/statics/gradient.hpp"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::fem {
+namespace {
+
+Eigen::Matrix3d matrix_of(const Stress& s) {
+  return Eigen::Matrix3d{{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}};
+}
+
+/// Where the stress of an element is best (Barlow 1976), and how its values there extend to its
+/// nodes: by the polynomial that has as many terms as there are points.
+struct Smoothing {
+  Tabulated points;
+  Eigen::MatrixXd to_nodes; ///< node x point
+
+  Smoothing(Shape shape, std::vector<QuadraturePoint> at) : points(shape, at) {
+    const auto terms = [&](const Vector3& p) -> Eigen::VectorXd {
+      const Eigen::VectorXd all{
+          {1, p.x, p.y, p.z, p.z * p.x, p.z * p.y, p.x * p.y, p.x * p.y * p.z}};
+      return all.head(static_cast<Eigen::Index>(at.size()));
+    };
+    const auto count = static_cast<Eigen::Index>(at.size());
+    const auto nodes = reference_nodes(shape);
+    Eigen::MatrixXd here(count, count), there(nodes.size(), count);
+    for (Eigen::Index i = 0; i < count; ++i)
+      here.row(i) = terms(at[static_cast<std::size_t>(i)].at).transpose();
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      there.row(static_cast<Eigen::Index>(a)) = terms(nodes[a]).transpose();
+    to_nodes = there * here.inverse();
+  }
+};
+
+std::vector<QuadraturePoint> best_points(Shape shape) {
+  const double g = 1 / std::sqrt(3.0);
+  std::vector<QuadraturePoint> points;
+  switch (shape) {
+  case Shape::tet4:
+  case Shape::hex8:
+    return {{centroid_of(shape), 1}};
+  case Shape::tet10: {
+    const auto four = stiffness_points(shape);
+    return {four.begin(), four.end()};
+  }
+  case Shape::hex20:
+    for (const double x : {-g, g})
+      for (const double y : {-g, g})
+        for (const double z : {-g, g})
+          points.push_back({{x, y, z}, 1});
+    return points;
+  case Shape::wedge15:
+    for (const double z : {-g, g})
+      for (const auto& [x, y] : {std::array{1. / 6, 1. / 6}, {2. / 3, 1. / 6}, {1. / 6, 2. / 3}})
+        points.push_back({{x, y, z}, 1});
+    return points;
+  }
+  return points;
+}
+
+const Smoothing& smoothing(Shape shape) {
+  static const std::array<Smoothing, 5> all{Smoothing(Shape::tet4, best_points(Shape::tet4)),
+                                            {Shape::tet10, best_points(Shape::tet10)},
+                                            {Shape::hex8, best_points(Shape::hex8)},
+                                            {Shape::hex20, best_points(Shape::hex20)},
+                                            {Shape::wedge15, best_points(Shape::wedge15)}};
+  return all[static_cast<std::size_t>(shape)];
+}
+
+double volume_of(const Mesh& mesh, const Element& e) {
+  const Tabulated& table = at_mass_points(e.shape);
+  double sum = 0;
+  for (std::size_t q = 0; q < table.weights.size(); ++q)
+    sum += table.weights[q] * jacobian(mesh, e, table.values[q]).determinant;
+  return sum;
+}
+
+Stress stress_with(const Mesh& mesh, const Element& e, const ElasticLaw& law,
+                   const ElementField& own, const ShapeValues& values) {
+  PointGradients at;
+  gradients(mesh, e, values, at);
+  return stress_of(law, field_gradient(at, own, static_cast<std::size_t>(node_count(e.shape))));
+}
+
+} // namespace
+
+double von_mises(const Stress& s) noexcept {
+  const double xy = s[0] - s[1], yz = s[1] - s[2], zx = s[2] - s[0];
+  return std::sqrt(.5 * (xy * xy + yz * yz + zx * zx) +
+                   3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+std::array<double, 3> principal(const Stress& s) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix_of(s), Eigen::EigenvaluesOnly);
+  const auto& v = solver.eigenvalues();
+  return {v[2], v[1], v[0]};
+}
+
+double max_shear(const Stress& s) {
+  const auto p = principal(s);
+  return .5 * (p[0] - p[2]);
+}
+
+Stress von_mises_slope(const Stress& s) noexcept {
+  const double value = von_mises(s);
+  if (!(value > 0))
+    return {};
+  const double mean = (s[0] + s[1] + s[2]) / 3;
+  // d vM / d s_xy of the symmetric pair: both halves move together.
+  return {1.5 * (s[0] - mean) / value,
+          1.5 * (s[1] - mean) / value,
+          1.5 * (s[2] - mean) / value,
+          3 * s[3] / value,
+          3 * s[4] / value,
+          3 * s[5] / value};
+}
+
+Stress max_shear_slope(const Stress& s) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix_of(s));
+  const Eigen::Vector3d n = solver.eigenvectors().col(2), m = solver.eigenvectors().col(0);
+  const auto pair = [&](int i, int j) { return n[i] * n[j] - m[i] * m[j]; };
+  return {.5 * pair(0, 0), .5 * pair(1, 1), .5 * pair(2, 2), pair(1, 2), pair(0, 2), pair(0, 1)};
+}
+
+Vector3 centroid_of(Shape shape) noexcept {
+  Vector3 sum;
+  const int corners = corner_count(shape);
+  for (int c = 0; c < corners; ++c)
+    sum += reference_nodes(shape)[static_cast<std::size_t>(c)];
+  return (1.0 / corners) * sum;
+}
+
+const ShapeValues& at_centroid(Shape shape) {
+  static const auto all = [] {
+    std::array<ShapeValues, 5> values;
+    for (const Shape s : {Shape::tet4, Shape::tet10, Shape::hex8, Shape::hex20, Shape::wedge15})
+      evaluate(s, centroid_of(s), values[static_cast<std::size_t>(s)]);
+    return values;
+  }();
+  return all[static_cast<std::size_t>(shape)];
+}
+
+Stress stress_at(const Mesh& mesh, const Element& e, const ElasticLaw& law,
+                 std::span<const double> displacement, const Vector3& reference) {
+  ShapeValues values;
+  evaluate(e.shape, reference, values);
+  return stress_with(mesh, e, law, gather(displacement, mesh.nodes_of(e)), values);
+}
+
+std::vector<Stress> element_stress(const Mesh& mesh, std::span<const Material> materials,
+                                   std::span<const double> displacement) {
+  const auto laws = elastic_laws(mesh, materials);
+  std::vector<Stress> stress;
+  stress.reserve(mesh.elements.size());
+  for (const Element& e : mesh.elements)
+    stress.push_back(stress_with(mesh, e, laws[static_cast<std::size_t>(e.region)],
+                                 gather(displacement, mesh.nodes_of(e)), at_centroid(e.shape)));
+  return stress;
+}
+
+PeakStress peak_stress(const Mesh& mesh, std::span<const Material> materials,
+                       std::span<const double> displacement) {
+  const auto laws = elastic_laws(mesh, materials);
+  PeakStress peak;
+  for (const Element& e : mesh.elements) {
+    const ElementField own = gather(displacement, mesh.nodes_of(e));
+    double mises = 0, shear = 0;
+    for (const ShapeValues& values : at_stiffness_points(e.shape).values) {
+      const Stress s = stress_with(mesh, e, laws[static_cast<std::size_t>(e.region)], own, values);
+      mises = std::max(mises, von_mises(s));
+      shear = std::max(shear, max_shear(s));
+    }
+    peak.von_mises.push_back(mises);
+    peak.max_shear.push_back(shear);
+  }
+  return peak;
+}
+
+std::vector<Stress> nodal_stress(const Mesh& mesh, std::span<const Material> materials,
+                                 std::span<const double> displacement) {
+  const auto laws = elastic_laws(mesh, materials);
+  std::vector<Stress> stress(mesh.nodes.size(), Stress{});
+  std::vector<double> weight(mesh.nodes.size(), 0.0);
+  std::vector<Stress> at_points;
+  for (const Element& e : mesh.elements) {
+    const auto nodes = mesh.nodes_of(e);
+    const ElementField own = gather(displacement, nodes);
+    const Smoothing& smooth = smoothing(e.shape);
+    at_points.clear();
+    for (const ShapeValues& values : smooth.points.values)
+      at_points.push_back(
+          stress_with(mesh, e, laws[static_cast<std::size_t>(e.region)], own, values));
+    const double volume = volume_of(mesh, e);
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      const auto node = static_cast<std::size_t>(nodes[a]);
+      weight[node] += volume;
+      for (std::size_t p = 0; p < at_points.size(); ++p)
+        for (std::size_t v = 0; v < 6; ++v)
+          stress[node][v] +=
+              volume * smooth.to_nodes(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(p)) *
+              at_points[p][v];
+    }
+  }
+  for (std::size_t n = 0; n < stress.size(); ++n)
+    for (double& s : stress[n])
+      s /= weight[n] > 0 ? weight[n] : 1;
+  return stress;
+}
+
+std::vector<double> element_volumes(const Mesh& mesh) {
+  std::vector<double> volumes;
+  for (const Element& e : mesh.elements)
+    volumes.push_back(volume_of(mesh, e));
+  return volumes;
+}
+
+} // namespace tactus::fem

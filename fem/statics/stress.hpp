@@ -1,0 +1,51 @@
+#pragma once
+#include "fem/assembly/matrices.hpp"
+
+namespace tactus::fem {
+
+/// Cauchy stress in Voigt order xx yy zz yz xz xy, Pa.
+using Stress = std::array<double, 6>;
+
+/// sqrt(((sx-sy)^2 + (sy-sz)^2 + (sz-sx)^2) / 2 + 3 (tyz^2 + txz^2 + txy^2)), Pa.
+[[nodiscard]] double von_mises(const Stress&) noexcept;
+/// Principal stresses, Pa, the largest first.
+[[nodiscard]] std::array<double, 3> principal(const Stress&);
+/// Tresca's largest shear (s1 - s3) / 2, Pa.
+[[nodiscard]] double max_shear(const Stress&);
+
+/// The derivative by each stress component, Voigt; shear counts once. Zero where von Mises is zero;
+/// a one-sided choice where principal stresses coincide.
+[[nodiscard]] Stress von_mises_slope(const Stress&) noexcept;
+[[nodiscard]] Stress max_shear_slope(const Stress&);
+
+/// The stress C B u in an element at a reference point.
+[[nodiscard]] Stress stress_at(const Mesh&, const Element&, const ElasticLaw&,
+                               std::span<const double> displacement, const Vector3& reference);
+
+/// Reference coordinates of an element's middle: of its corners' mean.
+[[nodiscard]] Vector3 centroid_of(Shape) noexcept;
+/// The shape functions there.
+[[nodiscard]] const ShapeValues& at_centroid(Shape);
+
+/// At each element's centroid, [element].
+[[nodiscard]] std::vector<Stress> element_stress(const Mesh&, std::span<const Material>,
+                                                 std::span<const double> displacement);
+
+/// The largest values over each element's stiffness quadrature points, [element], Pa.
+struct PeakStress {
+  std::vector<double> von_mises, max_shear;
+};
+[[nodiscard]] PeakStress peak_stress(const Mesh&, std::span<const Material>,
+                                     std::span<const double> displacement);
+
+/// Smoothed at nodes, [node]: in each element the values at its superconvergent points (4 in tet10,
+/// 2x2x2 in hex20, 3x2 in wedge15; Barlow 1976) are extrapolated to its nodes; a node takes the
+/// mean of its elements weighted by their volume. Regions are smoothed together: at the border of
+/// two materials the jump is lost.
+[[nodiscard]] std::vector<Stress> nodal_stress(const Mesh&, std::span<const Material>,
+                                               std::span<const double> displacement);
+
+/// Of each element, m^3.
+[[nodiscard]] std::vector<double> element_volumes(const Mesh&);
+
+} // namespace tactus::fem

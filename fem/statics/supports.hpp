@@ -1,0 +1,38 @@
+#pragma once
+#include "fem/assembly/matrices.hpp"
+#include "fem/mesh/surface.hpp"
+
+namespace tactus::fem {
+
+/// Nodes held in the chosen directions, or moved by a prescribed displacement (m).
+struct FixedPatch {
+  std::string name;
+  std::vector<int> nodes;
+  std::array<bool, 3> directions{true, true, true};
+  Vector3 displacement_m{};
+};
+
+/// An elastic bedding of faces (Winkler): traction t_i = -(k_i / A) u_i, k_i the stiffness of the
+/// whole patch in direction i, N/m, A its area. Weighted by area, so it does not depend on how the
+/// faces are meshed.
+struct SpringPatch {
+  std::string name;
+  std::vector<MeshFace> faces;
+  Vector3 stiffness_n_per_m;
+};
+
+/// Adds the consistent matrices (k_i / A) integral of N_a N_b dA of the patches to `stiffness`.
+void add_springs(const Mesh&, std::span<const SpringPatch>, Matrices& into);
+
+/// What the patches' matrices make of the displacement u: the forces on the springs, N. On the body
+/// they act with the opposite sign.
+[[nodiscard]] std::vector<double> spring_forces(const Mesh&, std::span<const SpringPatch>,
+                                                std::span<const double> u);
+
+/// Refuses supports that leave a connected piece of the body free to move, before any factor is
+/// tried: one sentence that names the piece and the motion (translation along, rotation about an
+/// axis through a point). Of each piece's six rigid motions those are free that move no held
+/// direction and no spring.
+void check_supported(const Mesh&, std::span<const FixedPatch>, std::span<const SpringPatch>);
+
+} // namespace tactus::fem
