@@ -67,18 +67,4 @@ struct ShapeParameter {
                                                std::span<const DesignVelocity>,
                                                std::span<const double> parameters);
 
-/// Where valid meshes end: a scaled Jacobian (fem/mesh/quality.hpp) below this is refused.
-inline constexpr double kMinScaledJacobian = 0.05;
-
-/// The largest fraction, 0 to 1, of the way from `mesh` to `target` (node positions) on which every
-/// element keeps a scaled Jacobian of `least`, found by bisection to 1e-3; the elements that stop
-/// it. Elements below it already at the start are held against their own value instead.
-struct ValidStep {
-  double fraction = 1;
-  std::size_t element = 0;    ///< the first that would be invalid; meaningful when fraction < 1
-  double scaled_jacobian = 1; ///< the smallest at the fraction
-};
-[[nodiscard]] ValidStep valid_step(const Mesh&, std::span<const Vector3> target,
-                                   double least = kMinScaledJacobian);
-
 } // namespace tactus::fem

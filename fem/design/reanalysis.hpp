@@ -1,5 +1,6 @@
 #pragma once
 #include "fem/design/sensitivity.hpp"
+#include "fem/design/valid_step.hpp"
 
 namespace tactus::fem {
 

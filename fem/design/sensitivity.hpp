@@ -55,21 +55,4 @@ struct Gradient {
 /// The volume of the body, m^3.
 [[nodiscard]] Gradient volume_gradient(const Mesh&, std::span<const DesignVelocity>);
 
-/// d(omega^2)/dp of a group of modes at one shape, rad^2/s^2 per unit of the parameter.
-struct EigenvalueSensitivity {
-  std::vector<double> by_parameter; ///< [parameter][mode]
-};
-
-/// Eigenvalue derivatives phi' (K' - omega^2 M') phi of mass-normalised modes (Fox & Kapoor 1968).
-/// Modes closer than `same` (relative, in frequency) count as one eigenvalue of that multiplicity:
-/// its derivatives are the eigenvalues of the matrix phi_i' (K' - omega^2 M') phi_j over the group,
-/// ascending (Seyranian, Lund & Olhoff 1994); they are directional, true while the other parameters
-/// stand still. `shapes` columns of dofs() numbers as in Modes; held directions and springs of
-/// `model` stay where they are. Refuses a group that may be cut off at the last mode given.
-[[nodiscard]] EigenvalueSensitivity eigenvalue_sensitivity(const Mesh&, const StaticModel&,
-                                                           std::span<const double> frequency_hz,
-                                                           std::span<const double> shapes,
-                                                           std::span<const DesignVelocity>,
-                                                           double same = 1e-3);
-
 } // namespace tactus::fem

@@ -50,6 +50,7 @@ Vector3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string&
                           "cannot take: put that part on a face as a total force");
   const Vector3 u = (1 / total) * (bolt.force_n - dot(axis, bolt.force_n) * axis),
                 v = cross(axis, u);
+  const double whole = area(mesh, bolt.faces);
   Vector3 e = u;
   for (int step = 0; step < 50; ++step) {
     double uu = 0, uv = 0, vv = 0;
@@ -63,7 +64,7 @@ Vector3 bolt_pressure(const Mesh& mesh, const BoltLoad& bolt, const std::string&
           vv += area * nv * nv;
         }
     const double determinant = uu * vv - uv * uv;
-    if (!(determinant > 1e-9 * (uu + vv) * (uu + vv)))
+    if (!(determinant > 1e-9 * whole * whole)) // the faces look along the axis, or all one way
       break;
     const Vector3 next = (total / determinant) * (vv * u - uv * v);
     const double change = length(next - e);

@@ -27,8 +27,9 @@ StaticSystem::StaticSystem(const Mesh& mesh, const StaticModel& model)
 }
 
 std::vector<double> StaticSystem::right_side() const {
-  std::vector<double> right(load.size());
-  matrices.multiply_whole_stiffness(prescribed, right);
+  std::vector<double> right(load.size(), 0.0);
+  if (std::any_of(prescribed.begin(), prescribed.end(), [](double x) { return x != 0; }))
+    matrices.multiply_whole_stiffness(prescribed, right);
   for (std::size_t i = 0; i < right.size(); ++i)
     right[i] = matrices.held[i] ? 0 : load[i] - right[i];
   return right;

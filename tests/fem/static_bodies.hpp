@@ -4,6 +4,7 @@
 #include "solve.hpp"
 #include "tetrahedra.hpp"
 
+#include <functional>
 #include <numbers>
 
 namespace tactus::fem {
@@ -79,6 +80,22 @@ inline Mesh quarter_plate(double a, double b, double thickness, bool square, int
         p[k] = 0;
   }
   return mesh;
+}
+
+inline std::string refusal(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Refusal& r) {
+    return r.what();
+  }
+  return "";
+}
+
+inline bool says(const std::string& text, const std::string& part) {
+  const bool found = text.find(part) != std::string::npos;
+  if (!found)
+    MESSAGE(text);
+  return found;
 }
 
 } // namespace tactus::fem

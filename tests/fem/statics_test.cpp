@@ -96,22 +96,6 @@ Material spruce() {
   return m;
 }
 
-std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Refusal& r) {
-    return r.what();
-  }
-  return "";
-}
-
-bool says(const std::string& text, const std::string& part) {
-  const bool found = text.find(part) != std::string::npos;
-  if (!found)
-    MESSAGE(text);
-  return found;
-}
-
 } // namespace
 
 TEST_CASE("constant strain is exact on distorted elements of every shape") {

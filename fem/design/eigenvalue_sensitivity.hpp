@@ -1,0 +1,24 @@
+#pragma once
+#include "fem/design/sensitivity.hpp"
+
+namespace tactus::fem {
+
+/// Derivatives d(omega^2)/dp = phi' (K' - omega^2 M') phi of mass-normalised modes (Fox & Kapoor
+/// 1968), rad^2/s^2 per unit of the parameter, [parameter][mode]. K' and M' are the material
+/// derivatives of the element integrals; held directions stay held, springs follow their faces.
+///
+/// Modes closer than `same` (relative, in frequency) count as one eigenvalue of that multiplicity.
+/// Its derivatives are the eigenvalues, ascending, of the matrix phi_i' (K' - omega^2 M') phi_j
+/// over the group (Seyranian, Lund & Olhoff 1994). They are directional: true for this parameter
+/// alone, and not additive over parameters.
+///
+/// Of the first `count` modes of `frequency_hz` (ascending) and `shapes` (columns of dofs()
+/// numbers, as in Modes). Refuses when the group of the last of them reaches the end of the modes
+/// given, since further members may be missing: give one mode more than is asked for. `springs` are
+/// those of the matrices that the modes are of.
+[[nodiscard]] std::vector<double>
+eigenvalue_sensitivity(const Mesh&, std::span<const Material>, std::span<const SpringPatch> springs,
+                       std::span<const double> frequency_hz, std::span<const double> shapes,
+                       std::size_t count, std::span<const DesignVelocity>, double same = 1e-3);
+
+} // namespace tactus::fem

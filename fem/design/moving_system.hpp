@@ -1,0 +1,26 @@
+#pragma once
+#include "fem/statics/statics.hpp"
+
+namespace tactus::fem {
+
+/// The equations of a mesh whose nodes move: only what changed is assembled, onto the same pattern.
+/// Bit for bit the same matrix as a full assembly.
+class MovingSystem {
+public:
+  MovingSystem(const Mesh&, const StaticModel&, StaticSystem&);
+
+  /// Brings the system to the mesh's nodes. Returns how many elements were integrated.
+  std::size_t update(const Mesh&, const StaticModel&, StaticSystem&);
+
+  [[nodiscard]] double bytes() const noexcept;
+
+private:
+  std::vector<ElasticLaw> laws_;
+  PairPositions positions_;
+  std::vector<std::size_t> first_, around_; ///< elements of each node
+  std::vector<Vector3> nodes_;              ///< at the last assembly
+  std::vector<double> elements_alone_;      ///< K without springs, where there are springs
+  std::vector<std::uint8_t> changed_pair_, element_state_;
+};
+
+} // namespace tactus::fem

@@ -1,0 +1,312 @@
+#include "fem/design/reanalysis.hpp"
+
+#include "fem/design/conjugate_gradients.hpp"
+#include "fem/design/moving_system.hpp"
+#include "fem/statics/gradient.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace tactus::fem {
+namespace {
+
+class Stopwatch {
+public:
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Before any run has told: element stiffness goes as length^2 / length^... of the stretch; the
+/// ratio of the extreme ones under a displacement gradient s is about ((1 + s) / (1 - s))^4.
+constexpr double kFirstGrowth = 8; // d log(condition) / ds of that
+
+/// Iterations to reduce the error by `tolerance` at a condition number: the classical bound.
+double iterations_for(double condition, double tolerance) {
+  if (!(condition > 1 + 1e-12))
+    return 1;
+  const double root = std::sqrt(condition), rate = (root - 1) / (root + 1);
+  return std::max(1.0, std::log(tolerance / 2) / std::log(rate));
+}
+
+} // namespace
+
+const char* name(Method method) noexcept {
+  static constexpr std::array kNames{"taylor", "combined", "pcg", "refactor"};
+  return kNames[static_cast<std::size_t>(method)];
+}
+
+struct Refactorisation::Implementation {
+  std::unique_ptr<ShiftedFactor> factor;
+  std::vector<Vector3> nodes; ///< of the shape that is factorised
+  bool done = false;
+};
+
+Refactorisation::Refactorisation() : own_(std::make_unique<Implementation>()) {}
+Refactorisation::Refactorisation(Refactorisation&&) noexcept = default;
+Refactorisation::~Refactorisation() = default;
+
+void Refactorisation::run() {
+  own_->factor->factorise();
+  own_->done = true;
+}
+
+struct Reanalysis::Implementation {
+  Mesh mesh;
+  StaticModel model;
+  std::vector<DesignVelocity> velocities;
+  ReanalysisSettings settings;
+  std::vector<Vector3> original; ///< nodes at parameters 0
+  StaticAnalysis analysis;
+  MovingSystem moving;
+  std::vector<double> parameters, base_parameters;
+  std::vector<Vector3> factor_nodes; ///< the shape of analysis.factor
+  std::vector<double> base_von_mises, base_max_shear;
+  StressSensitivity sensitivity;
+  CostModel cost;
+  double growth = kFirstGrowth; ///< d log(condition) / d(displacement gradient)
+  double pessimism = 1;         ///< iterations that runs took, of the bound
+
+  Implementation(Mesh given, StaticModel own_model, std::vector<DesignVelocity> own_velocities,
+                 const ReanalysisSettings& own_settings)
+      : mesh(std::move(given)), model(std::move(own_model)), velocities(std::move(own_velocities)),
+        settings(own_settings), original(mesh.nodes), analysis(solve_static(mesh, model)),
+        moving(mesh, model, analysis.system), parameters(velocities.size(), 0.0),
+        base_parameters(parameters), factor_nodes(mesh.nodes) {}
+
+  /// Largest displacement gradient at the centroids between the factor's shape and the present one.
+  [[nodiscard]] double stretch() const {
+    std::vector<double> step(mesh.dofs());
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n)
+      for (int i = 0; i < 3; ++i)
+        step[3 * n + static_cast<std::size_t>(i)] = mesh.nodes[n][i] - factor_nodes[n][i];
+    double largest = 0;
+    PointGradients at;
+    for (const Element& e : mesh.elements) {
+      const auto nodes = mesh.nodes_of(e);
+      gradients(mesh, e, at_centroid(e.shape), at);
+      const Tensor l = field_gradient(at, gather(step, nodes), nodes.size());
+      largest = std::max(largest, std::sqrt(contraction(l, l)));
+    }
+    return largest;
+  }
+
+  void fill_stress(StressUpdate& update) const {
+    const auto stress = element_stress(mesh, model.materials, analysis.solution.displacement);
+    update.von_mises = measured(stress, StressMeasure::von_mises);
+    update.max_shear = measured(stress, StressMeasure::max_shear);
+  }
+
+  void measure_cost() {
+    const Matrices& m = analysis.system.matrices;
+    std::vector<double> x = analysis.solution.displacement, y(x.size());
+    const auto best_of = [](int times, auto&& work) {
+      double best = std::numeric_limits<double>::infinity();
+      for (int i = 0; i < times; ++i) {
+        const Stopwatch watch;
+        work();
+        best = std::min(best, watch.seconds());
+      }
+      return best;
+    };
+    cost.product = best_of(3, [&] { m.multiply_stiffness(x, y, 1); });
+    cost.solve = best_of(3, [&] { analysis.factor->solve(y, x, 1); });
+    Matrices copy = m;
+    cost.assembly = best_of(1, [&] { assemble_stiffness(mesh, model.materials, -1, copy); });
+    ShiftedFactor again(*analysis.factor, m, 0);
+    cost.factor = best_of(1, [&] { again.factorise(); });
+  }
+
+  void take_factor(std::unique_ptr<ShiftedFactor> factor, std::vector<Vector3> nodes) {
+    analysis.factor = std::move(factor);
+    factor_nodes = std::move(nodes);
+  }
+
+  void solve_directly() {
+    auto factor = std::make_unique<ShiftedFactor>(*analysis.factor, analysis.system.matrices, 0);
+    factor->factorise();
+    take_factor(std::move(factor), mesh.nodes);
+    std::vector<double> u = analysis.system.right_side();
+    analysis.factor->solve(u, u, 1);
+    analysis.solution = completed(analysis.system, std::move(u));
+  }
+
+  [[nodiscard]] double expected_iterations() const {
+    const double bound = iterations_for(std::exp(growth * stretch()), settings.tolerance);
+    return std::max(1.0, pessimism * bound);
+  }
+
+  void learn(const CgReport& report) {
+    const double s = stretch();
+    if (report.iterations < 2 || !(s > 1e-6) || !(report.condition > 1))
+      return;
+    growth = std::log(report.condition) / s;
+    pessimism = report.iterations / iterations_for(report.condition, settings.tolerance);
+  }
+};
+
+Reanalysis::Reanalysis(Mesh mesh, StaticModel model, std::vector<DesignVelocity> velocities,
+                       ReanalysisSettings settings, const Progress& progress)
+    : own_(std::make_unique<Implementation>(std::move(mesh), std::move(model),
+                                            std::move(velocities), settings)) {
+  own_->measure_cost();
+  StressUpdate base;
+  own_->fill_stress(base);
+  own_->base_von_mises = std::move(base.von_mises);
+  own_->base_max_shear = std::move(base.max_shear);
+  if (settings.sensitivities)
+    own_->sensitivity =
+        stress_sensitivity(own_->mesh, own_->model, own_->analysis, own_->velocities, progress);
+}
+
+Reanalysis::~Reanalysis() = default;
+
+ValidStep Reanalysis::move_to(std::span<const double> parameters) {
+  const auto target = moved_nodes(own_->original, own_->velocities, parameters);
+  const ValidStep step = valid_step(own_->mesh, target);
+  if (step.fraction == 1) {
+    own_->parameters.assign(parameters.begin(), parameters.end());
+    own_->mesh.nodes = target;
+    return step;
+  }
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    own_->parameters[k] += step.fraction * (parameters[k] - own_->parameters[k]);
+  own_->mesh.nodes = moved_nodes(own_->original, own_->velocities, own_->parameters);
+  return step;
+}
+
+StressUpdate Reanalysis::taylor() const {
+  const Stopwatch watch;
+  StressUpdate update;
+  update.residual = std::numeric_limits<double>::quiet_NaN();
+  update.von_mises = own_->base_von_mises;
+  update.max_shear = own_->base_max_shear;
+  const std::size_t elements = update.von_mises.size();
+  if (own_->sensitivity.von_mises.size() != own_->velocities.size() * elements)
+    throw Refusal("the Taylor update needs sensitivities, which were not asked for");
+  for (std::size_t k = 0; k < own_->parameters.size(); ++k) {
+    const double step = own_->parameters[k] - own_->base_parameters[k];
+    if (step == 0)
+      continue;
+    const float* mises = &own_->sensitivity.von_mises[k * elements];
+    const float* shear = &own_->sensitivity.max_shear[k * elements];
+    for (std::size_t e = 0; e < elements; ++e) {
+      update.von_mises[e] += step * static_cast<double>(mises[e]);
+      update.max_shear[e] += step * static_cast<double>(shear[e]);
+    }
+  }
+  update.seconds = watch.seconds();
+  return update;
+}
+
+StressUpdate Reanalysis::solve(Method method) {
+  if (method == Method::taylor)
+    return taylor();
+  const Stopwatch watch;
+  StressUpdate update;
+  update.method = method;
+  auto& analysis = own_->analysis;
+  own_->moving.update(own_->mesh, own_->model, analysis.system);
+  if (method != Method::refactor) {
+    const std::vector<double> right = analysis.system.right_side();
+    std::vector<double> u = analysis.solution.displacement;
+    for (std::size_t i = 0; i < u.size(); ++i)
+      if (analysis.system.matrices.held[i])
+        u[i] = 0;
+    if (method == Method::combined) {
+      update.residual =
+          combined_approximations(analysis.system.matrices, *analysis.factor, right, u);
+    } else {
+      const CgReport report =
+          conjugate_gradients(analysis.system.matrices, *analysis.factor, right, u,
+                              own_->settings.tolerance, own_->settings.max_iterations);
+      own_->learn(report);
+      update.iterations = report.iterations;
+      update.residual = report.residual;
+      update.wants_factor =
+          report.iterations > own_->settings.refactor_iterations ||
+          report.iterations * (own_->cost.product + own_->cost.solve) > own_->cost.factor;
+      if (!report.converged)
+        update.method = Method::refactor;
+    }
+    if (update.method != Method::refactor)
+      analysis.solution = completed(analysis.system, std::move(u));
+  }
+  if (update.method == Method::refactor) {
+    own_->solve_directly();
+    update.residual = 0;
+    update.wants_factor = false;
+  }
+  own_->fill_stress(update);
+  update.seconds = watch.seconds();
+  return update;
+}
+
+StressUpdate Reanalysis::solve() {
+  const CostModel& cost = own_->cost;
+  const double iterative = (own_->expected_iterations() + 1) * (cost.product + cost.solve);
+  return solve(iterative < cost.factor + cost.solve ? Method::pcg : Method::refactor);
+}
+
+Refactorisation Reanalysis::refactorisation() {
+  own_->moving.update(own_->mesh, own_->model, own_->analysis.system);
+  Refactorisation job;
+  job.own_->factor =
+      std::make_unique<ShiftedFactor>(*own_->analysis.factor, own_->analysis.system.matrices, 0);
+  job.own_->nodes = own_->mesh.nodes;
+  return job;
+}
+
+void Reanalysis::adopt(Refactorisation job) {
+  if (!job.own_ || !job.own_->done || job.own_->nodes.size() != own_->mesh.nodes.size())
+    throw Refusal("a factor that has not run, or of another part, cannot be taken");
+  own_->take_factor(std::move(job.own_->factor), std::move(job.own_->nodes));
+}
+
+void Reanalysis::rebase(const Progress& progress) {
+  StressUpdate update = solve(Method::refactor);
+  own_->base_von_mises = std::move(update.von_mises);
+  own_->base_max_shear = std::move(update.max_shear);
+  own_->base_parameters = own_->parameters;
+  if (own_->settings.sensitivities)
+    own_->sensitivity =
+        stress_sensitivity(own_->mesh, own_->model, own_->analysis, own_->velocities, progress);
+}
+
+std::span<const double> Reanalysis::parameters() const noexcept { return own_->parameters; }
+const Mesh& Reanalysis::mesh() const noexcept { return own_->mesh; }
+const StaticModel& Reanalysis::model() const noexcept { return own_->model; }
+const StaticSolution& Reanalysis::solution() const noexcept { return own_->analysis.solution; }
+const StressSensitivity& Reanalysis::sensitivity() const noexcept { return own_->sensitivity; }
+std::span<const double> Reanalysis::base_von_mises() const noexcept { return own_->base_von_mises; }
+std::span<const double> Reanalysis::base_max_shear() const noexcept { return own_->base_max_shear; }
+std::span<const double> Reanalysis::base_parameters() const noexcept {
+  return own_->base_parameters;
+}
+const CostModel& Reanalysis::cost() const noexcept { return own_->cost; }
+double Reanalysis::expected_iterations() const { return own_->expected_iterations(); }
+
+MemoryUse Reanalysis::memory() const {
+  const StaticSystem& system = own_->analysis.system;
+  const NodeGraph& graph = system.matrices.graph;
+  MemoryUse use;
+  use.factor = own_->analysis.factor->cost().memory_bytes;
+  use.matrix = static_cast<double>(8 * system.matrices.stiffness.size() + 8 * graph.row.size() +
+                                   8 * graph.start.size()) +
+               own_->moving.bytes();
+  use.sensitivities = 4. * static_cast<double>(own_->sensitivity.von_mises.size() +
+                                               own_->sensitivity.max_shear.size());
+  use.mesh = static_cast<double>(2 * sizeof(Vector3) * own_->mesh.nodes.size() +
+                                 4 * own_->mesh.connectivity.size() +
+                                 sizeof(Element) * own_->mesh.elements.size());
+  for (const DesignVelocity& v : own_->velocities)
+    use.mesh += static_cast<double>((4 + sizeof(Vector3)) * v.node.size());
+  return use;
+}
+
+} // namespace tactus::fem

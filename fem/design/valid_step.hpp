@@ -1,0 +1,28 @@
+#pragma once
+#include "fem/mesh/mesh.hpp"
+
+namespace tactus::fem {
+
+/// The smallest scaled Jacobian at an element's corners and stiffness quadrature points: the
+/// determinant over the product of the lengths of its edge vectors there, 1 in a cube and in a
+/// regular tetrahedron, 0 where the element is flat, negative where it is inside out (Knupp 2003;
+/// of a tetrahedron's or triangle's corners the one with the longest edges).
+[[nodiscard]] double scaled_jacobian(const Mesh&, const Element&);
+
+/// Where valid meshes end.
+inline constexpr double kMinScaledJacobian = 0.05;
+
+/// How far a step may go.
+struct ValidStep {
+  double fraction = 1;        ///< of the step that leaves every element valid
+  std::size_t element = 0;    ///< that stops the step, where fraction < 1
+  double scaled_jacobian = 1; ///< the smallest at the fraction among elements that move
+};
+
+/// The largest fraction, to 1e-3, of the way from the mesh to `target` (node positions, m) after
+/// which no element has a scaled Jacobian below `least`. Elements that are below it at the start
+/// must not get worse.
+[[nodiscard]] ValidStep valid_step(const Mesh&, std::span<const Vector3> target,
+                                   double least = kMinScaledJacobian);
+
+} // namespace tactus::fem

@@ -1,0 +1,298 @@
+#include "design_bodies.hpp"
+#include "fem/design/conjugate_gradients.hpp"
+#include "fem/design/moving_system.hpp"
+
+#include <thread>
+
+using namespace tactus::fem;
+
+namespace {
+
+constexpr double kHeight = Cantilever::kHeight;
+
+/// The cantilever of 19 683 degrees of freedom (8 967 of three cells across) with its top row as
+/// the one parameter, solved.
+struct Part {
+  explicit Part(int across = 4) : beam(Cantilever::tetrahedra(across), .3) {}
+  Cantilever beam;
+  std::vector<DesignVelocity> row = top_row(beam.mesh);
+  StaticAnalysis base = solve_static(beam.mesh, beam.model);
+
+  [[nodiscard]] std::unique_ptr<Reanalysis> reanalysis(ReanalysisSettings settings = {}) const {
+    return std::make_unique<Reanalysis>(beam.mesh, beam.model, row, settings);
+  }
+};
+
+/// A moved shape, solved in full.
+struct Moved {
+  Mesh mesh;
+  const Part& part;
+  StaticSystem system;
+  std::vector<double> right = system.right_side(), von_mises;
+
+  Moved(const Part& own, double move)
+      : mesh(moved_mesh(own.beam.mesh, own.row[0], move)), part(own), system(mesh, own.beam.model) {
+    ShiftedFactor factor(*own.base.factor, system.matrices, 0);
+    factor.factorise();
+    std::vector<double> u(right.size());
+    factor.solve(right, u, 1);
+    von_mises = stress(u);
+  }
+  [[nodiscard]] std::vector<double> stress(std::span<const double> u) const {
+    return measured(element_stress(mesh, part.beam.model.materials, u), StressMeasure::von_mises);
+  }
+};
+
+double worst_of_largest(std::span<const double> a, std::span<const double> b) {
+  double worst = 0, largest = 0;
+  for (std::size_t e = 0; e < b.size(); ++e) {
+    worst = std::max(worst, std::abs(a[e] - b[e]));
+    largest = std::max(largest, b[e]);
+  }
+  return worst / largest;
+}
+
+} // namespace
+
+TEST_CASE("Taylor, combined approximations and old-factor gradients follow the published table") {
+  // Another program's figures on a free mesh of 19 530 unknowns.
+  struct Row {
+    double move, taylor, combined;
+    std::array<int, 3> iterations; // to 1e-3, 1e-6, 1e-8
+  };
+  const std::array<Row, 5> table{{{-.05, 6e-4, 1.3e-4, {3, 5, 7}},
+                                  {-.1, 2.4e-3, 1.1e-3, {4, 8, 10}},
+                                  {-.2, 9.8e-3, 1e-2, {7, 10, 14}},
+                                  {-.4, 4.1e-2, 1.1e-1, {11, 19, 23}},
+                                  {.2, 9.2e-3, 6e-3, {6, 11, 13}}}};
+  Part part;
+  const auto slope = stress_sensitivity(part.beam.mesh, part.beam.model, part.base, part.row);
+  const auto s0 = measured(
+      element_stress(part.beam.mesh, part.beam.model.materials, part.base.solution.displacement),
+      StressMeasure::von_mises);
+  for (const Row& row : table) {
+    CAPTURE(row.move);
+    const double move = row.move * kHeight;
+    const Moved truth(part, move);
+    std::vector<double> taylor = s0, u(truth.right.size());
+    for (std::size_t e = 0; e < s0.size(); ++e)
+      taylor[e] += move * static_cast<double>(slope.von_mises[e]);
+    const double error = relative_difference(taylor, truth.von_mises);
+    CHECK(error == doctest::Approx(row.taylor).epsilon(.2));
+    (void)combined_approximations(truth.system.matrices, *part.base.factor, truth.right, u);
+    const double combined = relative_difference(truth.stress(u), truth.von_mises);
+    CHECK(combined < 1.3 * row.combined);
+    MESSAGE("move " << row.move << ": Taylor " << error << ", combined " << combined);
+    const std::array tolerances{1e-3, 1e-6, 1e-8};
+    for (std::size_t t = 0; t < 3; ++t) {
+      u = part.base.solution.displacement;
+      const CgReport report = conjugate_gradients(truth.system.matrices, *part.base.factor,
+                                                  truth.right, u, tolerances[t], 60);
+      const double stress = relative_difference(truth.stress(u), truth.von_mises);
+      MESSAGE("to " << tolerances[t] << ": " << report.iterations << " iterations, stress "
+                    << stress);
+      CHECK(report.converged);
+      CHECK(report.iterations <= row.iterations[t] + 2);
+      CHECK(stress < (t == 0 ? 2e-5 : 1e-8));
+      if (t == 2 && std::abs(row.move) == .1)
+        CHECK(report.iterations <= 12);
+      if (t == 2 && std::abs(row.move) == .2)
+        CHECK(report.iterations <= 20);
+    }
+  }
+}
+
+TEST_CASE("converged tightly, every element's stress is that of the full solve to 1e-8") {
+  const Part part;
+  ReanalysisSettings settings;
+  settings.sensitivities = false;
+  settings.tolerance = 1e-12;
+  const auto tight = part.reanalysis(settings);
+  const std::vector<double> p{-.2 * kHeight};
+  tight->move_to(p);
+  const auto update = tight->solve(Method::pcg);
+  CHECK(update.method == Method::pcg);
+  CHECK(worst_of_largest(update.von_mises, Moved(part, p[0]).von_mises) < 1e-8);
+  CHECK(worst_of_largest(update.max_shear, tight->solve(Method::refactor).max_shear) < 1e-8);
+}
+
+TEST_CASE("the system of a moved mesh is the full assembly's, bit for bit") {
+  Cantilever beam(block(even(0, .2, 12), even(0, .02, 2), even(0, .02, 2)), .3);
+  beam.model.loads.push_back(Gravity{});
+  const Lattice lattice{{{.05, 0, 0}, {.15, .02, .02}}, {5, 3, 3}, {2, 2, 2}};
+  const std::vector<ShapeParameter> parameters{{"a", {lattice.control(2, 1, 2)}, {0, 0, 1}},
+                                               {"b", {lattice.control(1, 1, 0)}, {0, 1, 1}}};
+  const auto velocities = design_velocities(embed(beam.mesh, lattice), parameters);
+  for (const bool springs : {false, true}) {
+    if (springs)
+      beam.model.springs = {{"bed", select_faces(beam.mesh, plane(2, 0)), {1e3, 1e4, 1e5}}};
+    StaticSystem system(beam.mesh, beam.model);
+    MovingSystem moving(beam.mesh, beam.model, system);
+    CHECK(moving.update(beam.mesh, beam.model, system) == 0);
+    for (const std::array<double, 2>& p :
+         {std::array{.002, .0}, {.002, -.001}, {.0, -.003}, {.0, .0}}) {
+      Mesh mesh = beam.mesh;
+      mesh.nodes = moved_nodes(beam.mesh.nodes, velocities, p);
+      const std::size_t integrated = moving.update(mesh, beam.model, system);
+      CHECK(integrated > 0);
+      CHECK(integrated < mesh.elements.size());
+      const StaticSystem whole(mesh, beam.model);
+      CHECK(system.matrices.stiffness == whole.matrices.stiffness);
+      CHECK(system.load == whole.load);
+    }
+  }
+}
+
+TEST_CASE("conjugate gradients solve from any start and stop where they are told") {
+  const Cantilever beam(block(even(0, .2, 10), even(0, .02, 2), even(0, .02, 2)), .3);
+  const auto row = top_row(beam.mesh);
+  StaticAnalysis old = solve_static(beam.mesh, beam.model);
+  const Mesh mesh = moved_mesh(beam.mesh, row[0], -.004);
+  StaticAnalysis truth = solve_static(mesh, beam.model);
+  const auto b = truth.system.right_side();
+  std::vector<double> x(b.size(), 0.0);
+  CgReport report = conjugate_gradients(truth.system.matrices, *old.factor, b, x, 1e-11, 60);
+  CHECK(report.converged);
+  CHECK(report.condition > 1.1);
+  CHECK(report.condition < 100);
+  CHECK(relative_difference(x, truth.solution.displacement) < 1e-9);
+  const int needed = report.iterations;
+  report = conjugate_gradients(truth.system.matrices, *old.factor, b, x, 1e-10, 60);
+  CHECK(report.iterations == 0);
+  std::fill(x.begin(), x.end(), 0.0);
+  report = conjugate_gradients(truth.system.matrices, *old.factor, b, x, 1e-11, needed - 2);
+  CHECK(!report.converged);
+  CHECK(report.iterations == needed - 2);
+  // Its own factor: one step, and combined approximations of one vector are exact.
+  std::fill(x.begin(), x.end(), 0.0);
+  report = conjugate_gradients(truth.system.matrices, *truth.factor, b, x, 1e-9, 60);
+  CHECK(report.iterations == 1);
+  CHECK(report.condition == doctest::Approx(1).epsilon(1e-6));
+  CHECK(combined_approximations(truth.system.matrices, *truth.factor, b, x, 3) < 1e-9);
+  CHECK(relative_difference(x, truth.solution.displacement) < 1e-9);
+  // With n vectors, combined approximations are n steps of conjugate gradients from zero (Kirsch,
+  // Kocvara & Zowe 2002).
+  std::vector<double> y(b.size());
+  for (const std::size_t vectors : {1U, 2U, 3U}) {
+    (void)combined_approximations(truth.system.matrices, *old.factor, b, x, vectors);
+    std::fill(y.begin(), y.end(), 0.0);
+    (void)conjugate_gradients(truth.system.matrices, *old.factor, b, y, 0, int(vectors));
+    CHECK(relative_difference(x, y) < 1e-8);
+  }
+}
+
+TEST_CASE("a factor made beside the drag shortens the next solve") {
+  const Part part(3);
+  ReanalysisSettings settings;
+  settings.sensitivities = false;
+  settings.refactor_iterations = 5;
+  const auto own = part.reanalysis(settings);
+  const std::vector<double> far{-.3 * kHeight}, farther{-.31 * kHeight};
+  own->move_to(far);
+  const StressUpdate slow = own->solve(Method::pcg);
+  CHECK(slow.wants_factor);
+  Refactorisation job = own->refactorisation();
+  CHECK(says(refusal([&] { own->adopt(own->refactorisation()); }), "has not run"));
+  std::thread worker([&] { job.run(); });
+  own->move_to(farther);
+  (void)own->solve(Method::pcg); // with the old factor meanwhile
+  worker.join();
+  own->adopt(std::move(job));
+  own->move_to(far);
+  const StressUpdate quick = own->solve(Method::pcg);
+  CHECK(quick.iterations < slow.iterations / 3);
+  CHECK(!quick.wants_factor);
+  CHECK(worst_of_largest(quick.von_mises, Moved(part, far[0]).von_mises) < 1e-5);
+}
+
+TEST_CASE("the base moves along, and Taylor starts anew from it") {
+  const Cantilever beam(block(even(0, .2, 20), even(0, .02, 2), even(0, .02, 2)), .3);
+  Reanalysis own(beam.mesh, beam.model, top_row(beam.mesh));
+  const std::vector<double> first{-.2 * kHeight}, second{-.22 * kHeight};
+  own.move_to(first);
+  const double far = own.taylor().von_mises[7];
+  own.rebase();
+  CHECK(own.base_parameters()[0] == first[0]);
+  CHECK(own.taylor().von_mises[7] == own.base_von_mises()[7]);
+  CHECK(own.taylor().max_shear[7] == own.base_max_shear()[7]);
+  CHECK(far != own.base_von_mises()[7]);
+  own.move_to(second);
+  const StressUpdate taylor = own.taylor();
+  const StressUpdate solved = own.solve();
+  CHECK(relative_difference(taylor.von_mises, solved.von_mises) < 2e-4);
+  CHECK(relative_difference(taylor.max_shear, solved.max_shear) < 2e-4);
+  // A displacement that is prescribed, and no load: the shape alone changes the stress.
+  StaticModel pulled = beam.model;
+  pulled.loads.clear();
+  pulled.fixed.push_back(
+      {"grip", select_nodes(beam.mesh, plane(0, .2)), {true, true, true}, {0, 0, -1e-4}});
+  Reanalysis grip(beam.mesh, pulled, top_row(beam.mesh), {1e-10, 60, 15, true});
+  grip.move_to(first);
+  const auto iterative = grip.solve(Method::pcg);
+  CHECK(iterative.method == Method::pcg);
+  const Mesh moved = moved_mesh(beam.mesh, top_row(beam.mesh)[0], first[0]);
+  const auto truth = measured(
+      element_stress(moved, pulled.materials, solve_static(moved, pulled).solution.displacement),
+      StressMeasure::von_mises);
+  CHECK(relative_difference(iterative.von_mises, truth) < 1e-8);
+  CHECK(relative_difference(grip.taylor().von_mises, truth) < .02);
+}
+
+TEST_CASE("the cost model chooses, and is honest about what it holds") {
+  const Part part(3);
+  const auto own = part.reanalysis();
+  const CostModel& cost = own->cost();
+  CHECK(cost.product > 0);
+  CHECK(cost.factor > cost.solve);
+  CHECK(cost.solve > 0);
+  CHECK(cost.assembly > 0);
+  const std::vector<double> small{-.02 * kHeight}, large{-.5 * kHeight};
+  own->move_to(small);
+  CHECK(own->solve().method == Method::pcg);
+  const double few = own->expected_iterations();
+  own->move_to(large);
+  CHECK(own->expected_iterations() > few);
+  // Too many steps: the new factor takes over, and the answer is right all the same.
+  ReanalysisSettings settings;
+  settings.max_iterations = 3;
+  settings.sensitivities = false;
+  const auto hurried = part.reanalysis(settings);
+  hurried->move_to(large);
+  const StressUpdate update = hurried->solve(Method::pcg);
+  CHECK(update.method == Method::refactor);
+  CHECK(update.iterations == 3);
+  CHECK(worst_of_largest(update.von_mises, Moved(part, large[0]).von_mises) < 1e-9);
+  // S is 1 parameter x 1620 elements x 2 measures x 4 bytes.
+  CHECK(own->memory().sensitivities == 1. * 1620 * 2 * 4);
+  CHECK(own->memory().factor > 10e6);
+  CHECK(own->memory().factor < 100e6);
+  CHECK(own->memory().total() < 150e6);
+  CHECK(hurried->memory().sensitivities == 0);
+  CHECK(says(refusal([&] { (void)hurried->taylor(); }), "needs sensitivities"));
+}
+
+TEST_CASE("bad moves are refused or cut, and the last good shape stays") {
+  const Cantilever beam(block(even(0, .2, 20), even(0, .02, 2), even(0, .02, 2)), .3);
+  Reanalysis own(beam.mesh, beam.model, top_row(beam.mesh));
+  const std::vector<double> good{.002};
+  own.move_to(good);
+  const auto nodes = own.mesh().nodes;
+  CHECK(says(refusal([&] { own.move_to(std::vector<double>{NAN}); }), "top row is no number"));
+  CHECK(says(refusal([&] { own.move_to(std::vector{1., 2.}); }), "has 1 parameters, got 2"));
+  CHECK(own.mesh().nodes == nodes);
+  CHECK(own.parameters()[0] == .002);
+  const ValidStep step = own.move_to(std::vector{-.2});
+  CHECK(step.fraction < 1);
+  CHECK(step.fraction > 0);
+  CHECK(own.parameters()[0] < .002);
+  CHECK(own.parameters()[0] > -.2);
+  for (const Element& e : own.mesh().elements)
+    CHECK(scaled_jacobian(own.mesh(), e) >= kMinScaledJacobian);
+  CHECK(std::isfinite(own.solve().von_mises[0]));
+  CHECK(says(refusal([&] {
+               StaticModel loose = beam.model;
+               loose.fixed.clear();
+               Reanalysis none(beam.mesh, loose, top_row(beam.mesh));
+             }),
+             "not held"));
+}
