@@ -1,6 +1,7 @@
 #pragma once
 #include "fem/assembly/matrices.hpp"
 #include "fem/shapes/shapes.hpp"
+#include "programs/modal_fem/shape.hpp"
 
 #include <string>
 #include <vector>
@@ -47,6 +48,7 @@ struct Order {
   bool residual = false;      ///< also what the modes left out would yield
   bool radiation = false;
   std::size_t acoustic_triangles = 2000;
+  ShapeOrder shape;              ///< control points that the frequencies follow
   std::vector<double> ratios{1}; ///< of frequency, at which radiation is tabulated
   double air_density = 1.184, sound_speed = 346.1; ///< air at 25 degrees
   std::string output, csv, vtu, sheet, inp, petsc, import_values, import_vectors;
