@@ -10,7 +10,7 @@ HEIGHT, LENGTH = 0.006, 0.2  # m; omega^2 ~ h^2/L^4, a bar in bending
 
 def shaped(folder, *arguments, **changes):
     """The square table as if its modes were a bar's: one control point at its end, up and along."""
-    squared = (2 * numpy.pi * FREQUENCIES) ** 2
+    squared = (2 * numpy.pi * changes.get("freq", FREQUENCIES)) ** 2
     arrays = {"control_points": numpy.array([[0.1, 0.003, 0.0]]),
               "parameters": numpy.array([[0, 1, -0.003, 0.003], [0, 0, -0.05, 0.05]]),
               "trust": numpy.array(0.002),
@@ -33,7 +33,7 @@ def peaks(sound, near):
     ("shape 0.6 0", 0.1, 0), ("shape 0 10", 0, 0.05), ("cp 0 110 2.4 0", -0.1, 0.05),
     ("shape 100 0", 0.5, 0)])  # to its bound
 def test_ringing_modes_follow_the_shape_as_a_bars_to_first_order(tmp_path, message, height, length):
-    patch, box = shaped(tmp_path, "-radiation", "none")
+    patch, box = shaped(tmp_path)
     patch.at(100, box, "hit 30 40 0 1")
     patch.at(300, box, message)
     sound = patch.render(1.5, path=[tmp_path])["left"]
@@ -44,6 +44,11 @@ def test_ringing_modes_follow_the_shape_as_a_bars_to_first_order(tmp_path, messa
     assert abs(expected / exact - 1).max() < 1.02 * numpy.expm1(off)
     assert abs(peaks(sound[RATE // 2:], expected) - expected).max() < 0.1
     assert abs(peaks(sound[RATE // 10:RATE * 3 // 10], FREQUENCIES) - FREQUENCIES).max() < 2
+
+
+def same(one, two):
+    """But for Pd's rounding of positions to single precision."""
+    return abs(one - two).max() < 1e-4 * abs(one).max()
 
 
 def test_cp_and_shape_are_the_same_and_info_tells_them(tmp_path):
@@ -59,7 +64,7 @@ def test_cp_and_shape_are_the_same_and_info_tells_them(tmp_path):
         assert told["shape"] == pytest.approx([0.6, 10], rel=1e-5)
         assert told["cp"] == pytest.approx([0, 110, 3.6, 0], rel=1e-5)
         assert told["frequencies"] == pytest.approx(FREQUENCIES * numpy.exp(0.1 - 0.1), rel=1e-5)
-    assert (heard[0] == heard[1]).all() and (heard[0] == heard[2]).all()
+    assert same(heard[0], heard[1]) and (heard[1] == heard[2]).all()
 
 
 def test_a_shape_of_0_changes_no_bit_and_size_scales_the_positions(tmp_path):
@@ -72,9 +77,9 @@ def test_a_shape_of_0_changes_no_bit_and_size_scales_the_positions(tmp_path):
     assert (play((50, "shape 0 0"), (100, "hit 30 40 0 1")) == still).all()
     assert (play((50, "shape 1 5"), (60, "cp 0 100 3 0"), (100, "hit 30 40 0 1")) == still).all()
     large = play((50, "size 2"), (60, "shape 1.2 20"), (100, "hit 60 80 0 1"))
-    assert (play((50, "size 2"), (60, "cp 0 220 7.2 0"), (100, "hit 60 80 0 1")) == large).all()
+    assert same(play((50, "size 2"), (60, "cp 0 220 7.2 0"), (100, "hit 60 80 0 1")), large)
     first = play((50, "shape 0.6 10"), (60, "size 2"), (100, "hit 60 80 0 1"))
-    assert (first == large).all()
+    assert same(first, large)
 
 
 @pytest.mark.parametrize("message, sentence", [
@@ -106,11 +111,11 @@ def test_a_table_without_parameters_says_so(tmp_path):
 
 def test_a_table_of_wrong_derivatives_is_refused_by_name(tmp_path):
     patch, box = shaped(tmp_path, domega2_dp=numpy.zeros((2, 2)))
-    patch.render(0.1, path=[tmp_path], expect_errors=["'domega2_dp' has shape 2 x 2: expected 2 x 3"])
+    patch.render(0.1, path=[tmp_path], expect_errors=[r"'domega2_dp' has shape \(2, 2\): expected \(2, 3\)"])
 
 
 def test_a_new_table_begins_in_its_own_shape(tmp_path):
-    patch, box = shaped(tmp_path, "-radiation", "none")
+    patch, box = shaped(tmp_path)
     patch.at(50, box, "shape 0.6 0")
     patch.at(100, box, "load square.modal.npz")
     patch.at(200, box, "hit 30 40 0 1")
@@ -118,10 +123,9 @@ def test_a_new_table_begins_in_its_own_shape(tmp_path):
     assert abs(peaks(sound, FREQUENCIES) - FREQUENCIES).max() < 0.1
 
 
-@pytest.mark.parametrize("radiation", ["none", "modal"])
-def test_dragging_does_not_click(tmp_path, radiation):
+def test_dragging_does_not_click(tmp_path):
     # One tone, drawn up by a tenth within half a second by messages every 10 ms.
-    patch, box = shaped(tmp_path, "-radiation", radiation, freq=numpy.array([400.0, 400.5, 401.0]),
+    patch, box = shaped(tmp_path, freq=numpy.array([400.0, 400.5, 401.0]),
                         eta=numpy.full(3, 1e-4))
     patch.at(10, box, "hit 30 40 0 1")
     for i in range(50):

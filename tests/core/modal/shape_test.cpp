@@ -124,9 +124,9 @@ TEST_CASE("a table's shape parameters are read, and refused by name and shape") 
     for (const char* word : words)
       CHECK(sentence.find(word) != std::string::npos);
   };
-  says(refusal_with("domega2_dp", {1, 2, 3, 4}, {2, 2}), {"domega2_dp", "2 x 2", "3 x 2"});
+  says(refusal_with("domega2_dp", {1, 2, 3, 4}, {2, 2}), {"domega2_dp", "(2, 2)", "(3, 2)"});
   says(refusal_with("domega2_dp", {1, 2, 3, 4, 5, std::nan("")}, {3, 2}), {"domega2_dp", "finite"});
-  says(refusal_with("control_points", {0, 0, 0, 1}, {2, 2}), {"control_points", "2 x 2"});
+  says(refusal_with("control_points", {0, 0, 0, 1}, {2, 2}), {"control_points", "(2, 2)"});
   says(refusal_with("control_points", {0, 0, 0, 1e5, 0, 0}, {2, 3}), {"control_points", "metres"});
   says(refusal_with("parameters", {2, 1, -1, 1}, {1, 4}),
        {"parameters", "control point 2", "0..1"});
