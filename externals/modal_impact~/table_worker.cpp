@@ -47,7 +47,8 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
 void TableWorker::follow(Request& request) const {
   if (!replacing_ || request.table != replaced_)
     return;
-  if (&request.table->body() != &replacing_->body()) // displacements were another body's
+  if (request.table &&
+      &request.table->body() != &replacing_->body()) // displacements were another body's
     request.settings.shape_displacement_m.clear();
   request.table = replacing_;
 }
