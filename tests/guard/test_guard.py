@@ -75,7 +75,8 @@ def test_an_object_keeps_the_rules_of_the_audio_path(name, block):
 @pytest.mark.parametrize("sync", [0, 1])
 def test_a_body_that_is_shaped_while_it_rings_keeps_the_rules_of_the_audio_path(sync):
     patch = Patch()
-    box = patch.obj("modal_impact~", "plate.modal.npz", "-sync", sync)
+    box = patch.obj("modal_impact~", "-sync", sync)
+    patch.at(20, box, "load plate.modal.npz -sync")
     for i in range(20):
         patch.at(100 + 20 * i, box, f"hit {5 * i} 40 2.5 1")
         patch.at(105 + 20 * i, box, f"shape {i - 10} {-2 * i}")
