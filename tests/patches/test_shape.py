@@ -53,7 +53,7 @@ def same(one, two):
 
 def test_cp_and_shape_are_the_same_and_info_tells_them(tmp_path):
     heard = []
-    for message in ("shape 0.6 10", "cp 0 110 3.6 0", "cp 0 110 3.6 99"):
+    for message in ("shape 0.6 4", "cp 0 104 3.6 0", "cp 0 104 3.6 99"):
         patch, box = shaped(tmp_path)
         patch.at(100, box, "hit 30 40 0 1")
         patch.at(200, box, message)
@@ -61,9 +61,9 @@ def test_cp_and_shape_are_the_same_and_info_tells_them(tmp_path):
         result = patch.render(0.5, path=[tmp_path])
         heard.append(result["left"])
         told = {atoms[0]: atoms[1:] for _, atoms in result.logs["info"]}
-        assert told["shape"] == pytest.approx([0.6, 10], rel=1e-5)
-        assert told["cp"] == pytest.approx([0, 110, 3.6, 0], rel=1e-5)
-        assert told["frequencies"] == pytest.approx(FREQUENCIES * numpy.exp(0.1 - 0.1), rel=1e-5)
+        assert told["shape"] == pytest.approx([0.6, 4], rel=1e-5)
+        assert told["cp"] == pytest.approx([0, 104, 3.6, 0], rel=1e-5)
+        assert told["frequencies"] == pytest.approx(FREQUENCIES * numpy.exp(0.1 - 0.04), rel=1e-5)
     assert same(heard[0], heard[1]) and (heard[1] == heard[2]).all()
 
 
@@ -76,9 +76,9 @@ def test_a_shape_of_0_changes_no_bit_and_size_scales_the_positions(tmp_path):
     still = play((100, "hit 30 40 0 1"))
     assert (play((50, "shape 0 0"), (100, "hit 30 40 0 1")) == still).all()
     assert (play((50, "shape 1 5"), (60, "cp 0 100 3 0"), (100, "hit 30 40 0 1")) == still).all()
-    large = play((50, "size 2"), (60, "shape 1.2 20"), (100, "hit 60 80 0 1"))
-    assert same(play((50, "size 2"), (60, "cp 0 220 7.2 0"), (100, "hit 60 80 0 1")), large)
-    first = play((50, "shape 0.6 10"), (60, "size 2"), (100, "hit 60 80 0 1"))
+    large = play((50, "size 2"), (60, "shape 1.2 8"), (100, "hit 60 80 0 1"))
+    assert same(play((50, "size 2"), (60, "cp 0 208 7.2 0"), (100, "hit 60 80 0 1")), large)
+    first = play((50, "shape 0.6 4"), (60, "size 2"), (100, "hit 60 80 0 1"))
     assert same(first, large)
 
 
@@ -118,6 +118,7 @@ def test_a_new_table_begins_in_its_own_shape(tmp_path):
     patch, box = shaped(tmp_path)
     patch.at(50, box, "shape 0.6 0")
     patch.at(100, box, "load square.modal.npz")
+    patch.at(150, box, "loss 0.002")
     patch.at(200, box, "hit 30 40 0 1")
     sound = patch.render(1.2, path=[tmp_path])["left"][RATE // 4:]
     assert abs(peaks(sound, FREQUENCIES) - FREQUENCIES).max() < 0.1
