@@ -146,10 +146,12 @@ void BodyModel::find_rates() {
       std::sqrt(youngs_modulus_pa / modulus / (density_kg_per_m3 / density)) / settings.size;
   const double highest = kHighestOfRate * settings.sample_rate;
   const std::size_t most = settings.most_modes > 0 ? settings.most_modes : table.modes();
+  const std::vector<double> factor =
+      frequency_factors(table.sensitivity, table.frequency_hz, settings.shape_displacement_m);
   std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
   for (std::size_t k = 0; k < table.modes(); ++k) {
     const bool of_board = loaded->is_of_board(k);
-    double frequency = table.frequency_hz[k] * (of_board ? 1 / settings.size : faster);
+    double frequency = table.frequency_hz[k] * factor[k] * (of_board ? 1 / settings.size : faster);
     if (!table.poisson_slope.empty() && settings.poisson >= 0 && !of_board)
       frequency *= std::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
     const double omega = 2 * std::numbers::pi * frequency;

@@ -46,6 +46,9 @@ struct BodySettings {
   double density_kg_per_m3 = 0; ///< 0: the table's
   double poisson = -1;          ///< below 0: the table's
   double size = 1;              ///< times the table's lengths
+  /// Of the table's shape parameters, m in the table's size. Empty, or of another number than the
+  /// table has: the shape is the table's.
+  std::vector<double> shape_displacement_m;
   Damping damping = Damping::kTable;
   double rayleigh_a_per_s = 0, rayleigh_b_s = 0;
   double loss_factor = 0;
@@ -68,6 +71,7 @@ struct BodySettings {
 ///
 /// Scaling at fixed Poisson's ratio: f ~ sqrt(E/rho)/L, phi ~ 1/sqrt(rho L^3), mass ~ rho L^3,
 /// inertia ~ rho L^5; a changed Poisson's ratio moves each mode by the table's d ln f/d nu.
+/// A moved shape moves each by frequency_factors(), and its decay as its damping law says.
 /// Decay: alpha = (a + b omega^2)/2 or omega eta/2, plus radiation's, plus the choke's 6.91/T60.
 ///
 /// A body on a board is one model: `size` is that of both, all other material settings are the
@@ -191,7 +195,7 @@ private:
   void find_rates();
   void find_weights();
 
-  std::array<std::vector<std::complex<double>>, 3> scratch_weight_; ///< as long as `heard`
+  std::array<std::vector<std::complex<double>>, 3> scratch_weight_;    ///< as long as `heard`
   std::vector<std::array<double, ContactSolver::kRigid>> rigid_basis_; ///< of a body that rests
   double board_shape_scale_ = 1;
   std::uint64_t ears_version_ = 0; ///< of the bank's weights that the solver has

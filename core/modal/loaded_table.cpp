@@ -100,6 +100,14 @@ LoadedTable::LoadedTable(std::shared_ptr<const LoadedTable> body,
       table.triangle.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   const std::size_t modes = table.modes();
+  if (const ShapeSensitivity& of_body = own[0]->sensitivity; !of_body.empty()) {
+    table.sensitivity.shape = of_body.shape;
+    table.sensitivity.eigenvalue_slope.assign(of_body.parameters() * modes, 0);
+    for (std::size_t p = 0; p < of_body.parameters(); ++p)
+      for (std::size_t k = 0; k < own[0]->modes(); ++k)
+        table.sensitivity.eigenvalue_slope[p * modes + parts[0].mode[k]] =
+            of_body.eigenvalue_slope[p * own[0]->modes() + k];
+  }
   shape.assign(table.vertices() * modes * 3, 0);
   for (const Part& part : parts)
     for (std::size_t v = 0; v < part.loaded->table.vertices(); ++v)

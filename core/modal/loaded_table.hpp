@@ -25,7 +25,8 @@ struct LoadedTable {
   explicit LoadedTable(ModalTable read);
   /// Both: modes by frequency, each with its shape on its own body and none on the other; the
   /// body's vertices and triangles first, then the board's, displaced by so many metres in the
-  /// body's axes. Mass, inertia, material and air are the body's. `refusal()` must be empty.
+  /// body's axes. Mass, inertia, material, air and shape
+  /// parameters are the body's. `refusal()` must be empty.
   /// Memory: 12 bytes for every mode of both at every vertex of both, besides the two tables.
   LoadedTable(std::shared_ptr<const LoadedTable> body, std::shared_ptr<const LoadedTable> board,
               const Vec3& displacement_m);

@@ -254,6 +254,21 @@ void read_raw(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
     arrays.refuse("raw_fs " + std::to_string(rate[0]) + " Hz: expected 1000..1000000");
 }
 
+void read_sensitivity(TableArrays& arrays, const NpzFile& file, ModalTable& table) {
+  if (!arrays.has("domega2_dp"))
+    return;
+  ShapeSensitivity& out = table.sensitivity;
+  table::read_shape_parameters(arrays, file, out.shape);
+  if (!arrays.good())
+    return;
+  const std::size_t modes = table.modes(), parameters = out.parameters();
+  if (parameters > kMaxShapeSlopes / modes)
+    return arrays.refuse("it has " + std::to_string(parameters) + " shape parameters of " +
+                         std::to_string(modes) + " modes: expected at most " +
+                         std::to_string(kMaxShapeSlopes / modes));
+  out.eigenvalue_slope = arrays.reals("domega2_dp", {parameters, modes}, true);
+}
+
 } // namespace
 
 std::string read_modal_table(std::span<const std::byte> file, ModalTable& table) {
@@ -274,6 +289,8 @@ std::string read_modal_table(std::span<const std::byte> file, ModalTable& table)
   if (arrays.good() && !read.multipoles.empty())
     read_band(arrays, read);
   read_raw(arrays, archive, read);
+  if (arrays.good())
+    read_sensitivity(arrays, archive, read);
   if (!arrays.good())
     return arrays.refusal();
   table = std::move(read);

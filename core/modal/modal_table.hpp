@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/haptic/vec3.hpp"
+#include "core/modal/shape_sensitivity.hpp"
 
 #include <array>
 #include <complex>
@@ -73,6 +74,7 @@ struct ModalTable {
   double air_density_kg_per_m3 = 1.184, sound_speed_m_per_s = 346.1;
   MultipoleTable multipoles;
   RawTable raw;
+  ShapeSensitivity sensitivity; ///< may be empty
 
   [[nodiscard]] std::size_t modes() const noexcept { return frequency_hz.size(); }
   [[nodiscard]] std::size_t vertices() const noexcept { return vertex_m.size(); }

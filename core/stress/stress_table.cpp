@@ -1,9 +1,11 @@
 #include "core/stress/stress_table.hpp"
 
 #include "core/table/table_arrays.hpp"
+#include "core/words.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tactus::stress {
 namespace {
@@ -13,16 +15,7 @@ using table::NpzArray;
 using table::NpzFile;
 using table::TableArrays;
 
-constexpr double kMaxSize_m = 1e4;
 constexpr float kMaxStress_pa = 1e15F; // a thousand times the stiffest material's modulus
-
-std::string text(double value) {
-  std::string digits = std::to_string(value);
-  digits.erase(digits.find_last_not_of('0') + 1);
-  if (digits.back() == '.')
-    digits.pop_back();
-  return digits;
-}
 
 void read_description(TableArrays& arrays, StressTable& table) {
   const Json json = arrays.description("stress-table");
@@ -44,52 +37,6 @@ void read_description(TableArrays& arrays, StressTable& table) {
   };
   check("stress", "Pa");
   check("length", "m");
-}
-
-void read_control_points(TableArrays& arrays, const NpzFile& file, StressTable& table) {
-  if (const NpzArray* found = file.find("control_points");
-      found && !found->shape.empty() && found->shape[0] > kMaxControlPoints)
-    return arrays.refuse("array 'control_points' has " + std::to_string(found->shape[0]) +
-                         " points: expected at most " + std::to_string(kMaxControlPoints));
-  const auto points = arrays.reals("control_points", {TableArrays::kAny, 3}, true);
-  const auto rows = arrays.reals("parameters", {TableArrays::kAny, 4}, true);
-  const auto trust = arrays.reals("trust", {}, true);
-  if (!arrays.good())
-    return;
-  if (std::any_of(points.begin(), points.end(), [](double x) { return std::abs(x) > kMaxSize_m; }))
-    return arrays.refuse("array 'control_points' reaches beyond 10 km: are its units metres?");
-  const std::size_t count = points.size() / 3;
-  for (std::size_t c = 0; c < count; ++c)
-    table.control_point_m.push_back({points[3 * c], points[3 * c + 1], points[3 * c + 2]});
-  if (rows.empty() || rows.size() / 4 > 3 * count)
-    return arrays.refuse("array 'parameters' has " + std::to_string(rows.size() / 4) +
-                         " rows: expected 1.." + std::to_string(3 * count) +
-                         ", three for each control point at most");
-  std::vector<bool> taken(3 * count);
-  for (std::size_t p = 0; p < rows.size() / 4; ++p) {
-    const double* row = rows.data() + 4 * p;
-    const std::string named = "array 'parameters' row " + std::to_string(p) + ": ";
-    if (!(row[0] >= 0 && row[0] < static_cast<double>(count)) || row[0] != std::floor(row[0]))
-      return arrays.refuse(named + "control point " + text(row[0]) + ": expected 0.." +
-                           std::to_string(count - 1));
-    if (row[1] != 0 && row[1] != 1 && row[1] != 2)
-      return arrays.refuse(named + "axis " + text(row[1]) + ": expected 0, 1 or 2");
-    if (!(row[2] <= 0 && row[3] >= 0 && row[2] < row[3] && -row[2] <= kMaxSize_m &&
-          row[3] <= kMaxSize_m))
-      return arrays.refuse(named + "bounds " + text(row[2]) + ".." + text(row[3]) +
-                           " m: expected displacements low <= 0 <= high");
-    const DesignParameter parameter{static_cast<std::size_t>(row[0]), static_cast<int>(row[1]),
-                                    row[2], row[3]};
-    const std::size_t slot = 3 * parameter.control_point + static_cast<std::size_t>(parameter.axis);
-    if (taken[slot])
-      return arrays.refuse(named + "control point " + text(row[0]) + " has axis " + text(row[1]) +
-                           " twice");
-    taken[slot] = true;
-    table.parameters.push_back(parameter);
-  }
-  table.trust_m = trust[0];
-  if (!(trust[0] > 0 && trust[0] <= kMaxSize_m))
-    arrays.refuse("array 'trust' is " + text(trust[0]) + " m: expected more than 0");
 }
 
 /// One field; the number of elements follows from the first one that is read.
@@ -127,10 +74,10 @@ void read_surface(TableArrays& arrays, StressTable& table) {
     });
   };
   if (const auto bad = outside(corners, count); bad != corners.end())
-    return arrays.refuse("array 'surface_triangles' has a corner " + text(*bad) + " of " +
+    return arrays.refuse("array 'surface_triangles' has a corner " + number_text(*bad) + " of " +
                          std::to_string(count) + " nodes");
   if (const auto bad = outside(elements, table.elements()); bad != elements.end())
-    return arrays.refuse("array 'surface_node_element' has element " + text(*bad) + " of " +
+    return arrays.refuse("array 'surface_node_element' has element " + number_text(*bad) + " of " +
                          std::to_string(table.elements()));
   for (std::size_t v = 0; v < count; ++v) {
     table.surface_node_m.push_back({nodes[3 * v], nodes[3 * v + 1], nodes[3 * v + 2]});
@@ -155,8 +102,13 @@ std::string read_stress_table(std::span<const std::byte> file, StressTable& tabl
   TableArrays arrays(archive);
   StressTable read;
   read_description(arrays, read);
-  if (arrays.good())
-    read_control_points(arrays, archive, read);
+  if (arrays.good()) {
+    table::ShapeParameters shape;
+    table::read_shape_parameters(arrays, archive, shape);
+    read.parameters = std::move(shape.parameters);
+    read.control_point_m = std::move(shape.control_point_m);
+    read.trust_m = shape.trust_m;
+  }
   if (arrays.good())
     read.base.von_mises =
         read_field(arrays, archive, "s0", "S", TableArrays::kAny, read.parameters.size());

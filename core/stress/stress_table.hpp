@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/haptic/vec3.hpp"
+#include "core/table/shape_parameters.hpp"
 
 #include <array>
 #include <cstddef>
@@ -26,12 +27,8 @@ struct StressBase {
   std::vector<double> displacement_m; ///< [P] of the parameters; zeros in a table
 };
 
-/// One coordinate of one control point.
-struct DesignParameter {
-  std::size_t control_point = 0;
-  int axis = 0;                 ///< 0 x, 1 y, 2 z
-  double low_m = 0, high_m = 0; ///< of its displacement; low <= 0 <= high
-};
+using table::DesignParameter;
+using table::kMaxControlPoints;
 
 /// Written by an offline finite-element program; docs/stress_haptic.md lists the arrays.
 struct StressTable {
@@ -50,7 +47,6 @@ struct StressTable {
 };
 
 inline constexpr std::size_t kMaxElements = 5'000'000;
-inline constexpr std::size_t kMaxControlPoints = 4096;       // as the haptic protocol's
 inline constexpr std::size_t kMaxSensitivities = 1ULL << 28; // N P: 1 GB a field
 
 /// Reads a `.stress.npz` that lies in memory. Returns a sentence that names the array, its shape or

@@ -84,6 +84,8 @@ enum MessageIndex : std::size_t {
   kListener,
   kMaterial,
   kPreset,
+  kShape,
+  kControlPoint,
   kRayleigh,
   kLoss,
   kLossCurve,
@@ -124,6 +126,10 @@ inline constexpr std::array kMessages{
             "aluminium|steel|iron|brass|bronze|copper|lead|glass|ceramic|wood|plastic|"
             "polycarbonate|rubber|table",
             1, 1, "elasticity, density and damping of a material"},
+    Message{
+        "shape", "d1 d2 ...", 1, 3 * 4096,
+        "displacements of the table's shape parameters, mm, in their order; 0: the table's shape"},
+    Message{"cp", "id x y z", 4, 4, "position of a control point of the body's shape, mm"},
     Message{"rayleigh", "a b", 2, 2, "damping (a + b omega^2)/2 in 1/s"},
     Message{"loss", "eta", 1, 1, "the same loss factor at all frequencies"},
     Message{"losscurve", "f1 eta1 f2 eta2 ...", 2, 64, "loss factor over frequency in Hz"},

@@ -6,6 +6,9 @@
 Kirchhoff's plate, simply supported on all sides (Leissa, Vibration of Plates, 1969, section 4.1):
   f_mn = pi/2 sqrt(D / (rho h)) ((m/a)^2 + (n/b)^2),   D = E h^3 / (12 (1 - nu^2)),
   phi_mn = 2 / sqrt(rho h a b) sin(m pi x / a) sin(n pi y / b)   for a modal mass of 1 kg.
+Its frequencies follow its sides by d(omega^2)/da = -4 omega^2 (m/a)^2 / (a ((m/a)^2 + (n/b)^2)) and the
+same of n and b: the control point in its upper right corner draws both edges along.
+
 It is aluminium, 320 x 200 x 5 mm, and stands upright in the x-y plane, centred, facing +z.
 """
 import math
@@ -21,6 +24,7 @@ A, B, H = 0.32, 0.20, 0.005            # m
 E, NU, RHO = 70.3e9, 0.33, 2700.0      # Pa, 1, kg/m^3
 LOSS = 8e-4                            # in a frame; the bare metal has a tenth of it
 HIGHEST = 16000.0                      # Hz
+RANGE = 0.25                           # of each side, that the corner may move
 COLUMNS, ROWS = 48, 30                 # cells of the surface mesh
 
 
@@ -75,6 +79,9 @@ def main(path):
             "material": {"name": "aluminium", "E": E, "nu": NU, "rho": RHO},
             "air": {"rho": 1.184, "c": 346.1}, "license": "CC0-1.0"}
     count = len(modes)
+    slopes = [-4 * (2 * math.pi * f) ** 2 * (number(m, n) / side) ** 2
+              / (side * ((m / A) ** 2 + (n / B) ** 2))
+              for side, number in ((A, lambda m, n: m), (B, lambda m, n: n)) for f, m, n in modes]
     write(path, {
         "meta": description(meta),
         "freq": array("<f8", (count,), [f for f, _, _ in modes]),
@@ -83,6 +90,10 @@ def main(path):
         "phi": array("<f4", (count, len(places), 3), shape),
         "xyz": array("<f4", (len(places), 3), [c for p in places for c in p]),
         "tri": array("<i4", (len(faces), 3), [c for f in faces for c in f]),
+        "control_points": array("<f8", (1, 3), [A / 2, B / 2, 0.0]),
+        "parameters": array("<f8", (2, 4), [0, 0, -RANGE * A, RANGE * A, 0, 1, -RANGE * B, RANGE * B]),
+        "trust": array("<f8", (), [0.1 * B]),
+        "domega2_dp": array("<f8", (2, count), slopes),
         "mass": array("<f8", (), [mass]),
         "com": array("<f8", (3,), [0.0, 0.0, 0.0]),
         "inertia": array("<f8", (3, 3), [inertia[i] if i == k else 0.0

@@ -93,6 +93,10 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     return set_listener(numbers, host);
   case kMaterial:
     return set_material(numbers, host);
+  case kShape:
+    return set_shape(numbers, host);
+  case kControlPoint:
+    return set_control_point(numbers, host);
   case kRayleigh:
   case kLoss:
   case kLossCurve:

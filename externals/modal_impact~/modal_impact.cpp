@@ -122,6 +122,10 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
   const bool stale = result.model->settings.sample_rate != wanted.sample_rate ||
                      result.model->settings.voices != wanted.voices;
   table_ = result.table;
+  if (result.loaded) { // displacements were another body's
+    settings_.shape_displacement_m.clear();
+    warned_of_trust_ = false;
+  }
   if (!same)
     last_place_.reset();
   body_.publish(std::move(result.model), same);
@@ -182,6 +186,7 @@ void ModalImpact::tell_info(Host& host) {
       carried.emplace_back(rest.preload_n);
     host.info(carried);
   }
+  tell_shape(host);
   host.info({"material", model->youngs_modulus_pa, model->density_kg_per_m3, model->poisson});
   if (!model->loaded->surface.empty()) {
     const Vec3 low = model->loaded->surface.lowest(), high = model->loaded->surface.highest();

@@ -12,6 +12,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace tactus::modal {
 
@@ -73,9 +75,17 @@ private:
   void set_listener(Numbers numbers, Host& host);
   void set_material(Numbers numbers, Host& host);
   void set_preset(const Atom& name, Host& host);
+  void set_shape(Numbers numbers, Host& host);
+  void set_control_point(Numbers numbers, Host& host);
   void set_damping(std::size_t index, Numbers numbers, Host& host);
   void tell_info(Host& host);
   void tell_ring(Host& host);
+  void tell_shape(Host& host) const;
+  /// What the body's shape depends on; null after one sentence when it has no such parameters.
+  const table::ShapeParameters* shape_parameters(std::string_view message, Host& host);
+  /// Displacements of the shape's parameters now, as many as there are.
+  [[nodiscard]] std::vector<double> shape_displacement_m(const table::ShapeParameters&) const;
+  void deform(std::vector<double> displacement_m, const table::ShapeParameters&, Host& host);
 
   /// The body that hits meet now; null after one sentence when there is none.
   const BodyModel* body(Host& host);
@@ -105,6 +115,7 @@ private:
   double last_speed_ = 1;
   bool last_fell_ = false;
   bool warned_ = false;
+  bool warned_of_trust_ = false;
   double sample_rate_ = 48000;
   TableWorker worker_; // last: its thread ends before what it uses
 };

@@ -45,8 +45,12 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
 
 /// A request for the table that another replaces is one for that.
 void TableWorker::follow(Request& request) const {
-  if (replacing_ && request.table == replaced_)
-    request.table = replacing_;
+  if (!replacing_ || request.table != replaced_)
+    return;
+  if (request.table &&
+      &request.table->body() != &replacing_->body()) // displacements were another body's
+    request.settings.shape_displacement_m.clear();
+  request.table = replacing_;
 }
 
 std::optional<TableWorker::Result> TableWorker::take() {
@@ -60,6 +64,7 @@ std::optional<TableWorker::Result> TableWorker::take() {
 TableWorker::Result TableWorker::carry_out(const Request& request) {
   Result result;
   result.table = request.table;
+  BodySettings settings = request.settings;
   std::string subject = "load " + request.name + ": ";
   const auto read = [&](const std::string& path) -> std::shared_ptr<const LoadedTable> {
     std::vector<std::byte> bytes;
@@ -80,6 +85,7 @@ TableWorker::Result TableWorker::carry_out(const Request& request) {
     if (!request.path.empty()) {
       body = read(request.path);
       result.loaded = true;
+      settings.shape_displacement_m.clear();
     }
     if (request.board && result.refusal.empty()) {
       subject = "board " + request.board->name + ": ";
@@ -97,7 +103,7 @@ TableWorker::Result TableWorker::carry_out(const Request& request) {
     if (!result.refusal.empty())
       result.refusal = subject + result.refusal;
     else if (result.table)
-      result.model = std::make_unique<BodyModel>(result.table, request.settings);
+      result.model = std::make_unique<BodyModel>(result.table, settings);
   } catch (const std::bad_alloc&) {
     result.refusal = subject + "not enough memory";
     result.model.reset();

@@ -115,38 +115,21 @@ std::optional<std::size_t> StressHaptic::control_point(std::string_view message,
                                                        Host& host) const {
   if (!has_table(message, host))
     return {};
-  const std::size_t count = table_->control_point_m.size();
-  const std::string named = std::string(message) + ": control point " + number_text(id);
-  if (!(id >= 0 && id < static_cast<double>(count)) || id != std::floor(id)) {
-    host.error(named + ": expected 0.." + std::to_string(count - 1));
+  if (const std::string refusal =
+          table::control_point_refusal(table_->parameters, table_->control_point_m.size(), id);
+      !refusal.empty()) {
+    host.error(std::string(message) + ": " + refusal);
     return {};
   }
-  const auto index = static_cast<std::size_t>(id);
-  const auto& parameters = table_->parameters;
-  if (std::none_of(parameters.begin(), parameters.end(),
-                   [index](const DesignParameter& p) { return p.control_point == index; })) {
-    host.error(named + " has no parameters in this table: expected control point " +
-               std::to_string(parameters.front().control_point) + " or another that can move");
-    return {};
-  }
-  return index;
+  return static_cast<std::size_t>(id);
 }
 
 void StressHaptic::displace(std::size_t control_point, const Vec3& displacement_m) noexcept {
-  for (std::size_t p = 0; p < table_->parameters.size(); ++p)
-    if (const DesignParameter& parameter = table_->parameters[p];
-        parameter.control_point == control_point)
-      request_.displacement_m[p] =
-          std::clamp(displacement_m[parameter.axis], parameter.low_m, parameter.high_m);
+  table::displace(table_->parameters, control_point, displacement_m, request_.displacement_m);
 }
 
 Vec3 StressHaptic::displacement_of(std::size_t control_point) const noexcept {
-  Vec3 displacement_m;
-  for (std::size_t p = 0; p < table_->parameters.size(); ++p)
-    if (const DesignParameter& parameter = table_->parameters[p];
-        parameter.control_point == control_point)
-      displacement_m[parameter.axis] = request_.displacement_m[p];
-  return displacement_m;
+  return table::displacement_of(table_->parameters, control_point, request_.displacement_m);
 }
 
 void StressHaptic::set_control_point(Numbers numbers, Host& host) {

@@ -77,6 +77,17 @@ void write_table(const std::string& path, const ModalTable& t) {
     npz.add("dlnf_dnu", t.poisson_slope, {modes});
   if (!t.residual.empty())
     npz.add("resid", t.residual, {vertices});
+  if (const ShapeDerivatives& shape = t.shape; !shape.parameters.empty()) {
+    std::vector<double> points, rows;
+    for (const Vector3& p : shape.control_points)
+      points.insert(points.end(), {p.x, p.y, p.z});
+    for (const auto& [control, axis, low, high] : shape.parameters)
+      rows.insert(rows.end(), {static_cast<double>(control), static_cast<double>(axis), low, high});
+    npz.add("control_points", points, {shape.control_points.size(), 3});
+    npz.add("parameters", rows, {shape.parameters.size(), 4});
+    npz.add("trust", std::span(&shape.trust, 1), {});
+    npz.add("domega2_dp", shape.by_parameter, {shape.parameters.size(), modes});
+  }
   if (const ModeRadiation& r = t.radiation; !r.empty()) {
     const std::array<double, 3> middle{r.centre.x, r.centre.y, r.centre.z};
     npz.add("alpha_rad", r.decay_rate, {modes});

@@ -15,6 +15,18 @@ struct TableNotes {
   double air_density = 1.184, air_speed = 346.1;
 };
 
+/// How the frequencies follow the control points of a lattice around the body.
+struct ShapeDerivatives {
+  struct Parameter {
+    int control = 0, axis = 0;
+    double low = 0, high = 0; ///< m, of its displacement
+  };
+  std::vector<Vector3> control_points; ///< m
+  std::vector<Parameter> parameters;
+  std::vector<double> by_parameter; ///< [parameter][mode] d(omega^2)/dp, rad^2/s^2 per m
+  double trust = 0;                 ///< m, displacements for which the derivatives serve
+};
+
 /// Everything that a sounding body needs, ready to be written.
 struct ModalTable {
   const Mesh& mesh;
@@ -26,11 +38,13 @@ struct ModalTable {
   TableNotes notes;
   ModeRadiation radiation;     ///< may be empty
   std::vector<float> residual; ///< m/N at each vertex of the skin; may be empty
+  ShapeDerivatives shape;      ///< may be empty
 };
 
 /// NAME.modal.npz, SI, little-endian: meta (JSON), freq, phi [K,V,3] at the skin's vertices, xyz,
 /// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu; with radiation
-/// also mp_* and alpha_rad. docs/modal_fem.md lists them.
+/// also mp_* and alpha_rad, with shape derivatives control_points, parameters, trust and
+/// domega2_dp. docs/modal_fem.md lists them.
 void write_table(const std::string& path, const ModalTable&);
 
 /// One line a mode: number, frequency, multiplicity, loss factor, T60, error estimate, residual.

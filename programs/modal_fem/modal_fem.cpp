@@ -6,8 +6,9 @@
 //   2. check    units, inside-out elements, loose parts
 //   3. assemble K and M, supports
 //   4. solve    factor K + s M, block Lanczos
-//   5. radiate  the air around each mode, by boundary elements (--radiation body)
-//   6. write    NAME.modal.npz, and CSV, VTU, a picture sheet
+//   5. shape    how the frequencies follow control points (--lattice)
+//   6. radiate  the air around each mode, by boundary elements (--radiation body)
+//   7. write    NAME.modal.npz, and CSV, VTU, a picture sheet
 #include "fem/io/load.hpp"
 #include "fem/io/modal_table.hpp"
 #include "fem/io/safe_file.hpp"
@@ -86,7 +87,8 @@ int run(const std::vector<std::string>& words) {
                            : poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
       notes,
       body.radiation,
-      body.residual};
+      body.residual,
+      body.shape};
   print(table);
   std::fflush(stdout);
   const auto begin = [&](const std::string& path) { progress.stage("writing " + path, 0); };

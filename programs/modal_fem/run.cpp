@@ -71,8 +71,9 @@ void estimate_here(const Solved& body, ErrorEstimate& error, ProgressLine& progr
 /// The modes and their errors, with progress.
 void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, ProgressLine& progress,
                    Forecast& forecast) {
+  const std::size_t count = order.modes + (order.shape.wanted ? kModesBeyond : 0);
   if (order.slepc) {
-    body.modes = slepc_modes(body.mesh, body.materials, *body.matrices, order.modes,
+    body.modes = slepc_modes(body.mesh, body.materials, *body.matrices, count,
                              order.ranks > 0 ? order.ranks : 2, progress);
     estimate_here(body, error, progress, forecast);
     return;
@@ -82,7 +83,7 @@ void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, Progr
     estimate_here(body, error, progress, forecast);
     return;
   }
-  ModeSettings settings{.count = order.modes};
+  ModeSettings settings{.count = count};
   settings.report = [&](const std::string& stage, double share) {
     progress.stage(stage, share, stage == "factorising" ? forecast.factor_seconds() : 0);
   };
@@ -93,6 +94,16 @@ void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, Progr
                             [&](double share) { progress.stage("estimating errors", share); });
   };
   body.modes = find_modes(body.mesh, body.materials, *body.matrices, settings);
+}
+
+/// Leaves out all modes but the first.
+void keep_first(Solved& body, std::size_t count) {
+  Modes& modes = body.modes;
+  modes.frequency_hz.resize(count);
+  modes.shapes.resize(count * body.mesh.dofs());
+  modes.multiplicity.resize(count);
+  modes.residual.resize(count);
+  body.relative_error.resize(std::min(count, body.relative_error.size()));
 }
 
 /// What can be refused without a mesh: names of files and materials.
@@ -219,6 +230,12 @@ Solved solve(const Order& order, ProgressLine& progress) {
   if (only_exports)
     return body;
   body.solved = true;
+  if (order.shape.wanted) {
+    const std::size_t count = std::min(order.modes, body.modes.frequency_hz.size());
+    body.shape =
+        shape_derivatives(order.shape, body.mesh, body.materials, body.modes, count, progress);
+    keep_first(body, count);
+  }
   say_inaudible(body, progress);
   if (order.residual)
     body.residual = residual_compliance(

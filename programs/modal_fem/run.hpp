@@ -17,6 +17,7 @@ struct Solved {
   std::string support_words = "free";
   std::vector<double> relative_error;
   ModeRadiation radiation;
+  ShapeDerivatives shape;
   std::vector<float> residual; ///< m/N at the skin's vertices
   bool solved = false;         ///< false: only exported
 };

@@ -72,6 +72,19 @@ def test_an_object_keeps_the_rules_of_the_audio_path(name, block):
     assert guarded_calls(result) >= int(48000 * seconds / block)
 
 
+@pytest.mark.parametrize("sync", [0, 1])
+def test_a_body_that_is_shaped_while_it_rings_keeps_the_rules_of_the_audio_path(sync):
+    patch = Patch()
+    box = patch.obj("modal_impact~", "-sync", sync)
+    patch.at(20, box, "load plate.modal.npz -sync")
+    for i in range(20):
+        patch.at(100 + 20 * i, box, f"hit {5 * i} 40 2.5 1")
+        patch.at(105 + 20 * i, box, f"shape {i - 10} {-2 * i}")
+        patch.at(110 + 20 * i, box, f"cp 0 {160 + i} {100 - i} 0")
+    patch.record("out", box)
+    assert guarded_calls(patch.render(0.6, preload=GUARD, timeout=120)) >= int(48000 * 0.6 / 64)
+
+
 @pytest.mark.parametrize("path", PATCHES, ids=lambda p: p.stem)
 def test_a_patch_keeps_the_rules_of_the_audio_path(path):
     patch = Patch(opens=path)

@@ -1,0 +1,107 @@
+#include "core/words.hpp"
+#include "externals/modal_impact~/modal_impact~.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+/// A body whose frequencies follow its shape.
+namespace tactus::modal {
+namespace {
+
+constexpr double kMillimetre = 0.001;
+constexpr std::size_t kMaxTold = 128; // control points that info lists
+
+} // namespace
+
+const table::ShapeParameters* ModalImpact::shape_parameters(std::string_view message, Host& host) {
+  if (!table_) {
+    host.error(std::string(message) + ": there is no body yet: load one");
+    return nullptr;
+  }
+  const ShapeSensitivity& sensitivity = table_->table.sensitivity;
+  if (sensitivity.empty()) {
+    host.error(std::string(message) +
+               ": this table has no shape parameters: expected one with domega2_dp");
+    return nullptr;
+  }
+  return &sensitivity.shape;
+}
+
+std::vector<double> ModalImpact::shape_displacement_m(const table::ShapeParameters& shape) const {
+  std::vector<double> displacement = settings_.shape_displacement_m;
+  displacement.resize(shape.parameters.size());
+  return displacement;
+}
+
+void ModalImpact::set_shape(Numbers n, Host& host) {
+  const auto* shape = shape_parameters("shape", host);
+  if (!shape)
+    return;
+  if (n.size() != shape->parameters.size())
+    return host.error("shape: " + std::to_string(n.size()) + " numbers: expected " +
+                      std::to_string(shape->parameters.size()) +
+                      ", one for each shape parameter of the table");
+  std::vector<double> displacement(n.size());
+  for (std::size_t p = 0; p < n.size(); ++p)
+    displacement[p] = std::clamp(n[p] * kMillimetre / value_[modal_impact::kSize],
+                                 shape->parameters[p].low_m, shape->parameters[p].high_m);
+  deform(std::move(displacement), *shape, host);
+}
+
+void ModalImpact::set_control_point(Numbers n, Host& host) {
+  const auto* shape = shape_parameters("cp", host);
+  if (!shape)
+    return;
+  if (const std::string refusal =
+          control_point_refusal(shape->parameters, shape->control_point_m.size(), n[0]);
+      !refusal.empty())
+    return host.error("cp: " + refusal);
+  const auto point = static_cast<std::size_t>(n[0]);
+  std::vector<double> displacement = shape_displacement_m(*shape);
+  const Vec3 place = Vec3{n[1], n[2], n[3]} * (kMillimetre / value_[modal_impact::kSize]);
+  displace(shape->parameters, point, place - shape->control_point_m[point], displacement);
+  deform(std::move(displacement), *shape, host);
+}
+
+void ModalImpact::deform(std::vector<double> displacement, const table::ShapeParameters& shape,
+                         Host& host) {
+  std::vector<Vec3> moved(shape.control_point_m.size());
+  for (std::size_t p = 0; p < displacement.size(); ++p)
+    moved[shape.parameters[p].control_point][shape.parameters[p].axis] = displacement[p];
+  const auto farthest = std::max_element(
+      moved.begin(), moved.end(), [](const Vec3& a, const Vec3& b) { return norm(a) < norm(b); });
+  if (!warned_of_trust_ && norm(*farthest) > shape.trust_m * (1 + 1e-9)) {
+    warned_of_trust_ = true;
+    host.log("control point " + std::to_string(farthest - moved.begin()) + " is moved by " +
+             number_text(1000 * norm(*farthest)) + " mm, the table trusts " +
+             number_text(1000 * shape.trust_m) + " mm: frequencies are extrapolated; said once");
+  }
+  settings_.shape_displacement_m = std::move(displacement);
+  renew();
+}
+
+void ModalImpact::tell_shape(Host& host) const {
+  const ShapeSensitivity& sensitivity = table_->table.sensitivity;
+  if (sensitivity.empty())
+    return;
+  const double mm = value_[modal_impact::kSize] / kMillimetre;
+  const table::ShapeParameters& shape = sensitivity.shape;
+  const std::vector<double> displacement = shape_displacement_m(shape);
+  std::vector<Atom> list{"shape"};
+  for (const double d : displacement)
+    list.emplace_back(mm * d);
+  host.info(list);
+  std::size_t told = 0;
+  for (std::size_t c = 0; c < shape.control_point_m.size() && told < kMaxTold; ++c) {
+    if (std::none_of(shape.parameters.begin(), shape.parameters.end(),
+                     [c](const table::DesignParameter& p) { return p.control_point == c; }))
+      continue;
+    ++told;
+    const Vec3 place =
+        mm * (shape.control_point_m[c] + displacement_of(shape.parameters, c, displacement));
+    host.info({"cp", static_cast<double>(c), place.x, place.y, place.z});
+  }
+}
+
+} // namespace tactus::modal
