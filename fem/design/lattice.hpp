@@ -55,6 +55,12 @@ struct ShapeParameter {
   Vector3 direction;
 };
 
+/// One row of `parameters`: a coordinate of a control point and the bounds of its displacement.
+struct ParameterRange {
+  int control = 0, axis = 0;
+  double low = 0, high = 0; ///< m
+};
+
 /// x, y and z of each control point given: "cp 5 x" ... in that order.
 [[nodiscard]] std::vector<ShapeParameter> free_parameters(std::span<const int> controls);
 

@@ -22,8 +22,9 @@ private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Before any run has told: element stiffness goes as length^2 / length^... of the stretch; the
-/// ratio of the extreme ones under a displacement gradient s is about ((1 + s) / (1 - s))^4.
+/// Until a run has measured it: a stretch s along one axis and a squeeze along another change an
+/// element's stiffness by up to (1 + s)^4 and (1 - s)^4, so the condition number of the
+/// preconditioned matrix is about ((1 + s) / (1 - s))^4, of which the logarithm grows by 8 s.
 constexpr double kFirstGrowth = 8; // d log(condition) / ds of that
 
 /// Iterations to reduce the error by `tolerance` at a condition number: the classical bound.

@@ -1,4 +1,5 @@
 #pragma once
+#include "fem/design/lattice.hpp"
 #include "fem/modes/body.hpp"
 #include "fem/radiation/mode_radiation.hpp"
 
@@ -17,12 +18,8 @@ struct TableNotes {
 
 /// How the frequencies follow the control points of a lattice around the body.
 struct ShapeDerivatives {
-  struct Parameter {
-    int control = 0, axis = 0;
-    double low = 0, high = 0; ///< m, of its displacement
-  };
   std::vector<Vector3> control_points; ///< m
-  std::vector<Parameter> parameters;
+  std::vector<ParameterRange> parameters;
   std::vector<double> by_parameter; ///< [parameter][mode] d(omega^2)/dp, rad^2/s^2 per m
   double trust = 0;                 ///< m, displacements for which the derivatives serve
 };

@@ -23,8 +23,8 @@ private:
   std::FILE* file_ = nullptr;
 };
 
-/// From here on SIGINT and SIGTERM end the process that reads a file, remove files being written and
-/// end this process with status 130.
+/// From here on SIGINT and SIGTERM end the process that reads a file, remove files being written
+/// and end this process with status 130.
 void clean_up_on_interrupt();
 
 /// What the interrupt does besides: a function that a signal handler may call, or null.

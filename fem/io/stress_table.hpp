@@ -16,12 +16,6 @@ struct StressNotes {
   std::vector<std::string> command;                ///< the words with which part_stress made it
 };
 
-/// One row of `parameters`: a coordinate of a control point and the bounds of its displacement.
-struct ParameterRange {
-  int control = 0, axis = 0;
-  double low = 0, high = 0; ///< m
-};
-
 /// A part's stress and how it follows its control points.
 struct StressTable {
   const Mesh& mesh;

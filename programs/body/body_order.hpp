@@ -55,6 +55,7 @@ public:
   /// The next value as a number, and as a length in --unit.
   double number(double low, double high);
   double length(double low, double high) { return order_.unit * number(low, high); }
+  [[nodiscard]] double unit() const { return order_.unit; } ///< m
   /// An option of the body, its material or its mesh, or a dimension of the shape; refuses what is
   /// none.
   void take();

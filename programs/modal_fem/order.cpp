@@ -104,8 +104,7 @@ Order read_order(const std::vector<std::string>& words) {
       order.tolerance_given = true;
     } else if (option == "--residual") {
       order.residual = true;
-    } else if (!order.shape.take(
-                   option, [&]() -> const std::string& { return reader.value(); }, order.unit)) {
+    } else if (!order.design.take(reader)) {
       reader.take();
     }
   }
@@ -137,14 +136,8 @@ Sound         --radiation body         outgoing waves of each mode (boundary ele
               --acoustic-triangles N (2000)  --air DENSITY,SPEED (1.184,346.1)
               --ratios R1,R2,...       also at these multiples of the frequencies, for a body
                                        whose E or rho will be changed
-Shape         --lattice NX NY NZ (3 3 3)  also how the frequencies follow a lattice of control points
-              --box X1,Y1,Z1,X2,Y2,Z2 (the body's)  what it spans
-              --degree DX DY DZ (3, or one less than the points)
-              --controls ID,ID,...  control points that may move (all that keep the body whole)
-              --directions xyz      in which they may
-              --range LENGTH (half a spacing)  bounds of each coordinate
-              --trust LENGTH (a tenth of the box)  moves for which the derivatives serve
-Output        -o NAME.modal.npz  --csv FILE  --vtu FILE  --sheet FILE.png
+)" + usage_of_lattice() +
+         R"(Output        -o NAME.modal.npz  --csv FILE  --vtu FILE  --sheet FILE.png
               --export-inp FILE  the same mesh and supports for CalculiX
               --export-petsc FILE  K and M in PETSc's binary form
               --import-modes VALUES VECTORS  take modes from a SLEPc run instead of solving

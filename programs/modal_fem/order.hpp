@@ -1,7 +1,6 @@
 #pragma once
 #include "fem/assembly/matrices.hpp"
-#include "programs/body/body_order.hpp"
-#include "programs/modal_fem/shape.hpp"
+#include "programs/body/design_space.hpp"
 
 #include <string>
 #include <vector>
@@ -31,7 +30,7 @@ struct Order : BodyOrder {
   bool residual = false; ///< also what the modes left out would yield
   bool radiation = false;
   std::size_t acoustic_triangles = 2000;
-  ShapeOrder shape;              ///< control points that the frequencies follow
+  DesignOrder design;            ///< control points that the frequencies follow
   std::vector<double> ratios{1}; ///< of frequency, at which radiation is tabulated
   double air_density = 1.184, sound_speed = 346.1; ///< air at 25 degrees
   std::string output, csv, vtu, sheet, inp, petsc, import_values, import_vectors;

@@ -71,7 +71,7 @@ void estimate_here(const Solved& body, ErrorEstimate& error, ProgressLine& progr
 /// The modes and their errors, with progress.
 void find_modes_of(Solved& body, const Order& order, ErrorEstimate& error, ProgressLine& progress,
                    Forecast& forecast) {
-  const std::size_t count = order.modes + (order.shape.wanted ? kModesBeyond : 0);
+  const std::size_t count = order.modes + (order.design.wanted ? kModesBeyond : 0);
   if (order.slepc) {
     body.modes = slepc_modes(body.mesh, body.materials, *body.matrices, count,
                              order.ranks > 0 ? order.ranks : 2, progress);
@@ -230,10 +230,10 @@ Solved solve(const Order& order, ProgressLine& progress) {
   if (only_exports)
     return body;
   body.solved = true;
-  if (order.shape.wanted) {
+  if (order.design.wanted) {
     const std::size_t count = std::min(order.modes, body.modes.frequency_hz.size());
     body.shape =
-        shape_derivatives(order.shape, body.mesh, body.materials, body.modes, count, progress);
+        shape_derivatives(order.design, body.mesh, body.materials, body.modes, count, progress);
     keep_first(body, count);
   }
   say_inaudible(body, progress);

@@ -3,6 +3,7 @@
 #include "fem/radiation/mode_radiation.hpp"
 #include "programs/body/progress.hpp"
 #include "programs/modal_fem/order.hpp"
+#include "programs/modal_fem/shape.hpp"
 
 #include <memory>
 

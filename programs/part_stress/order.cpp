@@ -41,19 +41,6 @@ const std::vector<ShapeEntry>& shapes_of_parts() {
   return shapes;
 }
 
-std::array<bool, 3> read_directions(const std::string& option, const std::string& word) {
-  std::array<bool, 3> directions{};
-  for (const char c : word) {
-    if (c < 'x' || c > 'z')
-      throw Refusal(option + ": " + printable(word, 20) +
-                    ", expected directions out of x, y and z");
-    directions[static_cast<std::size_t>(c - 'x')] = true;
-  }
-  if (word.empty())
-    throw Refusal(option + ": expected directions out of x, y and z");
-  return directions;
-}
-
 void expect_end(const std::string& option, const std::vector<std::string>& parts, std::size_t count,
                 const char* expected) {
   if (parts.size() != count)
@@ -113,19 +100,6 @@ LoadOrder read_load(const std::string& option, const std::string& words, double 
     load.value = read_vector(option, parts[0]);
   }
   return load;
-}
-
-std::array<int, 3> read_counts(BodyReader& reader, int low, int high) {
-  std::array<int, 3> counts{};
-  for (int& count : counts) {
-    const std::string& word = reader.value();
-    const auto value = to_integer(word);
-    if (!value || *value < low || *value > high)
-      throw Refusal(reader.option() + " " + printable(word, 20) +
-                    format(": expected three whole numbers from %d to %d", low, high));
-    count = *value;
-  }
-  return counts;
 }
 
 /// The problem that the lift arm is known for, where none is given: splined to its shaft, the lift
@@ -224,27 +198,6 @@ PartOrder read_order(const std::vector<std::string>& words) {
       order.loads.push_back(read_load(option, reader.value(), order.unit));
     } else if (option == "--gravity") {
       order.gravity = read_vector(option, reader.value());
-    } else if (option == "--box") {
-      const auto v = read_numbers(option, reader.value(), 6, order.unit);
-      order.box = Box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
-    } else if (option == "--lattice") {
-      order.points = read_counts(reader, 2, 32);
-    } else if (option == "--degree") {
-      order.degree = read_counts(reader, 1, 31);
-    } else if (option == "--controls") {
-      for (const std::string& cell : split(reader.value(), ',')) {
-        const auto id = to_integer(cell);
-        if (!id || *id < 0)
-          throw Refusal("--controls " + printable(cell, 20) +
-                        ": expected numbers of control points from 0 between commas");
-        order.controls.push_back(*id);
-      }
-    } else if (option == "--directions") {
-      order.directions = read_directions(option, reader.value());
-    } else if (option == "--range") {
-      order.range = reader.length(1e-9, 1e9);
-    } else if (option == "--trust") {
-      order.trust = reader.length(1e-9, 1e9);
     } else if (option == "--move") {
       Move move;
       const std::string& id = reader.value();
@@ -256,7 +209,7 @@ PartOrder read_order(const std::vector<std::string>& words) {
       for (int axis = 0; axis < 3; ++axis)
         move.displacement[axis] = reader.length(-1e9, 1e9);
       order.moves.push_back(move);
-    } else {
+    } else if (!order.design.take(reader)) {
       reader.take();
     }
   }
@@ -290,13 +243,8 @@ Loads         --force WHERE:FX,FY,FZ        a force spread evenly, N (--load is 
 )" + usage_of_regions() +
          usage_of_mesh() +
          R"(              --list-faces  prints the faces of a CAD file, their numbers and places
-Shape         --box X1,Y1,Z1,X2,Y2,Z2 (the body's)  --lattice NX NY NZ (3 3 3)
-              --degree DX DY DZ (3, or one less than the points)
-              --controls ID,ID,...  control points that may move (all that keep the body whole)
-              --directions xyz      in which they may
-              --range LENGTH (half a spacing)  bounds of each coordinate
-              --trust LENGTH (a tenth of the box)  moves for which the Taylor series serves
-              --move ID DX DY DZ    the picture after control point ID moved; may be repeated
+)" + usage_of_lattice() +
+         R"(              --move ID DX DY DZ    the picture after control point ID moved; may be repeated
 Work          --threads N (1)  --memory SIZE  refuse work that takes more, such as 800M or 4G
 Output        -o NAME.stress.npz  --sheet FILE.png  --vtu FILE
               --export-inp FILE  mesh, supports and nodal loads for CalculiX

@@ -1,10 +1,8 @@
 #pragma once
-#include "fem/design/lattice.hpp"
 #include "fem/shapes/lift_arm.hpp"
+#include "programs/body/design_space.hpp"
 #include "programs/body/output_files.hpp"
 #include "programs/part_stress/region.hpp"
-
-#include <optional>
 
 namespace tactus::fem {
 
@@ -37,13 +35,7 @@ struct PartOrder : BodyOrder {
   std::vector<LoadOrder> loads;
   Vector3 gravity; ///< m/s^2
 
-  std::optional<Box> box; ///< of the control lattice; none: the body's
-  std::array<int, 3> points{3, 3, 3};
-  std::array<int, 3> degree{0, 0, 0}; ///< 0: 3, or one less than the points where they are fewer
-  std::vector<int> controls;          ///< that may move; empty: all that keep the body in one piece
-  std::array<bool, 3> directions{true, true, true};
-  double range = 0; ///< m, of each coordinate both ways; 0: half the lattice's spacing
-  double trust = 0; ///< m; 0: a tenth of the lattice's shortest side
+  DesignOrder design; ///< control points
   std::vector<Move> moves;
 
   bool list_faces = false;

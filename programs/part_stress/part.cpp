@@ -14,11 +14,10 @@ constexpr double kUsualElements =
     2200; ///< asked of a file; curved faces take two to four times as many
 constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
 constexpr int kElementsPerTurn = 6;        ///< around curved faces; their sides are curved too
-constexpr double kTrustShare = .1;         ///< of the lattice's shortest side
 
 /// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
 double bytes_of(const MeshSize& size, const PartOrder& order) {
-  const double controls = order.points[0] * order.points[1] * order.points[2];
+  const double controls = order.design.points[0] * order.design.points[1] * order.design.points[2];
   const double parameters = order.output.empty() && order.moves.empty() ? 0 : 3 * controls;
   return foretell_factor(size).memory_bytes + size.node_pairs * (9 + 1 + 1) * 8 +
          size.dofs() * 8 * 20 + size.elements * (parameters * 8 + 200) + 5e7;
@@ -187,73 +186,6 @@ Load load_of(const LoadOrder& order, const Mesh& mesh) {
   }
 }
 
-/// Which layers of control points lie on a face of the box that the body passes through:
-/// [axis][low, high].
-std::array<std::array<bool, 2>, 3> faces_passed(const Mesh& mesh, const Box& box) {
-  const double near = 1e-6 * bounding_box(mesh.nodes).largest();
-  std::array<std::array<bool, 2>, 3> passed{};
-  const auto outside = [&](const Vector3& p, int k) {
-    return p[k] < box.low[k] - near ? -1 : p[k] > box.high[k] + near ? 1 : 0;
-  };
-  for (const Element& e : mesh.elements) {
-    // An element with a node inside joins what lies beyond a face to what moves.
-    bool inside = false;
-    for (const int n : mesh.nodes_of(e)) {
-      const Vector3& p = mesh.nodes[static_cast<std::size_t>(n)];
-      inside |= outside(p, 0) == 0 && outside(p, 1) == 0 && outside(p, 2) == 0;
-    }
-    if (!inside)
-      continue;
-    for (const int n : mesh.nodes_of(e))
-      for (int k = 0; k < 3; ++k)
-        if (const int side = outside(mesh.nodes[static_cast<std::size_t>(n)], k); side != 0)
-          passed[static_cast<std::size_t>(k)][side > 0] = true;
-  }
-  return passed;
-}
-
-std::vector<int> free_controls(const PartOrder& order, const Mesh& mesh, const DesignSpace& space) {
-  const Lattice& lattice = space.lattice;
-  std::vector<double> influence(static_cast<std::size_t>(lattice.control_count()), 0);
-  for (std::size_t i = 0; i < space.weights.control.size(); ++i) {
-    double& most = influence[static_cast<std::size_t>(space.weights.control[i])];
-    most = std::max(most, std::abs(space.weights.weight[i]));
-  }
-  constexpr double kMinInfluence = 1e-3; // of a node's motion in the control point's
-  const auto passed = faces_passed(mesh, lattice.box);
-  std::vector<int> found;
-  for (int k = 0; k < lattice.points[2]; ++k)
-    for (int j = 0; j < lattice.points[1]; ++j)
-      for (int i = 0; i < lattice.points[0]; ++i) {
-        const std::array<int, 3> at{i, j, k};
-        bool stays = influence[static_cast<std::size_t>(lattice.control(i, j, k))] < kMinInfluence;
-        for (std::size_t a = 0; a < 3; ++a)
-          stays |= (passed[a][0] && at[a] == 0) || (passed[a][1] && at[a] == lattice.points[a] - 1);
-        if (!stays)
-          found.push_back(lattice.control(i, j, k));
-      }
-  if (order.controls.empty())
-    return found;
-  for (const int id : order.controls)
-    if (std::find(found.begin(), found.end(), id) == found.end())
-      throw Refusal(format("--controls: control point %d ", id) +
-                    (id >= lattice.control_count()
-                         ? format("is not there, expected 0 to %d", lattice.control_count() - 1)
-                         : "cannot move: it moves no node, or lies on a face of the box that the "
-                           "body passes through"));
-  std::vector<int> chosen = order.controls;
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-  return chosen;
-}
-
-/// The largest displacement up to `wanted` (either sign) that one parameter may take alone.
-double valid_bound(const Mesh& mesh, const DesignVelocity& velocity, double wanted) {
-  std::vector<Vector3> target =
-      moved_nodes(mesh.nodes, std::span(&velocity, 1), std::span(&wanted, 1));
-  return wanted * valid_step(mesh, target).fraction;
-}
-
 } // namespace
 
 Mesh mesh_of(const PartOrder& order, ProgressLine& progress) {
@@ -296,41 +228,6 @@ StaticModel model_of(const PartOrder& order, const Mesh& mesh) {
   if (!(order.gravity == Vector3{}))
     model.loads.push_back(Gravity{order.gravity});
   return model;
-}
-
-DesignSpace design_space_of(const PartOrder& order, const Mesh& mesh) {
-  DesignSpace space;
-  space.lattice.box = order.box ? *order.box : bounding_box(mesh.nodes);
-  space.lattice.points = order.points;
-  for (std::size_t a = 0; a < 3; ++a)
-    space.lattice.degree[a] =
-        order.degree[a] > 0 ? order.degree[a] : std::min(3, order.points[a] - 1);
-  space.weights = embed(mesh, space.lattice);
-  space.controls = free_controls(order, mesh, space);
-  if (space.controls.empty())
-    throw Refusal("--box: no control point may move, as the body passes through the faces of the "
-                  "box on which they lie: expected more points (--lattice) or another box");
-  const Vector3 side = space.lattice.box.size();
-  space.trust = order.trust > 0 ? order.trust : kTrustShare * std::min({side.x, side.y, side.z});
-  std::vector<ShapeParameter> parameters;
-  for (const int control : space.controls)
-    for (int axis = 0; axis < 3; ++axis)
-      if (order.directions[static_cast<std::size_t>(axis)]) {
-        Vector3 direction;
-        direction[axis] = 1;
-        parameters.push_back(
-            {format("%d %c", control, 'x' + axis), std::vector<int>{control}, direction});
-        const double spacing = side[axis] / (order.points[static_cast<std::size_t>(axis)] - 1);
-        const double range = order.range > 0 ? order.range : spacing / 2;
-        space.parameters.push_back({control, axis, -range, range});
-      }
-  space.velocities = design_velocities(space.weights, parameters);
-  for (std::size_t p = 0; p < space.parameters.size(); ++p) {
-    ParameterRange& range = space.parameters[p];
-    range.low = valid_bound(mesh, space.velocities[p], range.low);
-    range.high = valid_bound(mesh, space.velocities[p], range.high);
-  }
-  return space;
 }
 
 std::vector<double> parameters_of(std::span<const Move> moves, const DesignSpace& space) {

@@ -139,7 +139,7 @@ int run(const std::vector<std::string>& words) {
     write_static_inp(order.inp, mesh, model);
   }
   progress.stage("embedding the control lattice", 0);
-  DesignSpace space = design_space_of(order, mesh);
+  DesignSpace space = design_space_of(order.design, mesh);
   const std::vector<double> wanted = parameters_of(order.moves, space);
   const bool derivatives = !order.output.empty() || !order.moves.empty();
   progress.stage("solving", 0);

@@ -1,7 +1,7 @@
 #include "programs/part_stress/serve.hpp"
 
-#include "core/table/npz.hpp"
 #include "core/table/json.hpp"
+#include "core/table/npz.hpp"
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/words.hpp"
@@ -172,7 +172,7 @@ int serve(const std::vector<std::string>& words) {
     throw Refusal("serve: expected one file, NAME.stress.npz");
   Source source = read_source(words[0]);
   const StaticModel model = model_of(source.order, source.mesh);
-  const DesignSpace space = design_space_of(source.order, source.mesh);
+  const DesignSpace space = design_space_of(source.order.design, source.mesh);
   const std::size_t parameters = space.parameters.size();
   Reanalysis part(source.mesh, model, space.velocities, {.tolerance = 1e-6});
   {

@@ -96,8 +96,8 @@ def test_a_pair_of_a_round_bar_splits_by_its_own_derivatives(tmp_path):
 
 
 @pytest.mark.parametrize("words, sentence", [
-    (["--lattice", "1", "2", "2"], "--lattice 1: expected a number from 2 to 32"),
-    (["--lattice", "2.5", "2", "2"], "--lattice 2.5: expected a whole number"),
+    (["--lattice", "1", "2", "2"], "--lattice 1: expected three whole numbers from 2 to 32"),
+    (["--lattice", "2.5", "2", "2"], "--lattice 2.5: expected three whole numbers from 2 to 32"),
     (["--box", "0,0,0,1,1"], "--box 0,0,0,1,1: expected X1,Y1,Z1,X2,Y2,Z2"),
     (["--box", "0,0,0,-1,1,1"], "expected each coordinate of the second corner above the first's"),
     (["--controls", "99"], "--controls: control point 99 is not there, expected 0 to 26"),
