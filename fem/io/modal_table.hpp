@@ -35,7 +35,7 @@ struct ModalTable {
   TableNotes notes;
   ModeRadiation radiation;     ///< may be empty
   std::vector<float> residual; ///< m/N at each vertex of the skin; may be empty
-  ShapeDerivatives shape;      ///< may be empty
+  ShapeDerivatives shape{};    ///< may be empty
 };
 
 /// NAME.modal.npz, SI, little-endian: meta (JSON), freq, phi [K,V,3] at the skin's vertices, xyz,
