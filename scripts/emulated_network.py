@@ -5,16 +5,19 @@
 
 Each computer is a network namespace with one interface, a TUN device whose packets a process of this
 module carries to the others: every packet waits delay_ms one way, plus an exponential jitter of mean
-jitter_ms (so that packets overtake each other), and is lost with the probability `loss`. What the
-kernels do about it, retransmissions and congestion control, is their own; netem is not needed.
+jitter_ms (so that packets overtake each other), and is lost with the probability `loss`. While it is
+`held` no packet goes on, and all that wait go at once when it ends; while it is `cut` they vanish, and
+nobody is told (half-open connections). set_line changes this at any time; set_link takes a computer's
+interface down, of which its kernel knows. What the kernels do about it, retransmissions and congestion
+control, is their own; netem is not needed.
 Needs root (or CAP_NET_ADMIN and CAP_SYS_ADMIN) and /dev/net/tun.
 """
 import argparse
 import ctypes
 import fcntl
 import heapq
+import json
 import os
-import pathlib
 import random
 import select
 import signal
@@ -27,10 +30,10 @@ import time
 CLONE_NEWNET = 0x40000000
 PR_SET_PDEATHSIG = 1
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
-FORWARD = pathlib.Path(__file__).with_name("tcp_forward.py")
 PREFIX = "10.78.0"
 MTU = 1500
 QUEUE_BYTES = 1 << 20  # of one line; what is more is dropped, as a router does
+LINE = {"delay_ms": 0.0, "jitter_ms": 0.0, "loss": 0.0, "held": False, "cut": False}
 
 
 class NoNamespaces(RuntimeError):
@@ -52,13 +55,13 @@ class EmulatedNetwork:
     """Open from its construction on. Namespaces are named after this process, so that several can
     run at once; raises NoNamespaces."""
 
-    def __init__(self, computers, delay_ms=0.0, jitter_ms=0.0, loss=0.0, seed=1, nice=0):
-        """nice: of every process of this network; a measurement beside other work takes -10."""
+    def __init__(self, computers, seed=1, nice=0, **line):
+        """line: see set_line. nice: of every process of this network; a measurement beside other work
+        takes -10."""
         self.computers = list(computers)
         self.nice = ["nice", "-n", str(nice)] if nice else []
-        self.line = {"delay_ms": delay_ms, "jitter_ms": jitter_ms, "loss": loss, "seed": seed}
-        self.router, self.processes = None, []
-        self._open()
+        self.router, self.processes, self.opened = None, [], []
+        self._open(seed, line)
 
     def namespace(self, computer):
         return f"tactus{os.getpid()}{self.computers.index(computer)}"
@@ -66,28 +69,43 @@ class EmulatedNetwork:
     def address(self, computer):
         return f"{PREFIX}.{self.computers.index(computer) + 1}"
 
-    def _open(self):
+    def _open(self, seed, line):
         try:
             for computer in self.computers:
                 name = self.namespace(computer)
                 ip("netns", "add", name)
+                self.opened.append(name)
                 ip("-n", name, "link", "set", "lo", "up")
             if self.computers[1:]:
-                self._join()
+                self._join(seed)
+                self.set_line(**line)
         except BaseException:
             self.close()
             raise
 
-    def _join(self):
+    def _join(self, seed):
         names = [self.namespace(computer) for computer in self.computers]
-        words = [f"--{key.replace('_', '-')}={value}" for key, value in self.line.items()]
-        self.router = subprocess.Popen([*self.nice, sys.executable, __file__, *words, *names],
-                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.router = subprocess.Popen([*self.nice, sys.executable, __file__, str(seed), *names], text=True,
+                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         if self.router.stdout.readline() != "ready\n":
             raise NoNamespaces(self.router.communicate()[1].strip().splitlines()[-1])
         for computer, name in zip(self.computers, names):
             ip("-n", name, "addr", "add", f"{self.address(computer)}/24", "dev", "line")
             ip("-n", name, "link", "set", "line", "mtu", str(MTU), "up")
+
+    def set_line(self, **line):
+        """delay_ms, jitter_ms: of the packets that come from now on; loss: their share that vanishes;
+        held, cut: of those that wait, too. What is not named stays. In force when this returns."""
+        if unknown := set(line) - set(LINE):
+            raise TypeError(f"a line has no {', '.join(sorted(unknown))}: expected {', '.join(LINE)}")
+        if self.router:
+            self.router.stdin.write(json.dumps(line) + "\n")
+            self.router.stdin.flush()
+            self.router.stdout.readline()
+
+    def set_link(self, computer, up):
+        """The interface of that computer, as if its cable were pulled out or put in."""
+        ip("-n", self.namespace(computer), "link", "set", "line", "up" if up else "down")
 
     def inside(self, computer):
         """What is put before a command that is to run on that computer."""
@@ -103,26 +121,15 @@ class EmulatedNetwork:
         """A socket of this process on that computer's network."""
         return inside_namespace(self.namespace(computer), lambda: socket.socket(socket.AF_INET, kind))
 
-    def tunnel(self, near, far, port):
-        """Port `port` of 127.0.0.1 on `near` becomes that of 127.0.0.1 on `far`, as
-        `ssh -L port:127.0.0.1:port far` on `near` does it."""
-        if near == far:
-            return
-        for computer, words in (
-                (far, [self.address(far), port, "127.0.0.1", port]),
-                (near, ["127.0.0.1", port, self.address(far), port])):
-            process = self.start(computer, [sys.executable, FORWARD, *words], stdout=subprocess.PIPE)
-            process.stdout.readline()
-
     def close(self):
         for process in self.processes:
             process.kill()
             process.wait()
         if self.router:
             self.router.send_signal(signal.SIGTERM)
-            self.router.wait()
-        for computer in self.computers:
-            subprocess.run(["ip", "netns", "del", self.namespace(computer)], capture_output=True)
+            self.router.communicate()
+        for name in self.opened:
+            subprocess.run(["ip", "netns", "del", name], capture_output=True)
 
     def __enter__(self):
         return self
@@ -153,32 +160,43 @@ def open_tun():
     return tun
 
 
-def route(tuns, delay_ms, jitter_ms, loss, seed):
-    """Carries packets until SIGTERM. The last byte of an IPv4 destination chooses the line."""
-    chance = random.Random(seed)
+def route(tuns, seed, orders):
+    """Carries packets until SIGTERM. The last byte of an IPv4 destination chooses the line. Each line of
+    orders, a descriptor, is JSON that changes LINE, and is answered on the standard output."""
+    chance, line = random.Random(seed), dict(LINE)
     waiting, number = [], 0
     queued = [0] * len(tuns)
     while True:
-        pause = max(0.0, waiting[0][0] - time.monotonic()) if waiting else None
-        readable, _, _ = select.select(tuns, [], [], pause)
+        due_s = waiting[0][0] if waiting and not line["held"] else None
+        pause = None if due_s is None else max(0.0, due_s - time.monotonic())
+        readable, _, _ = select.select([orders, *tuns], [], [], pause)
         now = time.monotonic()
         for tun in readable:
+            if tun is orders:
+                if not (text := orders.readline()):
+                    return
+                line.update(json.loads(text))
+                print("set", flush=True)
+                continue
             while True:
                 try:
                     packet = os.read(tun, 65536)
                 except BlockingIOError:
                     break
                 to = packet[19] - 1 if len(packet) >= 20 and packet[0] >> 4 == 4 else -1
-                if not 0 <= to < len(tuns) or chance.random() < loss or \
+                if not 0 <= to < len(tuns) or line["cut"] or chance.random() < line["loss"] or \
                         queued[to] + len(packet) > QUEUE_BYTES:
                     continue
-                wait = delay_ms + (chance.expovariate(1 / jitter_ms) if jitter_ms else 0.0)
+                jitter_ms = line["jitter_ms"]
+                wait_ms = line["delay_ms"] + (chance.expovariate(1 / jitter_ms) if jitter_ms else 0.0)
                 number += 1
                 queued[to] += len(packet)
-                heapq.heappush(waiting, (now + wait / 1e3, number, to, packet))
-        while waiting and waiting[0][0] <= now:
+                heapq.heappush(waiting, (now + wait_ms / 1e3, number, to, packet))
+        while waiting and (line["cut"] or waiting[0][0] <= now and not line["held"]):
             _, _, to, packet = heapq.heappop(waiting)
             queued[to] -= len(packet)
+            if line["cut"]:
+                continue
             try:
                 os.write(tuns[to], packet)
             except OSError:  # an interface that is down loses what it is given
@@ -187,10 +205,7 @@ def route(tuns, delay_ms, jitter_ms, loss, seed):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--delay-ms", type=float, default=0)
-    parser.add_argument("--jitter-ms", type=float, default=0)
-    parser.add_argument("--loss", type=float, default=0)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("seed", type=int)
     parser.add_argument("namespaces", nargs="+")
     words = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
@@ -201,7 +216,7 @@ def main():
     except OSError as refused:
         sys.exit(f"/dev/net/tun: {refused.strerror}; lines between namespaces need root and TUN devices")
     print("ready", flush=True)
-    route(tuns, words.delay_ms, words.jitter_ms, words.loss, words.seed)
+    route(tuns, words.seed, sys.stdin)
 
 
 if __name__ == "__main__":

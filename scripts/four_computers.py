@@ -4,10 +4,11 @@
     scripts/four_computers.py [--delay 5] [--loss 0] [--seconds 8] [--out out/four_computers]
 
 Each computer is a network namespace with a Pd of its own, which opens its patch of
-patches/audiohaptics/four_computers; ioa_net joins them over lines with that delay, ms each way, and
-loss. A simulated hand taps the disk. Prints what each computer saw, and how long a hit took to the
-sound and to the screen; writes each one's messages (NAME.txt), what Pd said (NAME.log) and the sound
-(sound.wav). Needs root, for namespaces. How it is done on four real ones: docs/four_computers.md.
+patches/audiohaptics/four_computers; ioa_net joins them by their addresses, with a token, over lines
+with that delay, ms each way, and loss. A simulated hand taps the disk. Prints what each computer saw,
+and how long a hit took to the sound and to the screen; writes each one's messages (NAME.txt), what Pd
+said (NAME.log) and the sound (sound.wav). Needs root, for namespaces. How it is done on four real
+ones: docs/four_computers.md.
 """
 import argparse
 import collections

@@ -11,6 +11,7 @@
 import os
 import pathlib
 import re
+import secrets
 import socket
 import struct
 import subprocess
@@ -171,28 +172,34 @@ class Session:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def join(self, caller, listener, port, calling, listening):
-        """The bus's ioa_net of two Pds over 127.0.0.1, through a tunnel where they are two computers.
-        calling, listening: receivers that lead to them. Both sides tell `RECEIVER-connected`
-        (LivePatch.net)."""
-        self.send(listener, listening, f"listen {port}")
-        self.network.tunnel(self.computers[caller], self.computers[listener], port)
-        words = f"{calling}-connected", f"{listening}-connected"
-        end = time.monotonic() + 60
-        while time.monotonic() < end:
-            self.send(caller, calling, f"connect {port}")
-            pause = time.monotonic() + 1
-            while time.monotonic() < pause:
-                if self.of(caller, words[0]) and self.of(listener, words[1]):
-                    return
-                time.sleep(0.02)
-            self.send(caller, calling, "disconnect")  # [netsend] says that it is connected too early
-        raise RuntimeError(f"{caller} did not reach {listener}, and said:\n{self.said(caller)[-2000:]}")
+        """The bus's ioa_net of two Pds, with a token where they are two computers. calling, listening:
+        receivers that lead to them. Until both sides tell `RECEIVER-connected` (LivePatch.net)."""
+        here, there = self.computers[caller], self.computers[listener]
+        if here == there:
+            listen, connect = f"listen {port}", f"connect {port}"
+        else:
+            address = self.network.address(there)
+            listen, connect = f"listen {port} {address}", f"connect {address} {port}"
+            for name, receiver in ((caller, calling), (listener, listening)):
+                self.send(name, receiver, f"token {self._token_file()}")
+        self.send(listener, listening, listen)
+        self.send(caller, calling, connect)
+        self.wait(caller, f"{calling}-connected")
+        self.wait(listener, f"{listening}-connected")
+
+    def _token_file(self):
+        """Of all computers of this session."""
+        file = self.folder.resolve() / "token"
+        if not file.exists():
+            file.touch(mode=0o600)
+            file.write_text(f"{secrets.token_hex(16)}\n")
+        return file
 
     def tcp_traffic(self, computer, port):
-        """(bytes, segments) that the TCP connection to that port of 127.0.0.1 has carried, both ways,
-        as the kernel counts them at its client; nothing of headers."""
+        """(bytes, segments) that the TCP connection from that computer to that port has carried, both
+        ways, as the kernel counts them at its client; nothing of headers."""
         text = subprocess.run([*self.network.inside(computer), "ss", "-tinH", "state", "established",
-                               "dst", f"127.0.0.1:{port}"], capture_output=True, text=True, check=True).stdout
+                               "dport", f"= :{port}"], capture_output=True, text=True, check=True).stdout
         found = {name: int(value) for name, value in
                  re.findall(r"(bytes_sent|bytes_received|segs_out|segs_in):(\d+)", text)}
         return (found.get("bytes_sent", 0) + found.get("bytes_received", 0),

@@ -1,7 +1,7 @@
 #include "externals/haptic_server/haptic_server.hpp"
 
 #include "core/haptic/force_timeout.hpp"
-#include "net/token_file.hpp"
+#include "net/host_messages.hpp"
 
 #include <cmath>
 
@@ -9,6 +9,7 @@ namespace tactus::haptic_server {
 namespace {
 
 using haptic::Vec3;
+using net::text_of;
 
 constexpr double kShortest_s = 5e-4;
 constexpr double kPeriod_ms = 1, kM_per_mm = 1e-3, kFarthest_mm = 1e5;
@@ -22,14 +23,6 @@ template <std::size_t N> bool numbers(std::span<const Atom> atoms, std::array<do
     values[i] = atoms[i].number;
   }
   return true;
-}
-
-std::string text_of(const Atom& atom) {
-  if (atom.is_word)
-    return std::string(atom.word);
-  std::string text = std::to_string(atom.number);
-  text.erase(text.find_last_not_of('0') + 1);
-  return text;
 }
 
 } // namespace
@@ -155,13 +148,10 @@ void HapticServerObject::message(std::size_t index, std::span<const Atom> argume
   if (name == "listen") {
     listen_ = text_of(arguments[0]) == "loopback" ? std::string() : text_of(arguments[0]);
   } else if (name == "token") {
-    const std::string path = host.find_file(text_of(arguments[0]));
-    net::TokenFile file = net::read_token_file(path.empty() ? text_of(arguments[0]) : path);
-    if (!file.error.empty())
-      return host.error("token: " + file.error);
-    if (file.open_to_others)
-      host.log("token: other users of this machine can read the file: chmod 600 it");
-    token_ = std::move(file.token);
+    std::optional<std::string> token = net::read_token(arguments[0], host);
+    if (!token)
+      return;
+    token_ = *std::move(token);
   } else if (name == "workspace") {
     std::array<double, 6> mm{};
     const bool given = numbers(arguments, mm);

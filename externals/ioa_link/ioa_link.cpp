@@ -1,7 +1,7 @@
 #include "externals/ioa_link/ioa_link.hpp"
 
 #include "net/bus_topic.hpp"
-#include "net/token_file.hpp"
+#include "net/host_messages.hpp"
 
 #include <cmath>
 
@@ -9,18 +9,9 @@ namespace tactus::ioa_link {
 namespace {
 
 using net::BusExchange;
+using net::text_of;
 
 constexpr double kPerSecond = 1e3, kTell_ms = 500;
-
-std::string text_of(const Atom& atom) {
-  if (atom.is_word)
-    return std::string(atom.word);
-  std::string text = std::to_string(atom.number);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.')
-    text.pop_back();
-  return text;
-}
 
 /// A whole number from `least` to 65535; below 0 when the atom is none.
 int port_of(const Atom& atom, int least) noexcept {
@@ -109,13 +100,8 @@ void IoaLink::set_playout(const Atom& delay, Host& host) {
 }
 
 void IoaLink::set_token(const Atom& file, Host& host) {
-  const std::string path = host.find_file(text_of(file));
-  net::TokenFile read = net::read_token_file(path.empty() ? text_of(file) : path);
-  if (!read.error.empty())
-    return host.error("token: " + read.error);
-  if (read.open_to_others)
-    host.log("token: other users of this machine can read the file: chmod 600 it");
-  link_.set_token(std::move(read.token));
+  if (std::optional<std::string> token = net::read_token(file, host))
+    link_.set_token(*std::move(token));
 }
 
 void IoaLink::tick(std::size_t, Host& host) {

@@ -1,6 +1,7 @@
 """[ioa_link] over bad lines and beside bad peers: no event is lost while connected, and both sides
-recover by themselves. Lines are IP packets between two network namespaces (tunnel.py)."""
+recover by themselves. Lines are IP packets between two network namespaces (scripts/emulated_network.py)."""
 import os
+import pathlib
 import re
 import signal
 import socket
@@ -11,9 +12,11 @@ import time
 
 import pytest
 
-from pd_process import Pd, patch
-from peer import Peer, osc, slip
-from tunnel import ADDRESSES, Refused, Tunnel
+ROOT = pathlib.Path(__file__).parents[2]
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "tests/devices/live")]
+from emulated_network import EmulatedNetwork, NoNamespaces  # noqa: E402
+from pd_process import Pd, patch  # noqa: E402
+from peer import Peer, osc, slip  # noqa: E402
 
 PORT = 7795
 
@@ -79,31 +82,31 @@ def running():
 def line(tmp_path, running):
     """A Pd that listens in one namespace and one that calls in the other."""
     try:
-        tunnel = Tunnel()
-    except Refused as refused:
-        pytest.skip(f"no network namespaces with TUN devices here: {refused}")
+        network = EmulatedNetwork(["listener", "caller"])
+    except NoNamespaces as missing:
+        pytest.skip(f"no network namespaces here: {missing}")
     token = tmp_path / "token"
     token.write_text("sixteen bytes ok\n")
     token.chmod(0o600)
-    listener = running(tmp_path, *link(f"listen {PORT} {ADDRESSES[0]}", token), name="listener",
-                       before=tunnel.inside(0))
-    caller = running(tmp_path, *link(f"connect {ADDRESSES[0]} {PORT}", token), name="caller",
-                     before=tunnel.inside(1))
-    yield tunnel, listener, caller
-    for one in (listener, caller):
-        one.close()
-    tunnel.close()
+    address = network.address("listener")
+    with network:
+        listener = running(tmp_path, *link(f"listen {PORT} {address}", token), name="listener",
+                           before=network.inside("listener"))
+        caller = running(tmp_path, *link(f"connect {address} {PORT}", token), name="caller",
+                         before=network.inside("caller"))
+        yield network, listener, caller
+        for one in (listener, caller):
+            one.close()
 
 
 def errors(pd):
     return [text for text in re.findall(r"^(?:error|verbose\(\d\)): (ioa_link: .*)$", pd.read(), re.M)]
 
 
-@pytest.mark.parametrize("delay_s,jitter_s,loss", [(0.001, 0.0, 0.01), (0.02, 0.02, 0.05),
-                                                   (0.1, 0.03, 0.2)])
-def test_no_event_is_lost_on_a_line_that_delays_loses_and_reorders(line, delay_s, jitter_s, loss):
-    tunnel, listener, caller = line
-    tunnel.delay_s, tunnel.jitter_s, tunnel.loss = delay_s, jitter_s, loss
+@pytest.mark.parametrize("delay_ms,jitter_ms,loss", [(1, 0, 0.01), (20, 10, 0.05), (100, 15, 0.2)])
+def test_no_event_is_lost_on_a_line_that_delays_loses_and_reorders(line, delay_ms, jitter_ms, loss):
+    network, listener, caller = line
+    network.set_line(delay_ms=delay_ms, jitter_ms=jitter_ms, loss=loss)
     flowing(listener, caller)
     time.sleep(3)
     flowing(listener, caller)
@@ -113,19 +116,25 @@ def test_no_event_is_lost_on_a_line_that_delays_loses_and_reorders(line, delay_s
         assert gaps(one) <= lost
 
 
-def test_a_line_that_hesitates_loses_nothing_and_one_that_is_cut_is_taken_up_again(line):
-    tunnel, listener, caller = line
+@pytest.mark.parametrize("hesitation", ["held", "cut"])
+def test_a_line_that_hesitates_loses_nothing(line, hesitation):
+    network, listener, caller = line
     flowing(listener, caller)
-    tunnel.cut = True
+    network.set_line(**{hesitation: True})
     time.sleep(1.2)
-    tunnel.cut = False
+    network.set_line(**{hesitation: False})
     flowing(listener, caller)
     assert not gaps(listener) and not gaps(caller) and not ends(listener) and not ends(caller)
     assert "status late" in listener.text and "status back" in listener.text
     assert re.search(r"^info: late \d+$", listener.text, re.M)
-    tunnel.cut = True  # half open: neither is told
+
+
+def test_a_line_that_is_cut_is_taken_up_again(line):
+    network, listener, caller = line
+    flowing(listener, caller)
+    network.set_line(cut=True)  # half open: neither is told
     wait_until(lambda: ends(listener) and ends(caller), 30)
-    tunnel.cut = False
+    network.set_line(cut=False)
     flowing(listener, caller)
     assert gaps(listener) <= ends(caller) + ends(listener)
     for one in (listener, caller):
@@ -133,11 +142,11 @@ def test_a_line_that_hesitates_loses_nothing_and_one_that_is_cut_is_taken_up_aga
 
 
 def test_a_link_that_is_down_between_two_computers_comes_back(line):
-    tunnel, listener, caller = line
+    network, listener, caller = line
     flowing(listener, caller)
-    tunnel.ip("-n", tunnel.names[1], "link", "set", tunnel.devices[1], "down")
+    network.set_link("caller", up=False)
     time.sleep(1.5)
-    tunnel.ip("-n", tunnel.names[1], "link", "set", tunnel.devices[1], "up")
+    network.set_link("caller", up=True)
     flowing(listener, caller)
     assert gaps(listener) <= max(ends(listener), ends(caller))
 

@@ -9,7 +9,8 @@ import time
 
 import pytest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "patches"))
+TESTS = pathlib.Path(__file__).parents[1]
+sys.path[:0] = [str(TESTS / "patches"), str(TESTS / "devices" / "live")]
 from ioa_system import BODIES_APART, wandering  # noqa: E402
 from pd_process import Pd, patch  # noqa: E402
 from relay import Relay  # noqa: E402

@@ -1,13 +1,16 @@
 """Unmodified Pd: [haptic_server] in a patch, and Pd's own objects as clients of the program."""
 import os
+import pathlib
 import re
 import signal
+import sys
 import time
 
 import pytest
 
-from pd_process import Pd
-from peer import Peer, Program, last_force, near
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "devices" / "live"))
+from pd_process import Pd  # noqa: E402
+from peer import Peer, Program, last_force, near  # noqa: E402
 
 SILENCE_S, STALL_S = 0.5, 0.25
 

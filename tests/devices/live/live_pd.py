@@ -1,25 +1,22 @@
 """Unmodified Pd in real time, with [phantom] on doubles of devices that it takes for real."""
-
 import os
 import pathlib
 import re
 import shlex
-import signal
 import socket
 import subprocess
 import time
 
 import pytest
 
-PD = [os.environ.get("TACTUS_PD", "pd"), "-nogui", "-oss", "-noaudio", "-nomidi", "-noprefs",
-      "-stderr", "-path", os.environ["TACTUS_STAGE"]]
+from pd_process import PD, Pd, write_patch
 
 
 class Patch:
     """One [phantom] with a print on each outlet and messages at given times."""
 
     def __init__(self, arguments):
-        self.lines = ["#N canvas 0 0 800 600 12;"]
+        self.lines = []
         self.cords = []
         self.receivers = []
         self.box = self.obj(f"phantom {arguments}")
@@ -29,7 +26,7 @@ class Patch:
 
     def obj(self, text, kind="obj"):
         self.lines.append(f"#X {kind} 10 10 {text};")
-        return len(self.lines) - 2
+        return len(self.lines) - 1
 
     def cord(self, source, outlet, sink, inlet):
         self.cords.append(f"#X connect {source} {outlet} {sink} {inlet};")
@@ -67,9 +64,7 @@ class Patch:
         self.receivers += names
 
     def save(self, folder):
-        file = folder / "patch.pd"
-        file.write_text("\n".join(self.lines + self.cords) + "\n")
-        return file
+        return write_patch(folder, self.lines + self.cords)
 
 
 def free_port():
@@ -78,40 +73,14 @@ def free_port():
         return door.getsockname()[1]
 
 
-class Live:
-    """Pd running in a double's world; reads what the patch prints as it comes."""
+class Live(Pd):
+    """Pd running in a double's world."""
 
     def __init__(self, folder, patch, wrapper=(), environment=None):
-        self.report, self.text, self.bytes = folder / "double.txt", "", b""
-        self.port = free_port()
+        self.report, self.port = folder / "double.txt", free_port()
         patch.listen(self.port)
-        self.process = subprocess.Popen([*wrapper, *PD, "-open", str(patch.save(folder))],
-                                        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.PIPE, start_new_session=True,
-                                        env=dict(os.environ, **(environment or {})))
-        os.set_blocking(self.process.stderr.fileno(), False)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        if self.process.poll() is None:
-            os.killpg(self.process.pid, signal.SIGKILL)  # the double and the Pd that it started
-        self.process.wait()
-
-    def read(self):
-        self.bytes += self.process.stderr.read() or b""
-        whole, line_end, self.bytes = self.bytes.rpartition(b"\n")
-        self.text += (whole + line_end).decode()
-        return self.text
-
-    def wait_for(self, pattern, count=1, seconds=200):
-        """Until the pattern has been printed so often."""
-        end = time.monotonic() + seconds
-        while len(re.findall(pattern, self.read(), re.M)) < count:
-            assert time.monotonic() < end, f"no {pattern!r} in:\n{self.text[-3000:]}"
-            assert self.process.poll() is None, f"Pd ended:\n{self.text[-3000:]}"
-            time.sleep(0.02)
+        super().__init__(folder, *patch.lines, *patch.cords, before=wrapper, environment=environment,
+                         stdin=subprocess.PIPE)
 
     def wait_for_patch(self):
         """Until Pd hears what is said to it."""
@@ -120,12 +89,6 @@ class Live:
             return "info: slew" in self.read()
 
         self.wait_until(heard)
-
-    def wait_until(self, true, seconds=200):
-        end = time.monotonic() + seconds
-        while not true():
-            assert time.monotonic() < end, f"in vain; Pd said:\n{self.read()[-3000:]}"
-            time.sleep(0.05)
 
     def tell_double(self, line):
         self.process.stdin.write(f"{line}\n".encode())

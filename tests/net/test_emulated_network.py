@@ -1,0 +1,111 @@
+"""scripts/emulated_network.py does to packets what it says: UDP packets with numbers, between two computers."""
+import pathlib
+import struct
+import sys
+import time
+
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "scripts"))
+from emulated_network import EmulatedNetwork, NoNamespaces  # noqa: E402
+
+COUNT = 400
+
+
+@pytest.fixture
+def network():
+    try:
+        opened = EmulatedNetwork(["here", "there"], seed=3)
+    except NoNamespaces as missing:
+        pytest.skip(f"no network namespaces here: {missing}")
+    with opened:
+        yield opened
+
+
+@pytest.fixture
+def ends(network):
+    """A socket on each computer; `here` sends to `there`."""
+    there = network.socket("there")
+    there.bind((network.address("there"), 0))
+    here = network.socket("here")
+    here.connect(there.getsockname())
+    with here, there:
+        yield here, there
+
+
+def send(here, count=COUNT, first=0):
+    """Numbered packets, 2000 a second at most."""
+    for number in range(first, first + count):
+        here.send(struct.pack("!Id", number, time.monotonic()))
+        time.sleep(0.0005)
+
+
+def take(there, seconds=1.0):
+    """[(number, s on the way)] of what comes until nothing has come for so long."""
+    found = []
+    there.settimeout(seconds)
+    try:
+        while True:
+            number, sent_s = struct.unpack("!Id", there.recv(64))
+            found.append((number, time.monotonic() - sent_s))
+    except TimeoutError:
+        return found
+
+
+def test_a_line_keeps_all_packets_in_order_and_no_less_than_its_delay(network, ends):
+    here, there = ends
+    network.set_line(delay_ms=30)
+    send(here, 40)
+    found = take(there)
+    assert [number for number, _ in found] == list(range(40))
+    assert min(way_s for _, way_s in found) >= 0.03
+
+
+def test_loss_is_a_share_of_the_packets_and_jitter_makes_them_overtake(network, ends):
+    here, there = ends
+    network.set_line(loss=0.25, jitter_ms=5)
+    send(here)
+    numbers = [number for number, _ in take(there)]
+    deviation = (0.25 * 0.75 / COUNT) ** 0.5
+    assert abs(1 - len(numbers) / COUNT - 0.25) < 5 * deviation
+    assert numbers != sorted(numbers) and len(set(numbers)) == len(numbers)
+
+
+def test_a_line_that_is_held_lets_all_go_afterwards_and_one_that_is_cut_nothing(network, ends):
+    here, there = ends
+    network.set_line(held=True)
+    send(here, 40)
+    assert not take(there, 0.3)
+    network.set_line(held=False)
+    assert [number for number, _ in take(there)] == list(range(40))
+    network.set_line(held=True)
+    send(here, 20)
+    network.set_line(held=False, cut=True)  # what waited vanishes, too
+    send(here, 20)
+    network.set_line(cut=False)
+    assert not take(there, 0.3)
+    send(here, 20, first=100)
+    assert [number for number, _ in take(there)] == list(range(100, 120))
+
+
+def test_a_link_that_is_down_is_known_to_its_computer(network, ends):
+    here, there = ends
+    network.set_link("here", up=False)
+    with pytest.raises(OSError):
+        here.send(b"")
+    network.set_link("here", up=True)
+    send(here, 20)
+    assert [number for number, _ in take(there)] == list(range(20))
+
+
+def test_a_setting_that_a_line_has_not_is_refused(network):
+    with pytest.raises(TypeError, match="delay_s"):
+        network.set_line(delay_s=0.1)
+
+
+def test_a_network_that_cannot_be_opened_leaves_another_as_it_is(network, ends):
+    here, there = ends
+    with pytest.raises(NoNamespaces):  # the names of this process are taken
+        EmulatedNetwork(["here", "there"])
+    send(here, 20)
+    assert len(take(there)) == 20
