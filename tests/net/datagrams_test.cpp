@@ -247,7 +247,7 @@ TEST_CASE("without datagrams at the server, or without a wish, all stays with TC
   CHECK(deaf.client.udp_refused());
   CHECK(deaf.client.ready());
   CHECK(deaf.datagrams == 0);
-  CHECK(deaf.rig.server.datagrams(*deaf.id).key() == 0);
+  CHECK(deaf.rig.server.datagrams(*deaf.id)->key() == 0);
   CHECK(deaf.client.trouble().empty());
   Line plain(false);
   plain.run(0.3);
@@ -263,7 +263,7 @@ TEST_CASE("a server that knows no datagrams is no trouble, and an ended connecti
   CHECK(line.client.udp_refused());
   CHECK(line.client.trouble().empty());
   line.run(0.1);
-  const std::int32_t key = line.rig.server.datagrams(*line.id).key();
+  const std::int32_t key = line.rig.server.datagrams(*line.id)->key();
   CHECK(line.client.datagrams().port() == 7770);
   line.client.disconnect();
   CHECK(line.client.datagrams().port() == 0);
