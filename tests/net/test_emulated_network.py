@@ -30,6 +30,7 @@ def ends(network):
     """A socket on each computer; `here` sends to `there`."""
     there = network.socket("there")
     there.bind((network.address("there"), 0))
+    there.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 23)  # what comes is taken after all was sent
     here = network.socket("here")
     here.connect(there.getsockname())
     with here, there:
@@ -94,7 +95,6 @@ def test_a_line_that_is_held_lets_all_go_afterwards_and_one_that_is_cut_nothing(
 
 def test_a_line_keeps_no_more_than_its_queue(network, ends):
     here, there = ends
-    there.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 23)
     network.set_line(held=True)
     for first in (0, 1000):  # what has gone makes room
         send(here, 1000, first, size=1400)
