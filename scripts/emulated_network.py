@@ -184,7 +184,7 @@ def route(tuns, seed, orders):
                 except BlockingIOError:
                     break
                 to = packet[19] - 1 if len(packet) >= 20 and packet[0] >> 4 == 4 else -1
-                if not 0 <= to < len(tuns) or line["cut"] or chance.random() < line["loss"] or \
+                if not 0 <= to < len(tuns) or chance.random() < line["loss"] or \
                         queued[to] + len(packet) > QUEUE_BYTES:
                     continue
                 jitter_ms = line["jitter_ms"]

@@ -1,5 +1,6 @@
 """scripts/emulated_network.py does to packets what it says: UDP packets with numbers, between two computers."""
 import pathlib
+import socket
 import struct
 import sys
 import time
@@ -7,9 +8,11 @@ import time
 import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "scripts"))
-from emulated_network import EmulatedNetwork, NoNamespaces  # noqa: E402
+from emulated_network import QUEUE_BYTES, EmulatedNetwork, NoNamespaces  # noqa: E402
 
 COUNT = 400
+HEADERS = 28  # bytes of IPv4 and UDP
+SO_RCVBUFFORCE = 33
 
 
 @pytest.fixture
@@ -27,17 +30,18 @@ def ends(network):
     """A socket on each computer; `here` sends to `there`."""
     there = network.socket("there")
     there.bind((network.address("there"), 0))
+    there.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 23)  # what comes is taken after all was sent
     here = network.socket("here")
     here.connect(there.getsockname())
     with here, there:
         yield here, there
 
 
-def send(here, count=COUNT, first=0):
-    """Numbered packets, 2000 a second at most."""
+def send(here, count=COUNT, first=0, apart_s=0.0005, size=0):
+    """Numbered packets of at least that size."""
     for number in range(first, first + count):
-        here.send(struct.pack("!Id", number, time.monotonic()))
-        time.sleep(0.0005)
+        here.send(struct.pack("!Id", number, time.monotonic()).ljust(size))
+        time.sleep(apart_s)
 
 
 def take(there, seconds=1.0):
@@ -46,7 +50,7 @@ def take(there, seconds=1.0):
     there.settimeout(seconds)
     try:
         while True:
-            number, sent_s = struct.unpack("!Id", there.recv(64))
+            number, sent_s = struct.unpack("!Id", there.recv(2048)[:12])
             found.append((number, time.monotonic() - sent_s))
     except TimeoutError:
         return found
@@ -55,7 +59,7 @@ def take(there, seconds=1.0):
 def test_a_line_keeps_all_packets_in_order_and_no_less_than_its_delay(network, ends):
     here, there = ends
     network.set_line(delay_ms=30)
-    send(here, 40)
+    send(here, 40, apart_s=0)
     found = take(there)
     assert [number for number, _ in found] == list(range(40))
     assert min(way_s for _, way_s in found) >= 0.03
@@ -78,14 +82,26 @@ def test_a_line_that_is_held_lets_all_go_afterwards_and_one_that_is_cut_nothing(
     assert not take(there, 0.3)
     network.set_line(held=False)
     assert [number for number, _ in take(there)] == list(range(40))
-    network.set_line(held=True)
+    network.set_line(delay_ms=400)
     send(here, 20)
-    network.set_line(held=False, cut=True)  # what waited vanishes, too
+    network.set_line(cut=True)  # what waited vanishes, too
     send(here, 20)
     network.set_line(cut=False)
-    assert not take(there, 0.3)
+    assert not take(there, 0.8)
+    network.set_line(delay_ms=0)
     send(here, 20, first=100)
     assert [number for number, _ in take(there)] == list(range(100, 120))
+
+
+def test_a_line_keeps_no_more_than_its_queue(network, ends):
+    here, there = ends
+    network.set_line(held=True)
+    for first in (0, 1000):  # what has gone makes room
+        send(here, 1000, first, size=1400)
+        network.set_line(held=False)
+        numbers = [number for number, _ in take(there)]
+        assert numbers == list(range(first, first + QUEUE_BYTES // (1400 + HEADERS)))
+        network.set_line(held=True)
 
 
 def test_a_link_that_is_down_is_known_to_its_computer(network, ends):
@@ -107,5 +123,6 @@ def test_a_network_that_cannot_be_opened_leaves_another_as_it_is(network, ends):
     here, there = ends
     with pytest.raises(NoNamespaces):  # the names of this process are taken
         EmulatedNetwork(["here", "there"])
-    send(here, 20)
+    with network.socket("there"):
+        send(here, 20)
     assert len(take(there)) == 20
