@@ -61,7 +61,7 @@ class Pd:
             assert time.monotonic() < end, f"no {pattern!r} in:\n{self.text[-3000:]}"
             assert self.process.poll() is None, f"Pd ended:\n{self.text[-3000:]}"
             time.sleep(0.02)
-        return found[-1]
+        return found[-1] if found else None
 
     def wait_until(self, true, seconds=200):
         end = time.monotonic() + seconds
