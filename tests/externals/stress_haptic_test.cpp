@@ -122,10 +122,9 @@ struct Rig {
 
   explicit Rig(bool real_time = false, bool solves = false)
       : host(folder, real_time),
-        object(solves ? StressWorker::SolverFactory(
-                            [log = solver](const StressTable&, const std::string&) {
-                              return std::make_unique<BeamSolver>(log);
-                            })
+        object(solves ? StressWorker::SolverFactory([log = solver](const SolverOrder&) {
+          return std::make_unique<BeamSolver>(log);
+        })
                       : StressWorker::SolverFactory()) {
     object.created(host);
   }
