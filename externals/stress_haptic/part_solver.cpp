@@ -119,7 +119,7 @@ void PartSolver::launch() {
 
 bool PartSolver::prepare() {
   if (order_.wait)
-    return true; // start() loads the part when it is needed
+    return state_ != State::kLost; // start() loads the part when it is needed
   if (state_ == State::kNone)
     launch();
   advance();

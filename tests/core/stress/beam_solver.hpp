@@ -18,10 +18,13 @@ public:
     std::string start_refusal, result_refusal;
     bool damaged = false;
     bool old_sensitivities = false; ///< unless new ones are asked for
+    bool lost = false, loaded = true;
+    double reached = 1; ///< of the way that is asked for
     Costs costs{1e-3, 1e-3, 0.1};
     unsigned iterations = 9;
   };
   explicit BeamSolver(std::shared_ptr<Log> log) : log_(std::move(log)) {}
+  [[nodiscard]] bool prepare() override { return log_->loaded; }
   [[nodiscard]] Costs costs() const noexcept override { return log_->costs; }
   [[nodiscard]] std::string start(std::span<const double> displacement_m, stress::Method method,
                                   bool sensitivities) override {
@@ -29,7 +32,7 @@ public:
       return log_->start_refusal;
     log_->started.push_back(method);
     new_sensitivities_ = sensitivities;
-    at_ = {displacement_m[0], displacement_m[1]};
+    at_ = {log_->reached * displacement_m[0], log_->reached * displacement_m[1]};
     left_ = log_->polls_needed;
     return {};
   }
@@ -44,7 +47,8 @@ public:
                   log_->started.back(),
                   log_->iterations,
                   0.02,
-                  log_->old_sensitivities && !new_sensitivities_};
+                  log_->old_sensitivities && !new_sensitivities_,
+                  log_->lost};
   }
 
 private:
