@@ -9,6 +9,7 @@
 #include <cstring>
 #include <dlfcn.h>
 #include <filesystem>
+#include <new>
 #include <string_view>
 #include <type_traits>
 #include <unistd.h>
@@ -181,7 +182,12 @@ void PartSolver::advance() {
     return;
   if (order_.wait && state_ != State::kReady)
     child_->wait(kLook_s);
-  exchange();
+  try {
+    exchange();
+  } catch (const std::bad_alloc&) {
+    in_ = {};
+    lose("there is not enough memory for the solver's answer");
+  }
   const bool asked = state_ != State::kReady && state_ != State::kLost;
   if (asked && Clock::now() >= limit_)
     lose("the solver did not answer within " + number_text(limit_s_) + " s and was ended");

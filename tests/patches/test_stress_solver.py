@@ -256,8 +256,8 @@ def test_a_child_that_is_killed_is_one_sentence_and_another_can_be_started(live,
     assert live.children() == {}
     since = len(live.text)
     live.say("object reset")
+    live.wait_for("^gamma: ", since)  # the series goes on
     live.say(f"object list {mm}")
-    live.wait_for("^gamma: ", since)
     since = len(live.text)
     live.say("object solver auto")
     live.wait_for("^info: method (pcg|full)", since)
@@ -267,6 +267,8 @@ def test_a_child_that_is_killed_is_one_sentence_and_another_can_be_started(live,
 
 def test_no_child_outlives_its_object(live):
     child = live.the_child()
+    assert sorted(os.listdir(f"/proc/{child}/fd")) == ["0", "1", "2"]  # none of Pd's files
+    assert any(int(fd) > 2 for fd in os.listdir(f"/proc/{live.process.pid}/fd"))
     live.say("canvas clear")
     live.wait_until(lambda: is_gone(child), "the child's end")
     assert live.children() == {}
