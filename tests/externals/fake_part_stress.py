@@ -52,6 +52,7 @@ while True:
         sys.exit(0)  # the object has gone
     request = sys.stdin.buffer.read(struct.unpack("<IIQ", header)[2])
     method, flags = struct.unpack_from("<II", request)
+    assert flags & 2  # the object decides when a new factor is made
     p = list(struct.unpack_from(f"<{P}d", request, 8))
     solved += 1
     values = [s * (1 + 10 * p[0] + (0.1 if MODE == "another" else 0)) for s in s0]

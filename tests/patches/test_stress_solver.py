@@ -25,10 +25,11 @@ POINTS = (21, 26)  # of the top edge, across the beam, a sixth of the length fro
 
 @pytest.fixture(scope="module")
 def beam(tmp_path_factory):
-    """A cantilever of 200 x 20 x 20 mm, 640 hex20; a lattice of 5 x 2 x 3."""
+    """A cantilever of 200 x 20 x 20 mm, 640 hex20; a lattice of 5 x 2 x 3, of which two points may move."""
     path = tmp_path_factory.mktemp("beam") / "beam.stress.npz"
     subprocess.run([PROGRAM, *"bar --length 200 --width 20 --thickness 20 --h 5 --fix x=-100 --force x=100:0,0,-100 "
-                    "--lattice 5 2 3 --quiet -o".split(), path], check=True, capture_output=True, timeout=300)
+                    "--lattice 5 2 3 --controls 21,26 --quiet -o".split(), path],
+                   check=True, capture_output=True, timeout=300)
     return path
 
 
