@@ -28,15 +28,21 @@ public:
     Method method = Method::kPcg;
     unsigned iterations = 0;
     double seconds = 0;
+    bool old_sensitivities = false; ///< those in the base belong to an earlier shape
+    bool lost = false;              ///< the solver has ended: it must not be asked again
   };
 
   virtual ~Reanalysis() = default;
+  /// Begins to load the part if that has not begun. Whether it is loaded: only then count costs()
+  /// and may start() be called.
+  [[nodiscard]] virtual bool prepare() { return true; }
   [[nodiscard]] virtual Costs costs() const noexcept = 0;
-  /// Begins a solve at these displacements of the parameters, m. Returns why it cannot, else an
-  /// empty sentence.
-  [[nodiscard]] virtual std::string start(std::span<const double> displacement_m,
-                                          Method method) = 0;
-  /// The result of the last start, once.
+  /// Begins a solve at these displacements of the parameters, m; with new sensitivities if they are
+  /// wanted, which takes a new factor whatever the method. Returns why it cannot, else an empty
+  /// sentence.
+  [[nodiscard]] virtual std::string start(std::span<const double> displacement_m, Method method,
+                                          bool sensitivities) = 0;
+  /// The result of the last start, once; or, once, why the solver is lost.
   [[nodiscard]] virtual std::optional<Result> poll() = 0;
 };
 

@@ -1,5 +1,8 @@
 #include "core/stress/stress_session.hpp"
 
+#include "core/words.hpp"
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -7,17 +10,29 @@
 namespace tactus::stress {
 namespace {
 
-constexpr double kPoll_s = 0.002; // between looks for a solution
+// Between looks for a solution, at a solver that loads its part, and at one that has nothing to do.
+constexpr double kPoll_s = 0.002, kStartingPoll_s = 0.02, kIdlePoll_s = 0.5;
+constexpr double kReached = 1e-6; // of the trust size: a shape is the one that was asked for
 
 } // namespace
 
 StressSession::StressSession(std::shared_ptr<const StressTable> table,
                              std::unique_ptr<Reanalysis> reanalysis)
-    : model_(std::move(table)), reanalysis_(std::move(reanalysis)) {
+    : model_(std::move(table)) {
+  request_.displacement_m.assign(model_.table().parameters.size(), 0);
+  attach(std::move(reanalysis));
+}
+
+void StressSession::attach(std::unique_ptr<Reanalysis> reanalysis) {
+  reanalysis_ = std::move(reanalysis);
   factorised_m_.assign(model_.table().parameters.size(), 0);
-  request_.displacement_m = factorised_m_;
-  if (reanalysis_)
-    policy_.costs.set(reanalysis_->costs());
+  result_.solving = failed_ = false;
+  result_.solver = reanalysis_ ? Solver::kStarting : Solver::kNone;
+}
+
+void StressSession::refuse(const std::string& reason) {
+  refusal_ = "resolve: " + reason + "; the last stress stays";
+  failed_ = true;
 }
 
 /// The error of the series is measured where the new solution stands.
@@ -26,14 +41,14 @@ void StressSession::take_solution() {
   if (!solved)
     return;
   result_.solving = false;
-  if (solved->refusal.empty() && solved->base)
-    solved->refusal = check_base(model_.table(), *solved->base);
-  if (!solved->refusal.empty() || !solved->base) {
-    refusal_ = "resolve: " + (solved->refusal.empty() ? "no solution came" : solved->refusal) +
-               "; the last stress stays";
-    failed_ = true;
-    return;
+  if (solved->lost) {
+    refusal_ = "resolve: " + solved->refusal + "; Taylor's series goes on until load or solver";
+    return attach(nullptr);
   }
+  if (solved->refusal.empty())
+    solved->refusal = solved->base ? check_base(model_.table(), *solved->base) : "no solution came";
+  if (!solved->refusal.empty())
+    return refuse(solved->refusal);
   const Feedback series = model_.update(solved->base->displacement_m);
   const double factor_ratio =
       model_.distance_m(solved->base->displacement_m, factorised_m_) / model_.table().trust_m;
@@ -41,35 +56,61 @@ void StressSession::take_solution() {
   if (solved->method == Method::kFull)
     factorised_m_ = solved->base->displacement_m;
   base_method_ = solved->method;
+  old_sensitivities_ = solved->old_sensitivities;
   result_.iterations = solved->iterations;
   result_.solve_s = solved->seconds;
   const auto solution = solved->base;
   model_.rebase(solution);
   const double mean = model_.update(solution->displacement_m).mean_pa;
-  if (series.trust_ratio > 0 && mean > 0)
+  if (series.trust_ratio > kReached && mean > 0)
     error_at_trust_ =
         std::abs(series.mean_pa / mean - 1) / (series.trust_ratio * series.trust_ratio);
   ++result_.swaps;
+  const double trust_m = model_.table().trust_m;
+  if (const double way = model_.distance_m(asked_m_, solution->displacement_m);
+      way > kReached * trust_m) {
+    refusal_ = "resolve: elements would turn inside out before this shape: the stress is solved " +
+               number_text(1e3 * way) + " mm before it, and Taylor's series goes on from there";
+    failed_ = true;
+  }
+}
+
+/// What to solve by now. Without a move since the base: for the sensitivities alone.
+std::optional<Method> StressSession::due(double now_s, const SessionRequest& request) {
+  const double ratio = result_.feedback.trust_ratio;
+  if (ratio <= UpdatePolicy::kMinRatio)
+    return old_sensitivities_ && policy_.at_rest(now_s) &&
+                   (request.resolve == Resolve::kAuto || request.resolve == Resolve::kFull)
+               ? std::optional(Method::kFull)
+               : std::nullopt;
+  const double factor_ratio =
+      model_.distance_m(request.displacement_m, factorised_m_) / model_.table().trust_m;
+  return policy_.due(now_s, request.resolve, ratio, factor_ratio);
 }
 
 void StressSession::start_solve(double now_s, const SessionRequest& request) {
-  if (!reanalysis_ || result_.solving || failed_)
+  if (!reanalysis_ || result_.solving || failed_ || request.resolve == Resolve::kTaylor)
     return;
-  const double factor_ratio =
-      model_.distance_m(request.displacement_m, factorised_m_) / model_.table().trust_m;
-  const auto method =
-      policy_.due(now_s, request.resolve, result_.feedback.trust_ratio, factor_ratio);
+  if (!reanalysis_->prepare())
+    return;
+  if (result_.solver == Solver::kStarting) {
+    result_.solver = Solver::kReady;
+    policy_.costs.set(reanalysis_->costs());
+  }
+  const auto method = due(now_s, request);
   if (!method)
     return;
-  refusal_ = reanalysis_->start(request.displacement_m, *method);
-  failed_ = !refusal_.empty();
-  if (failed_)
-    refusal_ = "resolve: " + refusal_ + "; the last stress stays";
-  result_.solving = !failed_;
+  const bool sensitivities = result_.feedback.trust_ratio <= UpdatePolicy::kMinRatio;
+  asked_m_ = request.displacement_m;
+  if (const std::string refusal =
+          reanalysis_->start(request.displacement_m, *method, sensitivities);
+      !refusal.empty())
+    return refuse(refusal);
+  result_.solving = true;
 }
 
 const SessionResult& StressSession::step(double now_s, const SessionRequest& request) {
-  if (reanalysis_ && result_.solving)
+  if (reanalysis_)
     take_solution();
   if (!selected_ || request.settings != request_.settings ||
       request.control_point != request_.control_point) {
@@ -97,12 +138,18 @@ const SessionResult& StressSession::step(double now_s, const SessionRequest& req
 }
 
 double StressSession::due_in_s(double now_s) const noexcept {
-  if (result_.solving)
-    return std::max(0.0, stepped_s_ + kPoll_s - now_s);
-  if (!reanalysis_ || failed_ || request_.resolve == Resolve::kTaylor ||
-      !(result_.feedback.trust_ratio > UpdatePolicy::kMinRatio))
+  if (!reanalysis_)
     return std::numeric_limits<double>::infinity();
-  return policy_.rest_in_s(now_s);
+  const auto in = [&](double poll_s) { return std::max(0.0, stepped_s_ + poll_s - now_s); };
+  if (result_.solving)
+    return in(kPoll_s);
+  if (failed_ || request_.resolve == Resolve::kTaylor)
+    return in(kIdlePoll_s);
+  if (result_.solver == Solver::kStarting)
+    return in(kStartingPoll_s);
+  const bool moved = result_.feedback.trust_ratio > UpdatePolicy::kMinRatio;
+  const bool refreshes = old_sensitivities_ && request_.resolve != Resolve::kPcg;
+  return moved || refreshes ? std::min(in(kIdlePoll_s), policy_.rest_in_s(now_s)) : in(kIdlePoll_s);
 }
 
 } // namespace tactus::stress

@@ -20,6 +20,8 @@ struct SessionRequest {
   std::vector<double> displacement_m; ///< [P]
 };
 
+enum class Solver : std::uint8_t { kNone, kStarting, kReady };
+
 struct SessionResult {
   std::uint64_t table = 0;
   std::uint64_t swaps = 0; ///< counts new bases and settings: gamma is cross-faded
@@ -31,10 +33,14 @@ struct SessionResult {
   double error = 0;                ///< estimate of the relative error of the mean stress
   bool outside_trust = false;
   bool solving = false;
+  Solver solver = Solver::kNone;
+  friend bool operator==(const SessionResult&, const SessionResult&) = default;
 };
 
 /// A part that is reshaped: Taylor's series at each step, a new solution when the policy asks for
-/// one. Holds no thread and no clock; solves go through a Reanalysis, if there is one.
+/// one. A solution may come with the sensitivities of an earlier shape: at rest, unless resolve is
+/// pcg, which factorises nothing, they are then found anew too. Holds no thread and no clock;
+/// solves go through a Reanalysis, if there is one.
 class StressSession {
 public:
   /// Relative error of the mean stress at the trust size: measured on a cantilever moved by 0.1 of
@@ -48,12 +54,17 @@ public:
   const SessionResult& step(double now_s, const SessionRequest& request);
   /// When the next step is due although nothing is requested: seconds, or infinity.
   [[nodiscard]] double due_in_s(double now_s) const noexcept;
+  /// Another solver in the place of the one at hand, or none.
+  void attach(std::unique_ptr<Reanalysis> reanalysis);
+  [[nodiscard]] bool can_solve() const noexcept { return reanalysis_ != nullptr; }
   /// What a solve failed with since the last call.
   [[nodiscard]] std::string take_refusal() { return std::exchange(refusal_, {}); }
   [[nodiscard]] const StressTable& table() const noexcept { return model_.table(); }
 
 private:
+  void refuse(const std::string& reason);
   void take_solution();
+  [[nodiscard]] std::optional<Method> due(double now_s, const SessionRequest& request);
   void start_solve(double now_s, const SessionRequest& request);
 
   StressModel model_;
@@ -63,6 +74,8 @@ private:
   SessionResult result_;
   Method base_method_ = Method::kTaylor;
   std::vector<double> factorised_m_; ///< [P] shape of the last full solution
+  std::vector<double> asked_m_;      ///< [P] of the last solve that was started
+  bool old_sensitivities_ = false;   ///< the base's belong to an earlier shape
   double error_at_trust_ = kTrustError;
   double stepped_s_ = 0;
   bool selected_ = false, failed_ = false;

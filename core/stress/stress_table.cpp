@@ -123,6 +123,7 @@ std::string read_stress_table(std::span<const std::byte> file, StressTable& tabl
     arrays.refuse("array 'weights' has values outside 0..1e+12 m^3: expected volumes");
   if (arrays.good())
     read_surface(arrays, read);
+  read.has_mesh = arrays.has("mesh");
   if (arrays.good())
     table = std::move(read);
   return arrays.refusal();

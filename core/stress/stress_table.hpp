@@ -41,6 +41,7 @@ struct StressTable {
   std::vector<std::array<std::int32_t, 3>> surface_triangle; ///< counterclockwise from outside
   std::vector<std::int32_t> surface_node_element;            ///< [V] element that colours the node
   std::string name, material, loads;
+  bool has_mesh = false; ///< of part_stress, which solves it at other shapes
 
   [[nodiscard]] std::size_t elements() const noexcept { return base.von_mises.stress.size(); }
   [[nodiscard]] bool has_shear() const noexcept { return !base.max_shear.stress.empty(); }

@@ -26,7 +26,7 @@ Method CostModel::cheapest(double ratio) const noexcept {
 std::optional<Method> UpdatePolicy::due(double now_s, Resolve resolve, double trust_ratio,
                                         double factor_ratio) const noexcept {
   if (resolve == Resolve::kTaylor || !(trust_ratio > kMinRatio) ||
-      (trust_ratio <= 1 && now_s - moved_s_ < kRest_s))
+      (trust_ratio <= 1 && !at_rest(now_s)))
     return {};
   switch (resolve) {
   case Resolve::kPcg:

@@ -47,6 +47,8 @@ public:
   /// since the shape of the last full solution.
   [[nodiscard]] std::optional<Method> due(double now_s, Resolve resolve, double trust_ratio,
                                           double factor_ratio) const noexcept;
+  /// Whether the part has not moved for so long.
+  [[nodiscard]] bool at_rest(double now_s) const noexcept { return now_s - moved_s_ >= kRest_s; }
   /// Time until a part that does not move is at rest.
   [[nodiscard]] double rest_in_s(double now_s) const noexcept {
     return std::max(0.0, moved_s_ + kRest_s - now_s);

@@ -71,6 +71,9 @@ inline constexpr std::array kMessages{
     Message{"bang", "", 0, 0, "send gamma, force and info now"},
     Message{"points", "", 0, 0,
             "send workspace and control points to the protocol outlet, for haptic_server"},
+    Message{"solver", "path | auto", 1, 1,
+            "the program part_stress that solves the part again, or the one that is found beside "
+            "the object or in PATH; starts it anew"},
 };
 enum MessageIndex : std::size_t {
   kLoad,
@@ -84,6 +87,7 @@ enum MessageIndex : std::size_t {
   kAnchor,
   kBang,
   kPoints,
+  kSolver,
   kMessageCount
 };
 static_assert(kMessages.size() == kMessageCount);

@@ -35,6 +35,8 @@ void StressHaptic::message(std::size_t index, std::span<const Atom> arguments, H
   switch (index) {
   case kLoad:
     return load(arguments[0], host);
+  case kSolver:
+    return set_solver(arguments[0], host);
   case kRange:
     return set_range(arguments, host);
   case kAnchor:

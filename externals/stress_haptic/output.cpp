@@ -19,6 +19,7 @@ constexpr double kFeedbackRepeat_ms = 250; // a server ends the force after 500 
 constexpr double kMargin_mm = 1;           // of the workspace around the control points
 
 constexpr std::array<std::string_view, 3> kMethods{"taylor", "pcg", "full"};
+constexpr std::array<std::string_view, 3> kSolvers{"none", "starting", "ready"};
 
 } // namespace
 
@@ -77,6 +78,7 @@ void StressHaptic::send_info(Host& host) {
   send_value("raw", feedback.raw);
   host.info({"err", result_.error});
   host.info({"method", kMethods[static_cast<std::size_t>(result_.method)]});
+  host.info({"solver", kSolvers[static_cast<std::size_t>(result_.solver)]});
   host.info({"iters", static_cast<double>(result_.iterations)});
   host.info({"ms", 1e3 * (result_.method == Method::kTaylor ? result_.update_s : result_.solve_s)});
   host.info({"mean", feedback.mean_pa});

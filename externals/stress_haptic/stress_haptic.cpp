@@ -14,6 +14,13 @@ StressHaptic::StressHaptic(StressWorker::SolverFactory solvers) : worker_(std::m
     value_[i] = kParameters[i].initial;
 }
 
+StressHaptic::StressHaptic()
+    : StressHaptic([](SolverOrder order) -> std::unique_ptr<Reanalysis> {
+        if (!order.table.has_mesh)
+          return nullptr;
+        return std::make_unique<PartSolver>(std::move(order));
+      }) {}
+
 void StressHaptic::set(std::size_t parameter, double value) noexcept {
   if (value_[parameter] == value)
     return;
@@ -57,18 +64,20 @@ void StressHaptic::warn_of(std::size_t parameter, Host& host) const {
   if (parameter == kWeights && table_ && settings.weights == Weights::kVolume &&
       table_->weight.empty())
     host.error("weights volume: the table has no array weights: expected uniform, which is used");
-  if (parameter == kResolve && !worker_.can_solve() &&
+  if (parameter == kResolve && table_ && !can_solve_ &&
       (resolve == Resolve::kPcg || resolve == Resolve::kFull))
     host.error("resolve " + std::string(kResolves[static_cast<std::size_t>(resolve)]) +
-               ": no solver is attached: expected auto or taylor; Taylor's series goes on");
+               ": no solver for a table without its mesh: expected one of part_stress, or resolve "
+               "auto or taylor; Taylor's series goes on");
 }
 
 void StressHaptic::created(Host& host) {
   host_ = &host;
-  if (host.real_time())
-    if (const std::string refusal = worker_.start([this] { host_->wake_from_thread(); });
-        !refusal.empty())
-      host.error(refusal);
+  if (!host.real_time())
+    worker_.wait_for_solvers();
+  else if (const std::string refusal = worker_.start([this] { host_->wake_from_thread(); });
+           !refusal.empty())
+    host.error(refusal);
   if (!first_name_.empty())
     load(Atom(std::string_view(first_name_)), host);
 }
@@ -89,12 +98,28 @@ void StressHaptic::load(const Atom& name, Host& host) {
   collect(host);
 }
 
+void StressHaptic::set_solver(const Atom& program, Host& host) {
+  if (!program.is_word)
+    return host.error("solver: expected the path of part_stress, or auto");
+  std::string path;
+  if (program.word != "auto") {
+    path = host.find_file(program.word);
+    if (path.empty() || find_part_stress(path).empty())
+      return host.error("solver " + std::string(program.word) +
+                        ": there is no such program beside the patch or in the search path that "
+                        "may be run: expected the path of part_stress");
+  }
+  worker_.set_program(path);
+  submit(host);
+}
+
 void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
   if (loaded.number != loads_ && loaded.refusal.empty())
     return; // a newer one is on its way
   if (!loaded.refusal.empty())
     return host.error("load " + first_name_ + ": " + loaded.refusal);
   table_ = std::move(loaded.table);
+  can_solve_ = loaded.can_solve;
   request_.table = loaded.number;
   request_.control_point = -1;
   request_.displacement_m.assign(table_->parameters.size(), 0);
@@ -125,12 +150,14 @@ void StressHaptic::collect(Host& host) {
   if (worker_.read() && worker_.latest().table == request_.table) {
     const bool swapped =
         worker_.latest().swaps != result_.swaps || worker_.latest().table != result_.table;
+    result_.update_s = worker_.latest().update_s; // the clock's, always another
+    const bool changed = !(result_ == worker_.latest());
     result_ = worker_.latest();
     if (swapped)
       gamma_.fade(result_.feedback.gamma, now_s, kFade_s);
     else if (!(result_.feedback.gamma == gamma_.target()))
       gamma_.go(result_.feedback.gamma, now_s);
-    info_due_ = true;
+    info_due_ = info_due_ || changed;
   }
   send(host, false);
   schedule(host);

@@ -31,7 +31,7 @@ public:
   static constexpr std::size_t timers = 1;
 
   explicit StressHaptic(StressWorker::SolverFactory solvers);
-  StressHaptic() : StressHaptic(StressWorker::SolverFactory{}) {}
+  StressHaptic(); ///< solves by part_stress
   void set(std::size_t parameter, double value) noexcept;
   [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
@@ -47,6 +47,7 @@ private:
   using Numbers = std::span<const double>;
   void load(const Atom& name, Host& host);
   void take_table(StressWorker::Loaded loaded, Host& host);
+  void set_solver(const Atom& program, Host& host);
   void set_control_point(Numbers numbers, Host& host);
   void set_parameters(Numbers numbers, Host& host);
   void grab(Numbers numbers, Host& host);
@@ -84,6 +85,7 @@ private:
   std::string first_name_; ///< a creation argument: read when all flags are known
   std::uint64_t loads_ = 0;
   std::shared_ptr<const StressTable> table_;
+  bool can_solve_ = false;
   SessionRequest request_;
   SessionResult result_;
   RenderGains gains_{0, 400, 0, 4};

@@ -52,6 +52,17 @@ void StressWorker::load(const std::string& path, std::uint64_t number) {
   wake_.notify_all();
 }
 
+void StressWorker::set_program(const std::string& program) {
+  if (!threaded())
+    return carry_out_program(program);
+  {
+    const std::lock_guard lock(mutex_);
+    to_program_ = program;
+    awake_ = true;
+  }
+  wake_.notify_all();
+}
+
 void StressWorker::request(const SessionRequest& request, double now) {
   requests_.write(request);
   if (!threaded())
@@ -83,6 +94,16 @@ std::string StressWorker::take_refusal() {
   return std::exchange(refusal_, {});
 }
 
+std::unique_ptr<Reanalysis> StressWorker::solver_for(const StressTable& table) const {
+  return solvers_ ? solvers_({table, path_, program_, waits_}) : nullptr;
+}
+
+void StressWorker::carry_out_program(const std::string& program) {
+  program_ = program;
+  if (session_)
+    session_->attach(solver_for(session_->table()));
+}
+
 void StressWorker::carry_out_load(const std::string& path, std::uint64_t number) {
   Loaded loaded;
   loaded.number = number;
@@ -94,8 +115,9 @@ void StressWorker::carry_out_load(const std::string& path, std::uint64_t number)
       loaded.refusal = read_stress_table(bytes, table);
     if (loaded.refusal.empty()) {
       loaded.table = std::make_shared<const StressTable>(std::move(table));
-      session_ = std::make_unique<StressSession>(
-          loaded.table, solvers_ ? solvers_(*loaded.table, path) : nullptr);
+      path_ = path;
+      session_ = std::make_unique<StressSession>(loaded.table, solver_for(*loaded.table));
+      loaded.can_solve = session_->can_solve();
       number_ = number;
     }
   } catch (const std::bad_alloc&) {
@@ -132,6 +154,7 @@ void StressWorker::work(const std::stop_token& stop) {
   take_ordinary_priority();
   while (!stop.stop_requested()) {
     std::optional<std::pair<std::string, std::uint64_t>> to_load;
+    std::optional<std::string> to_program;
     {
       std::unique_lock lock(mutex_);
       const double sleep_s =
@@ -139,9 +162,12 @@ void StressWorker::work(const std::stop_token& stop) {
       wake_.wait_for(lock, stop, std::chrono::duration<double>(sleep_s), [this] { return awake_; });
       awake_ = false;
       to_load = std::exchange(to_load_, std::nullopt);
+      to_program = std::exchange(to_program_, std::nullopt);
     }
     if (stop.stop_requested())
       return;
+    if (to_program)
+      carry_out_program(*to_program);
     if (to_load)
       carry_out_load(to_load->first, to_load->second);
     step(now_s());

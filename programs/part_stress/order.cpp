@@ -228,7 +228,8 @@ PartOrder read_order(const std::vector<std::string>& words) {
 
 std::string usage() {
   return R"(part_stress BODY [options]      the stress of a loaded part, and how it follows the part's shape
-part_stress serve FILE.stress.npz   solves the part of a file again, asked on stdin (docs/part_stress.md)
+part_stress serve FILE.stress.npz [--tolerance T]   solves the part of a file again, asked on stdin
+                                    (docs/part_stress.md)
 
 BODY is a file (.step .stp .brep .stl .obj .msh .inp) or a shape with its dimensions:
 )" + usage_of_shapes(shapes_of_parts()) +

@@ -1,10 +1,12 @@
 #include "programs/part_stress/serve.hpp"
 
+#include "core/stress/serve_protocol.hpp"
 #include "core/table/json.hpp"
 #include "core/table/npz.hpp"
 #include "fem/io/file_bytes.hpp"
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/words.hpp"
+#include "programs/body/body_order.hpp"
 #include "programs/part_stress/part.hpp"
 
 #include <bit>
@@ -16,6 +18,13 @@
 #include <unistd.h>
 
 namespace tactus::fem {
+
+using stress::ServeHeader;
+using stress::ServeKind;
+using stress::ServeMethod;
+using stress::ServeReady;
+using stress::StressAnswer;
+
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "messages are copied as they lie");
@@ -114,12 +123,14 @@ void answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
     throw Refusal(format("a request to solve has %zu bytes, expected %zu: method, flag and %zu "
                          "parameters",
                          request.size(), expected, parameters));
-  std::uint32_t method = 0, derivatives = 0;
+  std::uint32_t method = 0, flags = 0;
   std::memcpy(&method, request.data(), sizeof method);
-  std::memcpy(&derivatives, request.data() + sizeof method, sizeof derivatives);
-  if (method > 2 || derivatives > 1)
-    throw Refusal(format("a request to solve has method %u and flag %u, expected 0 to 2 and 0 or 1",
-                         method, derivatives));
+  std::memcpy(&flags, request.data() + sizeof method, sizeof flags);
+  if (method > 2 || flags > (stress::kWithDerivatives | stress::kKeepFactor))
+    throw Refusal(
+        format("a request to solve has method %u and flags %u, expected 0 to 2 and 0 to 3", method,
+               flags));
+  const bool derivatives = (flags & stress::kWithDerivatives) != 0;
   std::vector<double> wanted(parameters);
   if (parameters > 0)
     std::memcpy(wanted.data(), request.data() + 2 * sizeof(std::uint32_t),
@@ -127,7 +138,7 @@ void answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
   const auto begun = std::chrono::steady_clock::now();
   const ValidStep step = part.move_to(wanted);
   StressUpdate update;
-  if (derivatives == 1) {
+  if (derivatives) {
     part.rebase();
     update.method = Method::refactor;
     update.von_mises.assign(part.base_von_mises().begin(), part.base_von_mises().end());
@@ -138,7 +149,7 @@ void answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
                  ? part.solve(Method::pcg)
                  : part.solve(Method::refactor);
     // Between two requests nobody waits: the next one is preconditioned from here.
-    if (update.wants_factor) {
+    if (update.wants_factor && (flags & stress::kKeepFactor) == 0) {
       Refactorisation job = part.refactorisation();
       job.run();
       part.adopt(std::move(job));
@@ -156,7 +167,7 @@ void answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
   message.add(part.parameters());
   message.add_singles(update.von_mises);
   message.add_singles(update.max_shear);
-  if (derivatives == 1) {
+  if (derivatives) {
     message.add(std::span<const float>(part.sensitivity().von_mises));
     message.add(std::span<const float>(part.sensitivity().max_shear));
   }
@@ -168,21 +179,20 @@ constexpr std::uint64_t kMaxRequestBytes = 1 << 20;
 } // namespace
 
 int serve(const std::vector<std::string>& words) {
-  if (words.size() != 1)
-    throw Refusal("serve: expected one file, NAME.stress.npz");
+  if (words.size() != 1 && (words.size() != 3 || words[1] != "--tolerance"))
+    throw Refusal("serve: expected one file, NAME.stress.npz, and perhaps --tolerance T");
+  const double tolerance =
+      words.size() == 3 ? number("serve --tolerance", words[2], 1e-14, 0.1) : 1e-6;
   Source source = read_source(words[0]);
   const StaticModel model = model_of(source.order, source.mesh);
   const DesignSpace space = design_space_of(source.order.design, source.mesh);
   const std::size_t parameters = space.parameters.size();
-  Reanalysis part(source.mesh, model, space.velocities, {.tolerance = 1e-6});
+  Reanalysis part(source.mesh, model, space.velocities, {.tolerance = tolerance});
   {
     Message ready(ServeKind::ready);
-    ready.add(std::uint64_t{source.mesh.elements.size()});
-    ready.add(std::uint64_t{parameters});
     const CostModel& cost = part.cost();
-    ready.add(cost.product);
-    ready.add(cost.solve);
-    ready.add(cost.assembly + cost.factor);
+    ready.add(ServeReady{source.mesh.elements.size(), parameters, cost.product, cost.solve,
+                         cost.assembly + cost.factor});
     ready.send();
   }
   for (;;) {

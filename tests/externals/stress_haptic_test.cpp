@@ -1,6 +1,7 @@
 // [stress_haptic] in a host of the test: force across swaps, a solver, the worker's thread.
 #include "externals/stress_haptic/stress_haptic.hpp"
 #include "tests/core/stress/beam_solver.hpp"
+#include "tests/externals/table_folder.hpp"
 
 #include <doctest/doctest.h>
 
@@ -19,47 +20,11 @@ using namespace tactus::stress;
 using haptic::Vec3;
 using test::BeamSolver;
 using test::Cantilever;
+using Folder = test::TableFolder;
 
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder of its own with the cantilever's table in it.
-struct Folder {
-  fs::path path;
-  Folder() {
-    static std::atomic<int> count{0};
-    path = fs::temp_directory_path() /
-           ("stress_haptic_test." +
-            std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + "." +
-            std::to_string(count++));
-    fs::create_directories(path);
-    write("cantilever.stress.npz", Cantilever::table());
-  }
-  ~Folder() { fs::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  void write(const std::string& name, const StressTable& table) const {
-    const std::string meta = R"({"format":"stress-table","version":"1.0","name":")" + name + "\"}";
-    std::vector<double> rows, points;
-    for (const auto& p : table.parameters)
-      rows.insert(rows.end(), {static_cast<double>(p.control_point), static_cast<double>(p.axis),
-                               p.low_m, p.high_m});
-    for (const Vec3& c : table.control_point_m)
-      points.insert(points.end(), {c.x, c.y, c.z});
-    const auto& field = table.base.von_mises;
-    const std::size_t p = table.parameters.size();
-    const std::string text =
-        test::archive({{"meta", "|u1", {meta.size()}, meta},
-                       {"s0", "<f4", {table.elements()}, test::raw(field.stress)},
-                       {"S", "<f4", {p, table.elements()}, test::raw(field.sensitivity)},
-                       {"parameters", "<f8", {p, 4}, test::raw(rows)},
-                       {"control_points", "<f8", {points.size() / 3, 3}, test::raw(points)},
-                       {"trust", "<f8", {}, test::raw(std::vector<double>{table.trust_m})}});
-    std::ofstream(path / name, std::ios::binary) << text;
-  }
-};
 
 /// Logical time by the test; keeps what is sent.
 class TestHost final : public Host {
@@ -120,12 +85,15 @@ struct Rig {
   TestHost host;
   StressHaptic object;
 
+  Rig(bool real_time, StressWorker::SolverFactory solvers)
+      : host(folder, real_time), object(std::move(solvers)) {
+    object.created(host);
+  }
   explicit Rig(bool real_time = false, bool solves = false)
       : host(folder, real_time),
-        object(solves ? StressWorker::SolverFactory(
-                            [log = solver](const StressTable&, const std::string&) {
-                              return std::make_unique<BeamSolver>(log);
-                            })
+        object(solves ? StressWorker::SolverFactory([log = solver](const SolverOrder&) {
+          return std::make_unique<BeamSolver>(log);
+        })
                       : StressWorker::SolverFactory()) {
     object.created(host);
   }
@@ -477,6 +445,66 @@ TEST_CASE("in real time a thread evaluates: the newest request counts") {
   REQUIRE(rig.wait(
       [&] { return rig.host.sent.contains(0) && std::abs(rig.gamma() / truth - 1) < 1e-6; }));
   CHECK(!rig.solver->started.empty());
+  CHECK(rig.host.errors.empty());
+}
+
+TEST_CASE(
+    "a child that dies or does not answer: one sentence, no jump, and Taylor's series goes on") {
+  for (const bool real_time : {false, true})
+    for (const char* mode : {"killed", "half", "cut", "good"}) {
+      CAPTURE(mode);
+      Folder folder;
+      const fs::path program = folder.path / ("fake." + std::string(mode));
+      fs::create_symlink(fs::path(TACTUS_FAKE_PART_STRESS), program);
+      Rig rig(real_time, [&](const SolverOrder& order) {
+        return std::make_unique<PartSolver>(
+            SolverOrder{order.table, order.path, program.string(), order.wait});
+      });
+      rig.say("gains", {0.0, 600.0, 0.0, 0.0});
+      rig.say("range", {"fixed", 0.0, 1e6});
+      rig.say("load", {"cantilever.stress.npz"});
+      rig.say("anchor", {0.0, 0.0, 0.0});
+      rig.hold(50, 0, 0);
+      REQUIRE(rig.wait([&] { return rig.host.said("loaded") && rig.host.sent.contains(1); }));
+      rig.run(300);
+      const std::size_t from = rig.host.sent.at(1).size() - 1;
+      rig.say("list", {1.0, 0.0}); // mm
+      const bool good = std::string(mode) == "good";
+      REQUIRE(
+          rig.wait([&] { return good ? rig.host.said("method full") : !rig.host.errors.empty(); }));
+      rig.run(300);
+      rig.say("list", {0.0, 0.0});
+      REQUIRE(rig.wait([&] { return std::abs(rig.gamma() - 0.5) < 1e-3; }));
+      rig.run(1000);
+      CHECK(rig.host.errors.size() == (good ? 0 : 1));
+      if (!good)
+        CHECK(rig.host.errors[0].starts_with("resolve: "));
+      CHECK(largest_step(rig.host, from) <= 0.01 * 30 + 1e-9);
+    }
+}
+
+TEST_CASE("a solver that is named takes the place of the one before") {
+  const StressWorker::SolverFactory solvers =
+      [](const SolverOrder& order) -> std::unique_ptr<Reanalysis> {
+    return order.program.empty() ? nullptr : std::make_unique<PartSolver>(order);
+  };
+  Rig rig(false, solvers);
+  fs::create_symlink(fs::path(TACTUS_FAKE_PART_STRESS), rig.folder.path / "fake.good");
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("list", {1.0, 0.0});
+  rig.run(500);
+  CHECK(!rig.host.said("method full"));
+  for (const auto& [name, words] : {std::pair("nothing", "no such program"),
+                                    std::pair("cantilever.stress.npz", "no such program")}) {
+    rig.host.errors.clear();
+    rig.say("solver", {name});
+    REQUIRE(rig.host.errors.size() == 1);
+    CHECK(rig.host.errors[0].find(words) != std::string::npos);
+  }
+  rig.host.errors.clear();
+  rig.say("solver", {"fake.good"});
+  rig.run(500);
+  CHECK(rig.host.said("method full")); // conjugate gradients, then new sensitivities
   CHECK(rig.host.errors.empty());
 }
 

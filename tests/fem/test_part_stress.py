@@ -345,8 +345,8 @@ MAGIC, SOLVE, QUIT, READY, STRESS, REFUSED = 0x31525354, 1, 2, 16, 17, 18
 
 
 class Server:
-    def __init__(self, folder, table):
-        self.process = subprocess.Popen([PROGRAM, "serve", table], cwd=folder, stdin=subprocess.PIPE,
+    def __init__(self, folder, table, *words):
+        self.process = subprocess.Popen([PROGRAM, "serve", table, *words], cwd=folder, stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
     def send(self, kind, payload=b"", magic=MAGIC, size=None):
@@ -429,6 +429,37 @@ def test_a_server_solves_the_part_at_other_shapes_and_ends_with_its_stdin(served
         assert kind == STRESS and np.allclose(unpack(payload, elements, parameters)["s"], expected, rtol=2e-5, atol=2e-5 * expected.max())
         server.process.stdin.close()
         assert server.process.wait(60) == 0
+
+
+def test_a_server_keeps_its_factor_and_solves_as_closely_as_it_is_told(served):
+    folder, table = served
+    elements, parameters = len(table["s0"]), len(table["parameters"])
+    p = np.zeros(parameters)
+    p[[2, 5]] = -5e-3  # both points along z, a quarter of the height
+    found = {}
+    for tolerance in ("1e-3", "1e-10"):
+        with Server(folder, "bar.stress.npz", "--tolerance", tolerance) as server:
+            assert server.read()[0] == READY
+            found[tolerance] = unpack(server.solve(p, 1, 2)[1], elements, parameters)
+            assert found[tolerance]["method"] == 1 and found[tolerance]["residual"] <= float(tolerance)
+            back = unpack(server.solve(0 * p, 1, 2)[1], elements, parameters)  # the factor's own shape
+            assert back["iterations"] <= 3
+    assert found["1e-10"]["iterations"] > 15 > found["1e-3"]["iterations"]
+    with Server(folder, "bar.stress.npz", "--tolerance", "1e-10") as server:
+        server.read()
+        server.solve(p, 1)  # many iterations: a new factor, unless the client keeps the old one
+        assert unpack(server.solve(0 * p, 1, 2)[1], elements, parameters)["iterations"] > 5
+        server.send(SOLVE, struct.pack("<II", 1, 4) + p.tobytes())
+        kind, sentence = server.read()
+        assert kind == REFUSED and "flags 4" in sentence.decode()
+    for words in (["--tolerance"], ["--tolerance", "2"], ["--tolerance", "nan"], ["--tolerant", "1e-3"]):
+        assert "tolerance" in refusal_of_serve(folder, words)
+
+
+def refusal_of_serve(folder, words):
+    said = run("serve", "bar.stress.npz", *words, folder=folder, expect=1).stderr.strip().splitlines()
+    assert len(said) == 1
+    return said[0]
 
 
 @pytest.mark.parametrize("damage, words", [("magic", "begins with"), ("size", "expected at most"),

@@ -68,7 +68,7 @@ TEST_CASE("after 150 ms without motion the part is solved anew") {
   CHECK(rig.result.error == 0);
   const double truth = Cantilever::mean_pa(0.001, 0);
   CHECK(rig.result.feedback.mean_pa == approx(truth).epsilon(1e-7));
-  CHECK(rig.session.due_in_s(rig.now_s) == std::numeric_limits<double>::infinity());
+  CHECK(rig.session.due_in_s(rig.now_s) > 0.4); // whether the solver still lives
   // From now on the part's own error is known: err = e (d/trust)^2.
   rig.step(0.002, 0);
   CHECK(rig.result.method == Method::kTaylor);
@@ -109,7 +109,80 @@ TEST_CASE(
   rig.step(0.005, 0);
   rig.rest(0.3);
   CHECK(rig.log->started.empty());
+  CHECK(rig.session.due_in_s(rig.now_s) > 0.4); // whether the solver still lives
+}
+
+TEST_CASE("old sensitivities are found anew at rest, but not with resolve pcg") {
+  for (const Resolve resolve : {Resolve::kAuto, Resolve::kFull, Resolve::kPcg}) {
+    Rig rig;
+    rig.log->old_sensitivities = true;
+    rig.request.resolve = resolve;
+    rig.step(0.003, 0);
+    rig.rest(0.1); // solved at once, as it is beyond the trust size
+    REQUIRE(rig.log->started.size() == 1);
+    CHECK(rig.result.feedback.trust_ratio == 0);
+    CHECK(rig.result.swaps == 2);
+    rig.rest(0.5);
+    REQUIRE(rig.log->started.size() == (resolve == Resolve::kPcg ? 1 : 2));
+    CHECK(rig.log->started.back() == (resolve == Resolve::kPcg ? Method::kPcg : Method::kFull));
+    CHECK(rig.result.swaps == (resolve == Resolve::kPcg ? 2 : 3));
+    CHECK(rig.result.method == rig.log->started.back());
+  }
+}
+
+TEST_CASE("a solver that is lost is one sentence; the series goes on until another is attached") {
+  Rig rig;
+  rig.step(0.001, 0);
+  rig.rest(0.2);
+  const double solved = rig.result.feedback.mean_pa;
+  CHECK(rig.result.solver == Solver::kReady);
+  rig.log->lost = true;
+  rig.log->result_refusal = "the solver ended";
+  rig.step(0.0015, 0);
+  rig.rest(0.2);
+  const std::string refusal = rig.session.take_refusal();
+  CHECK(refusal.find("the solver ended") != std::string::npos);
+  CHECK(refusal.find("Taylor's series goes on") != std::string::npos);
+  CHECK(rig.result.solver == Solver::kNone);
   CHECK(rig.session.due_in_s(rig.now_s) == std::numeric_limits<double>::infinity());
+  rig.step(0.001, 0);
+  rig.rest(0.3);
+  CHECK(rig.session.take_refusal().empty());
+  CHECK(rig.result.feedback.mean_pa == solved); // of the last solution
+  rig.log->lost = false;
+  rig.log->result_refusal.clear();
+  const std::size_t before = rig.log->started.size();
+  rig.session.attach(std::make_unique<BeamSolver>(rig.log));
+  rig.step(0.0015, 0);
+  rig.rest(0.3);
+  CHECK(rig.log->started.size() == before + 1);
+  CHECK(rig.result.solver == Solver::kReady);
+  CHECK(rig.result.feedback.mean_pa == approx(Cantilever::mean_pa(0.0015, 0)).epsilon(1e-7));
+}
+
+TEST_CASE("a solver that loads its part is asked when it has") {
+  Rig rig;
+  rig.log->loaded = false;
+  rig.step(0.003, 0);
+  rig.rest(0.3);
+  CHECK(rig.result.solver == Solver::kStarting);
+  CHECK(rig.session.due_in_s(rig.now_s) <= 0.02);
+  CHECK(rig.log->started.empty());
+  rig.log->loaded = true;
+  rig.rest(0.01);
+  CHECK(rig.log->started.size() == 1);
+  CHECK(rig.result.solver == Solver::kReady);
+}
+
+TEST_CASE("a shape that the mesh cannot take is solved as far as it goes, and not again") {
+  Rig rig;
+  rig.log->reached = 0.5;
+  rig.step(0.003, 0);
+  rig.rest(0.5);
+  CHECK(rig.log->started.size() == 1);
+  CHECK(rig.session.take_refusal().find("1.5 mm before") != std::string::npos);
+  CHECK(rig.result.method == Method::kTaylor);
+  CHECK(rig.result.feedback.trust_ratio == approx(0.75));
 }
 
 TEST_CASE("resolve pcg and full take what they say") {

@@ -1,0 +1,202 @@
+#include "externals/stress_haptic/child_process.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <utility>
+
+extern char** environ;
+
+namespace tactus {
+namespace {
+
+constexpr std::size_t kMaxSaid = 4096;
+
+/// Closes what it holds.
+class Descriptor {
+public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  ~Descriptor() { reset(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  void reset(int number = -1) {
+    if (number_ >= 0)
+      ::close(number_);
+    number_ = number;
+  }
+  /// Above stdin, stdout and stderr, which the child's are made of.
+  [[nodiscard]] bool lift() {
+    if (number_ > STDERR_FILENO)
+      return true;
+    const int lifted = ::fcntl(number_, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    reset(lifted);
+    return lifted >= 0;
+  }
+  [[nodiscard]] int get() const { return number_; }
+  [[nodiscard]] int release() { return std::exchange(number_, -1); }
+
+private:
+  int number_;
+};
+
+/// What the child begins with: its three streams, no other file of this process, and default
+/// signals.
+struct Surroundings {
+  posix_spawn_file_actions_t files{};
+  posix_spawnattr_t attributes{};
+
+  Surroundings(int stream, int errors) {
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, stream, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&files, stream, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&files, errors, STDERR_FILENO);
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 34)
+    posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
+#endif
+    posix_spawnattr_init(&attributes);
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    sigdelset(&all, SIGKILL);
+    sigdelset(&all, SIGSTOP);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &all);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~Surroundings() {
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&attributes);
+  }
+  Surroundings(const Surroundings&) = delete;
+  Surroundings& operator=(const Surroundings&) = delete;
+};
+
+bool set_nonblocking(int descriptor) { return ::fcntl(descriptor, F_SETFL, O_NONBLOCK) == 0; }
+
+} // namespace
+
+std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>& words,
+                                                  std::string& refusal) {
+  const auto failed = [&](const char* what, int error) {
+    refusal = std::string(what) + ": " + std::strerror(error);
+    return nullptr;
+  };
+  // A socket pair for stdin and stdout: send() on it can be told to raise no SIGPIPE.
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    return failed("no pipe to a program", errno);
+  Descriptor ours(ends[0]), theirs(ends[1]);
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+    return failed("no pipe to a program", errno);
+  Descriptor errors(ends[0]), their_errors(ends[1]);
+  if (!theirs.lift() || !their_errors.lift() || !set_nonblocking(ours.get()) ||
+      !set_nonblocking(errors.get()))
+    return failed("no pipe to a program", errno);
+  std::vector<char*> arguments;
+  for (const std::string& word : words)
+    arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  const Surroundings surroundings(theirs.get(), their_errors.get());
+  std::unique_ptr<ChildProcess> child(new ChildProcess);
+  if (const int error = ::posix_spawn(&child->child_, words[0].c_str(), &surroundings.files,
+                                      &surroundings.attributes, arguments.data(), environ);
+      error != 0) {
+    child->child_ = -1;
+    return failed((words[0] + " does not start").c_str(), error);
+  }
+  child->stream_ = ours.release();
+  child->errors_ = errors.release();
+  return child;
+}
+
+ChildProcess::~ChildProcess() { static_cast<void>(end(0)); }
+
+std::size_t ChildProcess::send(std::span<const std::byte> bytes) {
+  for (;;) {
+    const ssize_t count = ::send(stream_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (count >= 0)
+      return static_cast<std::size_t>(count);
+    if (errno != EINTR)
+      return 0;
+  }
+}
+
+bool ChildProcess::receive(std::vector<std::byte>& into, std::size_t limit) {
+  read_errors();
+  constexpr std::size_t kPiece = 1 << 18;
+  while (limit > 0) {
+    const std::size_t before = into.size(), piece = std::min(limit, kPiece);
+    into.resize(before + piece);
+    const ssize_t count = ::recv(stream_, into.data() + before, piece, 0);
+    const int error = errno;
+    into.resize(before + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    if (count == 0 || (count < 0 && error != EINTR && error != EAGAIN))
+      return false;
+    if (count < 0 && error == EAGAIN)
+      return true;
+    limit -= static_cast<std::size_t>(std::max<ssize_t>(count, 0));
+  }
+  return true;
+}
+
+void ChildProcess::wait(double seconds) {
+  std::array<pollfd, 1> watched{{{stream_, POLLIN, 0}}};
+  static_cast<void>(::poll(watched.data(), 1, static_cast<int>(std::ceil(1e3 * seconds))));
+}
+
+void ChildProcess::read_errors() {
+  std::array<char, 1024> piece{};
+  for (int i = 0; i < 64; ++i) { // bounded: it may write without end
+    const ssize_t count = ::read(errors_, piece.data(), piece.size());
+    if (count <= 0)
+      return;
+    said_.append(piece.data(), static_cast<std::size_t>(count));
+    if (said_.size() > kMaxSaid)
+      said_.erase(0, said_.size() - kMaxSaid);
+  }
+}
+
+/// True once it has ended: a process that somebody else has reaped is gone too.
+bool ChildProcess::has_ended(int options) {
+  pid_t found = 0;
+  do
+    found = ::waitpid(child_, &status_, options);
+  while (found < 0 && errno == EINTR);
+  return found != 0;
+}
+
+std::string ChildProcess::end(double grace_s) {
+  if (child_ >= 0) {
+    ::shutdown(stream_, SHUT_RDWR);
+    bool ended = has_ended(WNOHANG);
+    for (; !ended && grace_s > 0; grace_s -= 1e-3) {
+      ::usleep(1000);
+      ended = has_ended(WNOHANG);
+    }
+    if (!ended) {
+      ::kill(child_, SIGKILL);
+      static_cast<void>(has_ended(0));
+    }
+    child_ = -1;
+    read_errors();
+    ::close(stream_);
+    ::close(errors_);
+  }
+  if (const std::size_t last = said_.find_last_not_of("\r\n"); last != std::string::npos) {
+    const std::size_t before = said_.find_last_of("\r\n", last); // npos + 1 is 0
+    return said_.substr(before + 1, last - before);
+  }
+  return WIFSIGNALED(status_) ? "signal " + std::to_string(WTERMSIG(status_))
+                              : "status " + std::to_string(WEXITSTATUS(status_));
+}
+
+} // namespace tactus

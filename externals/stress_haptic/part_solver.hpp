@@ -1,0 +1,82 @@
+#pragma once
+
+#include "core/stress/reanalysis.hpp"
+#include "core/stress/serve_protocol.hpp"
+#include "externals/stress_haptic/child_process.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactus::stress {
+
+/// What a solver is made for.
+struct SolverOrder {
+  const StressTable& table; ///< outlives the solver
+  std::string path;         ///< of the table
+  std::string program;      ///< path or name of part_stress; empty: where it is looked for
+  bool wait = false;        ///< for every answer, so that a render repeats
+};
+
+/// The program part_stress: beside this module, else in PATH; or the one that is given, a path if
+/// it has a slash. Empty when there is none that can be run.
+[[nodiscard]] std::string find_part_stress(const std::string& program);
+
+/// Solves a table's part by `part_stress serve` as a child process. When the child has loaded the
+/// part, its solution at the table's own shape is compared with the table. A child that ends, does
+/// not answer in time or answers what cannot be is killed, and the solver is lost.
+class PartSolver final : public Reanalysis {
+public:
+  static constexpr double kTolerance = 1e-8; ///< ||f - K u|| / ||f|| of PCG
+  static constexpr double kSameStress =
+      1e-3; ///< largest difference from the table / largest stress
+  struct Limits {
+    double start_s = 300; ///< to load the part
+    double solve_s = 30;  ///< for an answer, if its costs do not make it longer
+  };
+
+  explicit PartSolver(SolverOrder order) : PartSolver(std::move(order), Limits{}) {}
+  PartSolver(SolverOrder order, const Limits& limits);
+
+  [[nodiscard]] bool prepare() override;
+  /// As the child measured them. None when the caller waits: the choice of a method must not depend
+  /// on the clock; then it goes by iterations alone.
+  [[nodiscard]] Costs costs() const noexcept override { return order_.wait ? Costs{} : costs_; }
+  [[nodiscard]] std::string start(std::span<const double> displacement_m, Method method,
+                                  bool sensitivities) override;
+  [[nodiscard]] std::optional<Result> poll() override;
+
+private:
+  enum class State : std::uint8_t { kNone, kLoading, kChecking, kReady, kSolving, kLost };
+  using Clock = std::chrono::steady_clock;
+
+  void launch();
+  void advance();
+  void exchange();
+  void take(ServeKind kind, std::span<const std::byte> payload);
+  void take_ready(std::span<const std::byte> payload);
+  void take_answer(std::span<const std::byte> payload);
+  [[nodiscard]] bool is_tables_own(const StressBase& base) const;
+  void ask(std::span<const double> displacement_m, ServeMethod method, std::uint32_t flags);
+  void lose(const std::string& reason);
+  [[nodiscard]] std::uint64_t answer_bytes() const noexcept;
+  void set_limit(double seconds);
+
+  SolverOrder order_;
+  Limits limits_;
+  Costs costs_;
+  std::unique_ptr<ChildProcess> child_;
+  State state_ = State::kNone;
+  bool sensitivities_ = false; ///< asked for
+  Clock::time_point limit_;
+  double limit_s_ = 0;
+  std::vector<std::byte> out_, in_;
+  std::size_t sent_ = 0;
+  std::shared_ptr<const StressBase> latest_; ///< of the newest answer; null: the table's own
+  std::optional<Result> result_;
+};
+
+} // namespace tactus::stress

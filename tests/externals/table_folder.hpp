@@ -1,0 +1,54 @@
+#pragma once
+
+#include "core/stress/stress_table.hpp"
+#include "tests/core/stress/tables.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace tactus::test {
+
+using stress::StressTable;
+
+/// A folder of its own with the cantilever's table in it.
+struct TableFolder {
+  std::filesystem::path path;
+  TableFolder() {
+    static std::atomic<int> count{0};
+    path = std::filesystem::temp_directory_path() /
+           ("stress_haptic_test." +
+            std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + "." +
+            std::to_string(count++));
+    std::filesystem::create_directories(path);
+    write("cantilever.stress.npz", Cantilever::table());
+  }
+  ~TableFolder() { std::filesystem::remove_all(path); }
+  TableFolder(const TableFolder&) = delete;
+  TableFolder& operator=(const TableFolder&) = delete;
+
+  void write(const std::string& name, const StressTable& table) const {
+    const std::string meta = R"({"format":"stress-table","version":"1.0","name":")" + name + "\"}";
+    std::vector<double> rows, points;
+    for (const auto& p : table.parameters)
+      rows.insert(rows.end(), {static_cast<double>(p.control_point), static_cast<double>(p.axis),
+                               p.low_m, p.high_m});
+    for (const haptic::Vec3& c : table.control_point_m)
+      points.insert(points.end(), {c.x, c.y, c.z});
+    const auto& field = table.base.von_mises;
+    const std::size_t p = table.parameters.size();
+    const std::string text =
+        test::archive({{"meta", "|u1", {meta.size()}, meta},
+                       {"s0", "<f4", {table.elements()}, test::raw(field.stress)},
+                       {"S", "<f4", {p, table.elements()}, test::raw(field.sensitivity)},
+                       {"parameters", "<f8", {p, 4}, test::raw(rows)},
+                       {"control_points", "<f8", {points.size() / 3, 3}, test::raw(points)},
+                       {"trust", "<f8", {}, test::raw(std::vector<double>{table.trust_m})}});
+    std::ofstream(path / name, std::ios::binary) << text;
+  }
+};
+
+} // namespace tactus::test
