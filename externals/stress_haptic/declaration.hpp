@@ -71,6 +71,8 @@ inline constexpr std::array kMessages{
     Message{"bang", "", 0, 0, "send gamma, force and info now"},
     Message{"points", "", 0, 0,
             "send workspace and control points to the protocol outlet, for haptic_server"},
+    Message{"draw", "[all]", 0, 1,
+            "send the picture to the info outlet: faces that have changed, or all of them"},
 };
 enum MessageIndex : std::size_t {
   kLoad,
@@ -84,6 +86,7 @@ enum MessageIndex : std::size_t {
   kAnchor,
   kBang,
   kPoints,
+  kDraw,
   kMessageCount
 };
 static_assert(kMessages.size() == kMessageCount);

@@ -243,6 +243,8 @@ PartOrder read_order(const std::vector<std::string>& words) {
       order.directions = read_directions(option, reader.value());
     } else if (option == "--range") {
       order.range = reader.length(1e-9, 1e9);
+    } else if (option == "--skin") {
+      order.skin_edge = reader.length(1e-9, 1e9);
     } else if (option == "--trust") {
       order.trust = reader.length(1e-9, 1e9);
     } else if (option == "--move") {
@@ -298,7 +300,8 @@ Shape         --box X1,Y1,Z1,X2,Y2,Z2 (the body's)  --lattice NX NY NZ (3 3 3)
               --trust LENGTH (a tenth of the box)  moves for which the Taylor series serves
               --move ID DX DY DZ    the picture after control point ID moved; may be repeated
 Work          --threads N (1)  --memory SIZE  refuse work that takes more, such as 800M or 4G
-Output        -o NAME.stress.npz  --sheet FILE.png  --vtu FILE
+Output        -o NAME.stress.npz  --skin LENGTH (the mesh's)  edges of the skin drawn from it
+              --sheet FILE.png  --vtu FILE
               --export-inp FILE  mesh, supports and nodal loads for CalculiX
               --step FILE        the shape lift_arm as a CAD file
               --quiet  no progress

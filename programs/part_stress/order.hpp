@@ -42,8 +42,9 @@ struct PartOrder : BodyOrder {
   std::array<int, 3> degree{0, 0, 0}; ///< 0: 3, or one less than the points where they are fewer
   std::vector<int> controls;          ///< that may move; empty: all that keep the body in one piece
   std::array<bool, 3> directions{true, true, true};
-  double range = 0; ///< m, of each coordinate both ways; 0: half the lattice's spacing
-  double trust = 0; ///< m; 0: a tenth of the lattice's shortest side
+  double range = 0;     ///< m, of each coordinate both ways; 0: half the lattice's spacing
+  double trust = 0;     ///< m; 0: a tenth of the lattice's shortest side
+  double skin_edge = 0; ///< m; 0: the skin in the table is the mesh's
   std::vector<Move> moves;
 
   bool list_faces = false;
