@@ -59,10 +59,6 @@ StressField read_field(TableArrays& arrays, const NpzFile& file, std::string_vie
   return field;
 }
 
-bool is_finite(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); });
-}
-
 void read_surface(TableArrays& arrays, StressTable& table) {
   if (!arrays.has("surface_nodes"))
     return;
@@ -74,8 +70,6 @@ void read_surface(TableArrays& arrays, StressTable& table) {
   table.surface_weight = arrays.singles("surface_weights", {count, points}, false);
   if (!arrays.good())
     return;
-  if (!is_finite(table.surface_weight))
-    return arrays.refuse("array 'surface_weights' holds numbers that are not finite");
   const auto outside = [](const std::vector<double>& values, std::size_t limit) {
     return std::find_if(values.begin(), values.end(), [limit](double x) {
       return !(x >= 0 && x < static_cast<double>(limit)) || x != std::floor(x);
@@ -95,6 +89,10 @@ void read_surface(TableArrays& arrays, StressTable& table) {
     table.surface_triangle.push_back({static_cast<std::int32_t>(corners[3 * t]),
                                       static_cast<std::int32_t>(corners[3 * t + 1]),
                                       static_cast<std::int32_t>(corners[3 * t + 2])});
+}
+
+bool is_finite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); });
 }
 
 } // namespace

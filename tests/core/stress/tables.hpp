@@ -88,6 +88,7 @@ inline std::vector<Member> small_stress_table() {
       {"trust", "<f8", {}, raw(std::vector<double>{0.005})},
       {"surface_nodes", "<f4", {3, 3}, raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0})},
       {"surface_triangles", "<i4", {1, 3}, raw(std::vector<std::int32_t>{0, 1, 2})},
+      {"surface_weights", "<f4", {3, 2}, raw(std::vector<float>{1, 0, 0.5F, 0.5F, 0, 1})},
       {"surface_node_element", "<i4", {3}, raw(std::vector<std::int32_t>{3, 2, 0})},
   };
 }
