@@ -6,7 +6,7 @@ new solution by part_stress.
 
 Then a hand lowers the peak stress of the arm by feel alone, 20 times. Each time it takes one of the 12 points
 that move, feels the spring of 2 mm where the point is and 2 mm further along x and along y (mapping mean,
-gamma 0 to 1 within half a per cent of the mean at hand; all other points follow so that the volume stays), and
+gamma 0 to 1 within a quarter of a per cent of the mean at hand; all other points follow so that the volume stays), and
 moves 3 mm to where the spring is softer. Differences below 7 % are not felt, as by people (Jones 1989, matching
 of forces): where there is none, the hand stays. Beside it: the same hand in random directions, and descent along
 the exact derivative of the peak's 12-norm with all points at once, in steps of the same length. No hand goes
@@ -31,7 +31,7 @@ FEELS = {"mean, spring": (), "sensitive, spring": ("mode weighted",), "each axis
 BEGIN_MS = 500  # the hand has taken the point
 SEEDS, ROUNDS, STEP, LIMIT = 20, 30, 3e-3, 8e-3
 PROBE_MM, SETTLE_MS, NORM = 2, 120, 12
-BAND, NOTICED = 5e-3, 0.07  # of the mean stress; of a force
+BAND, NOTICED = 2.5e-3, 0.07  # of the mean stress; of a force
 
 
 def render(name, words):
