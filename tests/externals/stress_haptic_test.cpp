@@ -50,14 +50,30 @@ struct Folder {
       points.insert(points.end(), {c.x, c.y, c.z});
     const auto& field = table.base.von_mises;
     const std::size_t p = table.parameters.size();
-    const std::string text =
-        test::archive({{"meta", "|u1", {meta.size()}, meta},
-                       {"s0", "<f4", {table.elements()}, test::raw(field.stress)},
-                       {"S", "<f4", {p, table.elements()}, test::raw(field.sensitivity)},
-                       {"parameters", "<f8", {p, 4}, test::raw(rows)},
-                       {"control_points", "<f8", {points.size() / 3, 3}, test::raw(points)},
-                       {"trust", "<f8", {}, test::raw(std::vector<double>{table.trust_m})}});
-    std::ofstream(path / name, std::ios::binary) << text;
+    std::vector<double> nodes;
+    for (const Vec3& node : table.surface_node_m)
+      nodes.insert(nodes.end(), {node.x, node.y, node.z});
+    std::vector<std::int32_t> corners;
+    for (const auto& triangle : table.surface_triangle)
+      corners.insert(corners.end(), triangle.begin(), triangle.end());
+    const std::size_t c = table.control_point_m.size(), v = nodes.size() / 3;
+    std::vector<test::Member> members{
+        {"meta", "|u1", {meta.size()}, meta},
+        {"s0", "<f4", {table.elements()}, test::raw(field.stress)},
+        {"S", "<f4", {p, table.elements()}, test::raw(field.sensitivity)},
+        {"parameters", "<f8", {p, 4}, test::raw(rows)},
+        {"control_points", "<f8", {points.size() / 3, 3}, test::raw(points)},
+        {"trust", "<f8", {}, test::raw(std::vector<double>{table.trust_m})}};
+    if (v > 0) {
+      members.push_back({"surface_nodes", "<f8", {v, 3}, test::raw(nodes)});
+      members.push_back({"surface_triangles", "<i4", {corners.size() / 3, 3}, test::raw(corners)});
+      members.push_back(
+          {"surface_node_element", "<i4", {v}, test::raw(table.surface_node_element)});
+    }
+    if (v > 0 && table.surface_weight.size() == v * c) {
+      members.push_back({"surface_weights", "<f4", {v, c}, test::raw(table.surface_weight)});
+    }
+    std::ofstream(path / name, std::ios::binary) << test::archive(members);
   }
 };
 
@@ -478,6 +494,46 @@ TEST_CASE("in real time a thread evaluates: the newest request counts") {
       [&] { return rig.host.sent.contains(0) && std::abs(rig.gamma() / truth - 1) < 1e-6; }));
   CHECK(!rig.solver->started.empty());
   CHECK(rig.host.errors.empty());
+}
+
+TEST_CASE("in real time the thread draws: what is asked while the table is read comes after it") {
+  Rig rig(true);
+  rig.say("draw");
+  REQUIRE(rig.host.errors.size() == 1);
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("draw"); // still being read, or not
+  REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
+  CHECK(rig.host.said("picture 2.000000 2.000000 ")); // faces, control points, scale
+  CHECK(rig.host.said("point 1.000000 100.000000 10.000000 0.000000"));
+  // Both faces move: corner 3 by 1 mm; corner 4, of the second alone, by 2 mm.
+  rig.host.infos.clear();
+  rig.say("list", {2.0, 1.0}); // mm
+  rig.say("draw");
+  REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
+  CHECK(rig.host.said("point 1.000000 100.000000 11.000000 0.000000"));
+  const auto has = [&](const std::string& start, const std::string& end) {
+    for (const std::string& one : rig.host.infos)
+      if (one.starts_with(start) && one.ends_with(end))
+        return true;
+    return false;
+  };
+  CHECK(has("face 0.000000 ", " 100.000000 11.000000"));
+  CHECK(has("face 1.000000 ", " 100.000000 11.000000 0.000000 12.000000"));
+  // Nothing has changed: no face, but the points.
+  rig.host.infos.clear();
+  rig.say("draw");
+  REQUIRE(rig.wait([&] { return rig.host.said("point 1"); }));
+  CHECK(!rig.host.said("face"));
+  // Another table is drawn whole, and a picture asked of the old one is not taken for its own.
+  rig.say("draw");
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.host.infos.clear();
+  REQUIRE(rig.wait([&] { return rig.host.said("loaded"); }));
+  rig.host.infos.clear();
+  rig.say("draw");
+  REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
+  CHECK(has("face 1.000000 ", " 100.000000 10.000000 0.000000 10.000000"));
+  CHECK(rig.host.errors.size() == 1);
 }
 
 TEST_CASE("tables loaded one after another: the last one counts, and an end while it reads") {

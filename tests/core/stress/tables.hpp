@@ -66,6 +66,11 @@ public:
     table.parameters = {{0, 1, -0.01, 0.02}, {1, 1, -0.01, 0.02}};
     table.control_point_m = {{0, 0.01, 0}, {0.1, 0.01, 0}};
     table.trust_m = 0.002;
+    // Its side in two triangles; the upper corners are the control points.
+    table.surface_node_m = {{0, -0.01, 0}, {0.1, -0.01, 0}, {0.1, 0.01, 0}, {0, 0.01, 0}};
+    table.surface_triangle = {{0, 1, 2}, {0, 2, 3}};
+    table.surface_node_element = {0, kElements - 1, kElements - 1, 0};
+    table.surface_weight = {0, 0, 0, 0, 0, 1, 1, 0};
     return table;
   }
 };
