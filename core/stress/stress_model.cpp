@@ -108,6 +108,23 @@ double StressModel::distance_m(std::span<const double> a, std::span<const double
   return longest;
 }
 
+void StressModel::stress_of(std::span<const std::size_t> elements,
+                            std::span<const double> displacement_m,
+                            std::span<double> stress_pa) const noexcept {
+  const StressField& stress = field(base());
+  const std::size_t count = table_->elements();
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    stress_pa[i] = static_cast<double>(stress.stress[elements[i]]);
+  for (std::size_t p = 0; p < table_->parameters.size(); ++p) {
+    const double move = displacement_m[p] - base().displacement_m[p];
+    if (move == 0 || !std::isfinite(move))
+      continue;
+    const float* row = stress.sensitivity.data() + p * count;
+    for (std::size_t i = 0; i < elements.size(); ++i)
+      stress_pa[i] += static_cast<double>(row[elements[i]]) * move;
+  }
+}
+
 const Feedback& StressModel::update(std::span<const double> displacement_m) noexcept {
   const StressField& stress = field(base());
   const std::size_t count = table_->elements();
@@ -133,6 +150,7 @@ const Feedback& StressModel::update(std::span<const double> displacement_m) noex
     feedback_.gamma[axis] = gamma_of(feedback_.raw[axis], feedback_.min[axis], feedback_.max[axis]);
   }
   feedback_.mean_pa = found.stress.sum / weight_sum_;
+  feedback_.peak_pa = found.stress.max;
   feedback_.trust_ratio = distance_m(displacement_m, base().displacement_m) / table_->trust_m;
   return feedback_;
 }

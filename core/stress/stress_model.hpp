@@ -14,6 +14,7 @@ struct Feedback {
   haptic::Vec3 raw, min, max; ///< g and its range: Pa, or Pa^2/m where sensitivities weigh
   haptic::Vec3 gamma;         ///< 0..1
   double mean_pa = 0;         ///< weighted mean of the stress, whatever the mapping
+  double peak_pa = 0;         ///< largest stress of an element
   double trust_ratio = 0;     ///< largest displacement of a control point since the base / trust
   friend bool operator==(const Feedback&, const Feedback&) = default;
 };
@@ -35,6 +36,9 @@ public:
   void rebase(std::shared_ptr<const StressBase> base);
   /// displacement_m: [P]; what is not finite is 0. Allocates nothing.
   [[nodiscard]] const Feedback& update(std::span<const double> displacement_m) noexcept;
+  /// The series at some elements, Pa: as many numbers as elements. Allocates nothing.
+  void stress_of(std::span<const std::size_t> elements, std::span<const double> displacement_m,
+                 std::span<double> stress_pa) const noexcept;
   /// Largest length of a control point's displacement between two shapes, m.
   [[nodiscard]] double distance_m(std::span<const double> a, std::span<const double> b) noexcept;
 

@@ -133,6 +133,12 @@ const SessionResult& StressSession::step(double now_s, const SessionRequest& req
   result_.method = ratio > UpdatePolicy::kMinRatio ? Method::kTaylor : base_method_;
   result_.error = error_at_trust_ * ratio * ratio;
   result_.outside_trust = ratio > 1;
+  if (request.picture != result_.picture_number) {
+    if (!picture_)
+      picture_ = std::make_unique<StressPicture>(model_.table());
+    result_.picture = picture_->draw(model_, request.displacement_m);
+    result_.picture_number = request.picture;
+  }
   start_solve(now_s, request);
   return result_;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/stress/stress_model.hpp"
+#include "core/stress/stress_picture.hpp"
 #include "core/stress/update_policy.hpp"
 
 #include <cstdint>
@@ -18,6 +19,7 @@ struct SessionRequest {
   Resolve resolve = Resolve::kAuto;
   int control_point = -1;             ///< grabbed; -1: none
   std::vector<double> displacement_m; ///< [P]
+  std::uint64_t picture = 0;          ///< another number than before: draw the shape
 };
 
 enum class Solver : std::uint8_t { kNone, kStarting, kReady };
@@ -34,6 +36,8 @@ struct SessionResult {
   bool outside_trust = false;
   bool solving = false;
   Solver solver = Solver::kNone;
+  std::uint64_t picture_number = 0; ///< of the request for which it was drawn
+  std::shared_ptr<const Picture> picture;
   friend bool operator==(const SessionResult&, const SessionResult&) = default;
 };
 
@@ -68,6 +72,7 @@ private:
   void start_solve(double now_s, const SessionRequest& request);
 
   StressModel model_;
+  std::unique_ptr<StressPicture> picture_; ///< made when it is first asked for
   std::unique_ptr<Reanalysis> reanalysis_;
   UpdatePolicy policy_;
   SessionRequest request_;

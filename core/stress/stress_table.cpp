@@ -66,6 +66,8 @@ void read_surface(TableArrays& arrays, StressTable& table) {
   const std::size_t count = nodes.size() / 3;
   const auto corners = arrays.reals("surface_triangles", {TableArrays::kAny, 3}, true);
   const auto elements = arrays.reals("surface_node_element", {count}, true);
+  const std::size_t points = table.control_point_m.size();
+  table.surface_weight = arrays.singles("surface_weights", {count, points}, false);
   if (!arrays.good())
     return;
   const auto outside = [](const std::vector<double>& values, std::size_t limit) {

@@ -40,6 +40,7 @@ struct StressTable {
   std::vector<haptic::Vec3> surface_node_m;                  ///< for drawing, or empty
   std::vector<std::array<std::int32_t, 3>> surface_triangle; ///< counterclockwise from outside
   std::vector<std::int32_t> surface_node_element;            ///< [V] element that colours the node
+  std::vector<float> surface_weight; ///< [V][C] motion of a node over a control point's, or empty
   std::string name, material, loads;
   bool has_mesh = false; ///< of part_stress, which solves it at other shapes
 

@@ -74,6 +74,8 @@ inline constexpr std::array kMessages{
     Message{"solver", "path | auto", 1, 1,
             "the program part_stress that solves the part again, or the one that is found beside "
             "the object or in PATH; starts it anew"},
+    Message{"draw", "[all]", 0, 1,
+            "send the picture to the info outlet: faces that have changed, or all of them"},
 };
 enum MessageIndex : std::size_t {
   kLoad,
@@ -88,6 +90,7 @@ enum MessageIndex : std::size_t {
   kBang,
   kPoints,
   kSolver,
+  kDraw,
   kMessageCount
 };
 static_assert(kMessages.size() == kMessageCount);

@@ -82,6 +82,9 @@ def main(path):
         "trust": table_file.array("<f8", (), [TRUST]),
         "surface_nodes": table_file.array("<f4", (len(nodes), 3), [c for n in nodes for c in n]),
         "surface_triangles": table_file.array("<i4", (len(triangles) // 3, 3), triangles),
+        "surface_weights": table_file.array("<f4", (len(nodes), 3),
+                                            [(y / H + 0.5) * share for x, y, _ in nodes
+                                             for share in bernstein(x / L + 0.5)]),
         "surface_node_element": table_file.array("<i4", (len(nodes),), element),
     })
 

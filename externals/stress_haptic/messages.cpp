@@ -55,6 +55,8 @@ void StressHaptic::message(std::size_t index, std::span<const Atom> arguments, H
     return;
   case kPoints:
     return send_points(host);
+  case kDraw:
+    return draw(arguments, host);
   default:
     break;
   }

@@ -82,6 +82,7 @@ void StressHaptic::send_info(Host& host) {
   host.info({"iters", static_cast<double>(result_.iterations)});
   host.info({"ms", 1e3 * (result_.method == Method::kTaylor ? result_.update_s : result_.solve_s)});
   host.info({"mean", feedback.mean_pa});
+  host.info({"peak", held(feedback.peak_pa)});
   host.info({"outside", result_.outside_trust ? 1.0 : 0.0});
 }
 

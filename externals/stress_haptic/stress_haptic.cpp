@@ -122,6 +122,8 @@ void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
   can_solve_ = loaded.can_solve;
   request_.table = loaded.number;
   request_.control_point = -1;
+  request_.picture = 0;
+  sent_faces_.clear();
   request_.displacement_m.assign(table_->parameters.size(), 0);
   host.info({"loaded", std::string_view(table_->name.empty() ? "part" : table_->name),
              static_cast<double>(table_->elements()),
@@ -130,6 +132,8 @@ void StressHaptic::take_table(StressWorker::Loaded loaded, Host& host) {
   for (const std::size_t parameter : {kState, kWeights, kResolve})
     warn_of(parameter, host);
   submit(host);
+  if (std::exchange(draw_when_loaded_, false))
+    draw({}, host);
 }
 
 void StressHaptic::submit(Host& host) {
@@ -159,6 +163,8 @@ void StressHaptic::collect(Host& host) {
       gamma_.go(result_.feedback.gamma, now_s);
     info_due_ = info_due_ || changed;
   }
+  if (result_.table == request_.table && result_.picture_number > sent_picture_)
+    send_picture(host);
   send(host, false);
   schedule(host);
 }

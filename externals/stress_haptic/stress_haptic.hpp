@@ -56,6 +56,8 @@ private:
   void set_gains(Numbers numbers, Host& host);
   void set_anchor(std::span<const Atom> arguments, Host& host);
   void send_points(Host& host);
+  void draw(std::span<const Atom> arguments, Host& host);
+  void send_picture(Host& host);
 
   /// False after one sentence when no table is there.
   [[nodiscard]] bool has_table(std::string_view message, Host& host) const;
@@ -100,7 +102,10 @@ private:
   double feedback_ms_ = -1e9, info_ms_ = -1e9;
   std::uint64_t feedback_sequence_ = 0;
   bool info_due_ = false;
-  StressWorker worker_; // last: its thread ends before what it uses
+  std::uint64_t pictures_ = 0, sent_picture_ = 0; ///< asked for, and sent
+  bool draw_when_loaded_ = false;
+  std::vector<PictureFace> sent_faces_; ///< empty: all are due
+  StressWorker worker_;                 // last: its thread ends before what it uses
 };
 
 } // namespace tactus::stress

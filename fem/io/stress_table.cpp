@@ -4,6 +4,9 @@
 #include "fem/io/meta.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/words.hpp"
+#include "fem/mesh/simplify.hpp"
+
+#include <map>
 
 namespace tactus::fem {
 namespace {
@@ -59,15 +62,52 @@ std::vector<double> coordinates(std::span<const Vector3> points) {
   return out;
 }
 
+/// The skin in fewer triangles, whose corners are some of its vertices.
+Surface coarser(const Mesh& mesh, const Surface& skin, double edge) {
+  constexpr double kDeviation = 0.15; // of the edge
+  Triangles triangles;
+  std::map<std::array<double, 3>, int> node_at;
+  for (const int node : skin.node) {
+    const Vector3& p = mesh.nodes[static_cast<std::size_t>(node)];
+    triangles.points.push_back(p);
+    node_at.emplace(std::array{p.x, p.y, p.z}, node);
+  }
+  triangles.triangles = skin.triangles;
+  triangles.shell.assign(skin.triangles.size(), 0);
+  triangles.shells = 1;
+  triangles = simplified(
+      triangles, [edge](const Vector3&) { return edge; }, kDeviation * edge);
+  Surface out;
+  for (const Vector3& p : triangles.points)
+    out.node.push_back(node_at.at({p.x, p.y, p.z}));
+  out.triangles = triangles.triangles;
+  return out;
+}
+
+/// [V,C]: by how much of a control point's displacement each vertex moves.
+std::vector<float> weights_of(const ControlWeights& weights, const Surface& skin) {
+  const std::size_t controls = weights.control_points.size();
+  std::vector<float> out(skin.node.size() * controls, 0);
+  for (std::size_t v = 0; v < skin.node.size(); ++v) {
+    const auto node = static_cast<std::size_t>(skin.node[v]);
+    for (std::size_t k = weights.start[node]; k < weights.start[node + 1]; ++k)
+      out[v * controls + static_cast<std::size_t>(weights.control[k])] =
+          static_cast<float>(weights.weight[k]);
+  }
+  return out;
+}
+
 } // namespace
 
 std::vector<std::int32_t> element_of_vertices(const Mesh& mesh, const Surface& skin,
                                               std::span<const double> volumes) {
+  constexpr double kEqual = 1e-9; // of equal elements odd nodes take the last: no side is favoured
   std::vector<std::int32_t> owner(mesh.nodes.size(), -1);
   for (std::size_t e = 0; e < mesh.elements.size(); ++e)
     for (const int node : mesh.nodes_of(mesh.elements[e])) {
       std::int32_t& at = owner[static_cast<std::size_t>(node)];
-      if (at < 0 || volumes[e] > volumes[static_cast<std::size_t>(at)])
+      const double ratio = at < 0 ? 2 : volumes[e] / volumes[static_cast<std::size_t>(at)];
+      if (ratio > 1 + kEqual || (ratio > 1 - kEqual && node % 2 == 1))
         at = static_cast<std::int32_t>(e);
     }
   std::vector<std::int32_t> out;
@@ -79,7 +119,9 @@ std::vector<std::int32_t> element_of_vertices(const Mesh& mesh, const Surface& s
 
 void write_stress_table(const std::string& path, const StressTable& t) {
   const std::size_t elements = t.mesh.elements.size(), parameters = t.parameters.size();
-  const Surface skin = surface_of(t.mesh);
+  const Surface whole = surface_of(t.mesh);
+  const Surface skin = t.skin_edge > 0 ? coarser(t.mesh, whole, t.skin_edge) : whole;
+  const auto& control_points = t.control_weights.control_points;
   std::vector<Vector3> vertices;
   for (const int node : skin.node)
     vertices.push_back(t.mesh.nodes[static_cast<std::size_t>(node)]);
@@ -101,11 +143,13 @@ void write_stress_table(const std::string& path, const StressTable& t) {
   npz.add("S_shear", t.sensitivity.max_shear, {parameters, elements});
   npz.add("weights", singles(t.volumes), {elements});
   npz.add("parameters", rows, {parameters, 4});
-  npz.add("control_points", coordinates(t.control_points), {t.control_points.size(), 3});
+  npz.add("control_points", coordinates(control_points), {control_points.size(), 3});
   npz.add("trust", std::span(&t.trust, 1), {});
   npz.add("surface_nodes", coordinates(vertices), {vertices.size(), 3});
   npz.add("surface_triangles", triangles, {skin.triangles.size(), 3});
   npz.add("surface_node_element", element_of_vertices(t.mesh, skin, t.volumes), {vertices.size()});
+  npz.add("surface_weights", weights_of(t.control_weights, skin),
+          {vertices.size(), control_points.size()});
   npz.add("mesh", mesh_bytes, {mesh_bytes.size()});
   npz.write(path);
 }

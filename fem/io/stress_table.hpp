@@ -1,4 +1,5 @@
 #pragma once
+#include "fem/design/lattice.hpp"
 #include "fem/design/sensitivity.hpp"
 
 #include <string>
@@ -24,16 +25,17 @@ struct StressTable {
   const StressSensitivity& sensitivity;         ///< Pa/m
   std::span<const double> volumes;              ///< of the elements, m^3
   std::vector<ParameterRange> parameters;
-  std::vector<Vector3> control_points; ///< m
-  std::array<int, 3> lattice{};        ///< control points along x, y, z
-  double trust = 0;                    ///< m
+  const ControlWeights& control_weights; ///< of the mesh's nodes; its control points are written
+  std::array<int, 3> lattice{};          ///< control points along x, y, z
+  double trust = 0;                      ///< m
+  double skin_edge = 0; ///< m: length of the edges of the drawn skin; 0: the mesh's
   StressNotes notes;
 };
 
 /// NAME.stress.npz, SI: meta (JSON), s0, shear0 [N], S, S_shear [P,N], weights [N], parameters
 /// [P,4], control_points [C,3], trust, surface_nodes [V,3], surface_triangles [T,3],
-/// surface_node_element [V] and, for solving again, mesh (bytes). docs/part_stress.md lists them. A
-/// surface node takes the colour of the largest of its elements.
+/// surface_node_element [V], surface_weights [V,C] and, for solving again, mesh (bytes).
+/// docs/part_stress.md lists them. A surface node takes the colour of the largest of its elements.
 void write_stress_table(const std::string& path, const StressTable&);
 
 /// For each vertex of the skin the element that lends it its stress: of those that share the node

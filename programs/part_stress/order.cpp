@@ -198,6 +198,8 @@ PartOrder read_order(const std::vector<std::string>& words) {
       order.loads.push_back(read_load(option, reader.value(), order.unit));
     } else if (option == "--gravity") {
       order.gravity = read_vector(option, reader.value());
+    } else if (option == "--skin") {
+      order.skin_edge = reader.length(1e-9, 1e9);
     } else if (option == "--move") {
       Move move;
       const std::string& id = reader.value();
@@ -247,7 +249,8 @@ Loads         --force WHERE:FX,FY,FZ        a force spread evenly, N (--load is 
 )" + usage_of_lattice() +
          R"(              --move ID DX DY DZ    the picture after control point ID moved; may be repeated
 Work          --threads N (1)  --memory SIZE  refuse work that takes more, such as 800M or 4G
-Output        -o NAME.stress.npz  --sheet FILE.png  --vtu FILE
+Output        -o NAME.stress.npz  --skin LENGTH (the mesh's)  edges of the skin drawn from it
+              --sheet FILE.png  --vtu FILE
               --export-inp FILE  mesh, supports and nodal loads for CalculiX
               --step FILE        the shape lift_arm as a CAD file
               --quiet  no progress

@@ -35,7 +35,8 @@ struct PartOrder : BodyOrder {
   std::vector<LoadOrder> loads;
   Vector3 gravity; ///< m/s^2
 
-  DesignOrder design; ///< control points
+  DesignOrder design;   ///< control points
+  double skin_edge = 0; ///< m; 0: the skin in the table is the mesh's
   std::vector<Move> moves;
 
   bool list_faces = false;

@@ -160,8 +160,8 @@ int run(const std::vector<std::string>& words) {
     progress.stage("writing " + order.output, 0);
     write_stress_table(order.output,
                        {mesh, model.materials, part.base_von_mises(), part.base_max_shear(),
-                        part.sensitivity(), volumes, space.parameters, space.weights.control_points,
-                        space.lattice.points, space.trust, notes});
+                        part.sensitivity(), volumes, space.parameters, space.weights,
+                        space.lattice.points, space.trust, order.skin_edge, notes});
   }
   PictureNotes beside;
   if (!order.moves.empty()) {

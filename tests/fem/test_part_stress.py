@@ -115,7 +115,8 @@ def test_the_table_holds_every_array_in_its_type_and_shape(bar):
     expected = {"s0": ("<f4", (elements,)), "shear0": ("<f4", (elements,)), "weights": ("<f4", (elements,)),
                 "S": ("<f4", (parameters, elements)), "S_shear": ("<f4", (parameters, elements)),
                 "parameters": ("<f8", (parameters, 4)), "control_points": ("<f8", (27, 3)), "trust": ("<f8", ()),
-                "surface_nodes": ("<f8", (vertices, 3)), "surface_node_element": ("<i4", (vertices,))}
+                "surface_nodes": ("<f8", (vertices, 3)), "surface_node_element": ("<i4", (vertices,)),
+                "surface_weights": ("<f4", (vertices, 27))}
     for name, (kind, shape) in expected.items():
         assert table[name].dtype == np.dtype(kind) and table[name].shape == shape, name
     assert table["surface_triangles"].dtype == np.int32 and table["surface_triangles"].max() == vertices - 1
@@ -337,6 +338,40 @@ def test_a_mesh_with_an_element_inside_out_is_refused_by_its_number(tmp_path):
         "*ELEMENT,TYPE=C3D10\n1," + ",".join(str(n + 1) for n in order) + "\n")
     said = refusal("bad.inp", "--fix", "z=0", "--gravity", "0,0,-9", "--unit", "m", folder=tmp_path)
     assert "element 1" in said
+
+
+# ---- the skin that is drawn
+
+def skin_volume(table, nodes):
+    a, b, c = (nodes[table["surface_triangles"][:, k]] for k in range(3))
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+
+
+def test_the_lattice_carries_the_skin(bar):
+    """B-splines on Greville abscissae reproduce every point of the box (The NURBS Book, 2.3), so the skin lies at
+    the weighted control points; moved by an affine map they move it by the same map."""
+    table = bar[2]
+    weights, points = table["surface_weights"].astype(float), table["control_points"]
+    assert np.allclose(weights @ points, table["surface_nodes"], atol=1e-8)
+    stretched = points * [1.1, 0.9, 1] + [0.01, 0, 0]
+    assert np.allclose(weights @ stretched, table["surface_nodes"] * [1.1, 0.9, 1] + [0.01, 0, 0], atol=1e-8)
+
+
+def test_a_coarser_skin_is_closed_and_of_the_same_body(tmp_path):
+    run("lift_arm", "-o", "fine.stress.npz", folder=tmp_path)
+    run("lift_arm", "--skin", "20", "-o", "coarse.stress.npz", folder=tmp_path)
+    fine, coarse = (np.load(tmp_path / f"{name}.stress.npz") for name in ("fine", "coarse"))
+    assert len(coarse["surface_triangles"]) < 0.2 * len(fine["surface_triangles"])
+    edges = np.concatenate([coarse["surface_triangles"][:, pair] for pair in ((0, 1), (1, 2), (2, 0))])
+    assert set(map(tuple, edges)) == set(map(tuple, edges[:, ::-1])) and len(set(map(tuple, edges))) == len(edges)
+    # No vertex is further than 0.15 of 20 mm from the new skin.
+    assert skin_volume(coarse, coarse["surface_nodes"]) == pytest.approx(skin_volume(fine, fine["surface_nodes"]), rel=0.02)
+    at = {tuple(node): (element, tuple(weights)) for node, element, weights in
+          zip(fine["surface_nodes"], fine["surface_node_element"], fine["surface_weights"])}
+    for node, element, weights in zip(coarse["surface_nodes"], coarse["surface_node_element"], coarse["surface_weights"]):
+        assert at[tuple(node)] == (element, tuple(weights))
+    assert np.array_equal(fine["S"], coarse["S"])
+    assert "--skin" in run("lift_arm", "--skin", "-3", folder=tmp_path, expect=1).stderr
 
 
 # ---- serve

@@ -72,6 +72,7 @@ TEST_CASE("every array of a stress table is read with its units") {
   CHECK(table.surface_node_m[1] == haptic::Vec3{1, 0, 0});
   CHECK(table.surface_triangle[0] == std::array<std::int32_t, 3>{0, 1, 2});
   CHECK(table.surface_node_element == std::vector<std::int32_t>{3, 2, 0});
+  CHECK(table.surface_weight == std::vector<float>{1, 0, 0.5F, 0.5F, 0, 1});
   CHECK(table.name == "four");
   CHECK(table.material == "steel");
   CHECK(table.loads == "1 N");
@@ -130,6 +131,9 @@ TEST_CASE("damage is one sentence with the array, what it is and what was expect
        {"'surface_triangles'", "corner -1"});
   says(refusal_with("surface_node_element", D{0, 1, 4}, {3}), {"'surface_node_element'", "4 of 4"});
   says(refusal_with("surface_node_element", D{0, 1, .5}, {3}), {"'surface_node_element'"});
+  says(refusal_with("surface_weights", D{0, 1, 0, 1}, {2, 2}), {"'surface_weights'"});
+  says(refusal_with("surface_weights", D{0, 1, 0, 1, 0, NAN}, {3, 2}),
+       {"'surface_weights'", "not finite"});
 }
 
 TEST_CASE("a table's description says what it is and in which units") {

@@ -66,6 +66,11 @@ public:
     table.parameters = {{0, 1, -0.01, 0.02}, {1, 1, -0.01, 0.02}};
     table.control_point_m = {{0, 0.01, 0}, {0.1, 0.01, 0}};
     table.trust_m = 0.002;
+    // Its side in two triangles; the upper corners are the control points.
+    table.surface_node_m = {{0, -0.01, 0}, {0.1, -0.01, 0}, {0.1, 0.01, 0}, {0, 0.01, 0}};
+    table.surface_triangle = {{0, 1, 2}, {0, 2, 3}};
+    table.surface_node_element = {0, kElements - 1, kElements - 1, 0};
+    table.surface_weight = {0, 0, 0, 0, 0, 1, 1, 0};
     return table;
   }
 };
@@ -88,6 +93,7 @@ inline std::vector<Member> small_stress_table() {
       {"trust", "<f8", {}, raw(std::vector<double>{0.005})},
       {"surface_nodes", "<f4", {3, 3}, raw(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0})},
       {"surface_triangles", "<i4", {1, 3}, raw(std::vector<std::int32_t>{0, 1, 2})},
+      {"surface_weights", "<f4", {3, 2}, raw(std::vector<float>{1, 0, 0.5F, 0.5F, 0, 1})},
       {"surface_node_element", "<i4", {3}, raw(std::vector<std::int32_t>{3, 2, 0})},
   };
 }

@@ -1,0 +1,107 @@
+"""Parts of ./play design: tables of part_stress, shapes made of them, and a program that solves them again."""
+import struct
+import subprocess
+
+import numpy
+from harness import stage_folder
+
+MAGIC, SOLVE, READY, STRESS = 0x31525354, 1, 16, 17  # docs/part_stress.md
+PCG = 1
+
+
+class Part:
+    """A table and its shapes. Parameters are displacements of coordinates of control points, m. A handle is
+    what patches/design drags: the control points of all layers at one x and y."""
+
+    def __init__(self, name, layer):
+        self.path = stage_folder() / f"{name}.stress.npz"
+        if not self.path.is_file():
+            raise RuntimeError(f"no {self.path}: it is made where the finite elements are built")
+        table = numpy.load(self.path)
+        self.stress, self.slope = table["s0"].astype(float), table["S"].astype(float)
+        self.weights = table["weights"] / table["weights"].sum()
+        self.points = table["control_points"]
+        self.nodes, self.triangles = table["surface_nodes"], table["surface_triangles"]
+        self.node_element, self.node_weights = table["surface_node_element"], table["surface_weights"].astype(float)
+        rows = table["parameters"]
+        self.control, self.axis = rows[:, 0].astype(int), rows[:, 1].astype(int)
+        self.layer = layer
+        self.coordinates = sorted({(c % layer, a) for c, a in zip(self.control, self.axis)})
+        self.handles = sorted({c for c, _ in self.coordinates})
+        # parameters = spread @ coordinates of handles
+        self.spread = numpy.array([[(c % layer, a) == one for one in self.coordinates]
+                                   for c, a in zip(self.control, self.axis)], float)
+
+    def displaced(self, handle, by):
+        """Parameters with one handle displaced by x, y."""
+        return numpy.array([by[a] if c % self.layer == handle and a < 2 else 0.0
+                            for c, a in zip(self.control, self.axis)])
+
+    def taylor(self, parameters):
+        return self.stress + parameters @ self.slope
+
+    def skin(self, parameters):
+        nodes = self.nodes.copy()
+        for c, a, d in zip(self.control, self.axis, parameters):
+            nodes[:, a] += self.node_weights[:, c] * d
+        return nodes
+
+    def volume(self, parameters):
+        """Of the drawn skin, by the divergence theorem."""
+        a, b, c = (self.skin(parameters)[self.triangles[:, k]] for k in range(3))
+        return float((a * numpy.cross(b, c)).sum() / 6)
+
+    def draw(self, axes, parameters, stress, scale):
+        """The side view that the patches show."""
+        from matplotlib.collections import PolyCollection
+        first = self.nodes[self.triangles]
+        normals = numpy.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
+        seen = numpy.flatnonzero(normals[:, 2] > 1e-3 * numpy.linalg.norm(normals, axis=1))
+        seen = self.triangles[seen[numpy.argsort(first[seen, :, 2].sum(1), kind="stable")]]
+        import matplotlib
+        colours = matplotlib.colormaps["turbo"](stress[self.node_element[seen]].mean(1) / scale)
+        axes.add_collection(PolyCollection(1000 * self.skin(parameters)[seen][:, :, :2], facecolors=colours,
+                                           edgecolors=colours, linewidths=0.3))
+        axes.set_aspect("equal")
+        axes.autoscale()
+        axes.set_axis_off()
+
+    def solver(self):
+        return Solver(self)
+
+
+class Solver:
+    """part_stress serve: von Mises stress of the elements at other shapes, by PCG to 1e-8."""
+
+    def __init__(self, part):
+        program = stage_folder().parent / "programs" / "part_stress" / "part_stress"
+        self.part = part
+        self.process = subprocess.Popen([program, "serve", part.path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+    def __enter__(self):
+        self._read(READY)
+        return self
+
+    def __exit__(self, *_):
+        self.process.stdin.close()
+        self.process.wait(60)
+
+    def _read(self, wanted):
+        magic, kind, size = struct.unpack("<IIQ", self.process.stdout.read(16))
+        payload = self.process.stdout.read(size)
+        if magic != MAGIC or kind != wanted:
+            raise RuntimeError(f"part_stress serve: {payload[:200]!r}")
+        return payload
+
+    def solve(self, parameters):
+        """(stress in Pa, seconds). Refuses a shape that the mesh does not reach."""
+        request = struct.pack("<II", PCG, 0) + numpy.asarray(parameters, "<f8").tobytes()
+        self.process.stdin.write(struct.pack("<IIQ", MAGIC, SOLVE, len(request)) + request)
+        self.process.stdin.flush()
+        payload = self._read(STRESS)
+        _, _, seconds, fraction, _ = struct.unpack_from("<IIddd", payload)
+        if fraction < 1:
+            raise RuntimeError("the mesh does not reach this shape")
+        begin = 32 + 8 * len(parameters)
+        count = len(self.part.stress)
+        return numpy.frombuffer(payload, "<f4", count, begin).astype(float), seconds
