@@ -506,66 +506,68 @@ TEST_CASE("a solver that is named takes the place of the one before") {
   rig.run(500);
   CHECK(rig.host.said("method full")); // conjugate gradients, then new sensitivities
   CHECK(rig.host.errors.empty());
-  TEST_CASE("in real time the thread draws: what is asked while the table is read comes after it") {
-    Rig rig(true);
-    rig.say("draw");
-    REQUIRE(rig.host.errors.size() == 1);
-    rig.say("load", {"cantilever.stress.npz"});
-    rig.say("draw"); // still being read, or not
-    REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
-    CHECK(rig.host.said("picture 2.000000 2.000000 ")); // faces, control points, scale
-    CHECK(rig.host.said("point 1.000000 100.000000 10.000000 0.000000"));
-    // Both faces move: corner 3 by 1 mm; corner 4, of the second alone, by 2 mm.
-    rig.host.infos.clear();
-    rig.say("list", {2.0, 1.0}); // mm
-    rig.say("draw");
-    REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
-    CHECK(rig.host.said("point 1.000000 100.000000 11.000000 0.000000"));
-    const auto has = [&](const std::string& start, const std::string& end) {
-      for (const std::string& one : rig.host.infos)
-        if (one.starts_with(start) && one.ends_with(end))
-          return true;
-      return false;
-    };
-    CHECK(has("face 0.000000 ", " 100.000000 11.000000"));
-    CHECK(has("face 1.000000 ", " 100.000000 11.000000 0.000000 12.000000"));
-    // Nothing has changed: no face, but the points.
-    rig.host.infos.clear();
-    rig.say("draw");
-    REQUIRE(rig.wait([&] { return rig.host.said("point 1"); }));
-    CHECK(!rig.host.said("face"));
-    // Another table is drawn whole, and a picture asked of the old one is not taken for its own.
-    rig.say("draw");
-    rig.say("load", {"cantilever.stress.npz"});
-    rig.host.infos.clear();
-    REQUIRE(rig.wait([&] { return rig.host.said("loaded"); }));
-    rig.host.infos.clear();
-    rig.say("draw");
-    REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
-    CHECK(has("face 1.000000 ", " 100.000000 10.000000 0.000000 10.000000"));
-    CHECK(rig.host.errors.size() == 1);
-  }
+}
 
-  TEST_CASE("tables loaded one after another: the last one counts, and an end while it reads") {
-    for (int round = 0; round < 20; ++round) {
-      Rig rig(true);
-      StressTable large;
-      large.base.von_mises.stress.assign(2000, 1e6F);
-      large.base.von_mises.sensitivity.assign(6000, 0);
-      large.base.displacement_m = {0, 0, 0};
-      large.parameters = {{0, 0, -1, 1}, {0, 1, -1, 1}, {0, 2, -1, 1}};
-      large.control_point_m = {{}};
-      large.trust_m = 1;
-      rig.folder.write("large.stress.npz", large);
-      rig.say("range", {"fixed", 0.0, 2e6});
-      rig.say("load", {"cantilever.stress.npz"});
-      rig.say("load", {"large.stress.npz"});
-      if (round % 2)
-        continue; // destroyed now
-      REQUIRE(rig.wait([&] { return rig.host.said("loaded large.stress.npz"); }));
-      REQUIRE(rig.wait(
-          [&] { return rig.host.sent.contains(0) && std::abs(rig.gamma() - 0.5) < 1e-9; }));
-      rig.say("list", {1.0, 2.0, 3.0});
-      CHECK(rig.host.errors.empty());
-    }
+TEST_CASE("in real time the thread draws: what is asked while the table is read comes after it") {
+  Rig rig(true);
+  rig.say("draw");
+  REQUIRE(rig.host.errors.size() == 1);
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.say("draw"); // still being read, or not
+  REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
+  CHECK(rig.host.said("picture 2.000000 2.000000 ")); // faces, control points, scale
+  CHECK(rig.host.said("point 1.000000 100.000000 10.000000 0.000000"));
+  // Both faces move: corner 3 by 1 mm; corner 4, of the second alone, by 2 mm.
+  rig.host.infos.clear();
+  rig.say("list", {2.0, 1.0}); // mm
+  rig.say("draw");
+  REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
+  CHECK(rig.host.said("point 1.000000 100.000000 11.000000 0.000000"));
+  const auto has = [&](const std::string& start, const std::string& end) {
+    for (const std::string& one : rig.host.infos)
+      if (one.starts_with(start) && one.ends_with(end))
+        return true;
+    return false;
+  };
+  CHECK(has("face 0.000000 ", " 100.000000 11.000000"));
+  CHECK(has("face 1.000000 ", " 100.000000 11.000000 0.000000 12.000000"));
+  // Nothing has changed: no face, but the points.
+  rig.host.infos.clear();
+  rig.say("draw");
+  REQUIRE(rig.wait([&] { return rig.host.said("point 1"); }));
+  CHECK(!rig.host.said("face"));
+  // Another table is drawn whole, and a picture asked of the old one is not taken for its own.
+  rig.say("draw");
+  rig.say("load", {"cantilever.stress.npz"});
+  rig.host.infos.clear();
+  REQUIRE(rig.wait([&] { return rig.host.said("loaded"); }));
+  rig.host.infos.clear();
+  rig.say("draw");
+  REQUIRE(rig.wait([&] { return rig.host.said("face 1"); }));
+  CHECK(has("face 1.000000 ", " 100.000000 10.000000 0.000000 10.000000"));
+  CHECK(rig.host.errors.size() == 1);
+}
+
+TEST_CASE("tables loaded one after another: the last one counts, and an end while it reads") {
+  for (int round = 0; round < 20; ++round) {
+    Rig rig(true);
+    StressTable large;
+    large.base.von_mises.stress.assign(2000, 1e6F);
+    large.base.von_mises.sensitivity.assign(6000, 0);
+    large.base.displacement_m = {0, 0, 0};
+    large.parameters = {{0, 0, -1, 1}, {0, 1, -1, 1}, {0, 2, -1, 1}};
+    large.control_point_m = {{}};
+    large.trust_m = 1;
+    rig.folder.write("large.stress.npz", large);
+    rig.say("range", {"fixed", 0.0, 2e6});
+    rig.say("load", {"cantilever.stress.npz"});
+    rig.say("load", {"large.stress.npz"});
+    if (round % 2)
+      continue; // destroyed now
+    REQUIRE(rig.wait([&] { return rig.host.said("loaded large.stress.npz"); }));
+    REQUIRE(
+        rig.wait([&] { return rig.host.sent.contains(0) && std::abs(rig.gamma() - 0.5) < 1e-9; }));
+    rig.say("list", {1.0, 2.0, 3.0});
+    CHECK(rig.host.errors.empty());
   }
+}
