@@ -231,7 +231,7 @@ TEST_CASE("derivatives of displacement and stress are those of a re-solve") {
     for (std::size_t k = 0; k < part.velocities.size(); ++k) {
       const double h = 2e-6;
       std::array<std::vector<double>, 2> u, mises, shear;
-      for (const std::size_t side : {0, 1}) {
+      for (const std::size_t side : {0U, 1U}) {
         const Mesh mesh = moved_mesh(part.mesh, part.velocities[k], side == 0 ? h : -h);
         u[side] = solve_static(mesh, part.model).solution.displacement;
         const auto stress = element_stress(mesh, part.model.materials, u[side]);
@@ -257,7 +257,7 @@ TEST_CASE("the cantilever's sensitivity is right to 1e-4 and better") {
   const auto s = stress_sensitivity(beam.mesh, beam.model, analysis, row);
   std::array<std::vector<double>, 2> mises;
   const double h = 1e-4 * beam.kHeight;
-  for (const std::size_t side : {0, 1}) {
+  for (const std::size_t side : {0U, 1U}) {
     const Mesh mesh = moved_mesh(beam.mesh, row[0], side == 0 ? h : -h);
     mises[side] = measured(element_stress(mesh, beam.model.materials,
                                           solve_static(mesh, beam.model).solution.displacement),

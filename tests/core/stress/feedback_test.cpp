@@ -147,7 +147,7 @@ TEST_CASE("weights by volume make the mean that of the body, whatever the mesh")
   settings.weights = Weights::kVolume;
   near(feedback_of(table, settings).raw.x, 100);
   // A bar with s = x Pa: split unevenly into 100 and 173 elements, the mean is 1/2.
-  for (const std::size_t count : {100, 173}) {
+  for (const std::size_t count : {100U, 173U}) {
     StressTable bar;
     double from = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -232,7 +232,7 @@ TEST_CASE("displacements that are not finite are left out") {
 TEST_CASE("the kernels agree with plain sums for any size, and with each other to the bit") {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> number(-1, 1);
-  for (const std::size_t count : {1, 2, 7, 8, 9, 100, 1023, 1024, 1025, 1032, 5003}) {
+  for (const std::size_t count : {1U, 2U, 7U, 8U, 9U, 100U, 1023U, 1024U, 1025U, 1032U, 5003U}) {
     CAPTURE(count);
     const auto floats = [&](std::size_t n) {
       std::vector<float> values(n);
