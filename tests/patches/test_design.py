@@ -64,7 +64,8 @@ def test_the_picture_is_the_tables_skin_moved_by_its_weights_in_the_colours_of_t
     for up_mm in (0, 3):
         y = 1000 * table["control_points"][handle, 1] + up_mm
         x = 1000 * table["control_points"][handle, 0]
-        logs = play(name, [(100, "design-part", f"cp {handle} {x:.6f} {y:.6f} 0"), (200, "design-part", "draw all")],
+        logs = play(name, [(50, "design-part", "resolve taylor"), (100, "design-part", f"cp {handle} {x:.6f} {y:.6f} 0"),
+                           (200, "design-part", "draw all")],
                     0.3, labels=(), routes=("picture", "face", "point"))
         parameters = numpy.array([1e-3 * up_mm * (int(c) == handle and int(a) == 1)
                                   for c, a, *_ in table["parameters"]])
