@@ -26,7 +26,7 @@ void StressHaptic::set(std::size_t parameter, double value) noexcept {
     return;
   value_[parameter] = value;
   auto& settings = request_.settings;
-  const auto word = static_cast<std::uint8_t>(value);
+  const auto word = static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)); // of a choice
   switch (parameter) {
   case kMode:
     settings.mapping = static_cast<Mapping>(word);
