@@ -170,7 +170,6 @@ def route(tuns, seed, orders):
         due_s = waiting[0][0] if waiting and not line["held"] else None
         pause = None if due_s is None else max(0.0, due_s - time.monotonic())
         readable, _, _ = select.select([orders, *tuns], [], [], pause)
-        now = time.monotonic()
         for tun in readable:
             if tun is orders:
                 if not (text := orders.readline()):
@@ -183,6 +182,7 @@ def route(tuns, seed, orders):
                     packet = os.read(tun, 65536)
                 except BlockingIOError:
                     break
+                read_s = time.monotonic()  # after the packet was sent, so that no delay comes out shorter
                 to = packet[19] - 1 if len(packet) >= 20 and packet[0] >> 4 == 4 else -1
                 if not 0 <= to < len(tuns) or chance.random() < line["loss"] or \
                         queued[to] + len(packet) > QUEUE_BYTES:
@@ -191,7 +191,8 @@ def route(tuns, seed, orders):
                 wait_ms = line["delay_ms"] + (chance.expovariate(1 / jitter_ms) if jitter_ms else 0.0)
                 number += 1
                 queued[to] += len(packet)
-                heapq.heappush(waiting, (now + wait_ms / 1e3, number, to, packet))
+                heapq.heappush(waiting, (read_s + wait_ms / 1e3, number, to, packet))
+        now = time.monotonic()
         while waiting and (line["cut"] or waiting[0][0] <= now and not line["held"]):
             _, _, to, packet = heapq.heappop(waiting)
             queued[to] -= len(packet)
