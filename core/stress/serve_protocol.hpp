@@ -1,25 +1,16 @@
 #pragma once
 
+#include "core/table/serve_protocol.hpp"
+
 #include <cstdint>
 
 /// Messages of `part_stress serve FILE.stress.npz`, which solves the part of a table at other
-/// shapes: asked on its stdin, answered on its stdout. docs/part_stress.md lists them. Numbers are
-/// little-endian. A message is a header, then `size` bytes.
+/// shapes. docs/part_stress.md lists them. A request `solve` is u32 ServeMethod, u32 ServeFlags,
+/// f64 parameters [P] in m.
 namespace tactus::stress {
 
-struct ServeHeader {
-  static constexpr std::uint32_t kMagic = 0x31525354; ///< "TSR1"
-  std::uint32_t magic = kMagic, kind = 0;
-  std::uint64_t size = 0;
-};
-
-enum class ServeKind : std::uint32_t {
-  solve = 1,   ///< u32 ServeMethod, u32 ServeFlags, f64 parameters [P], m
-  quit = 2,    ///< nothing
-  ready = 16,  ///< ServeReady
-  stress = 17, ///< see StressAnswer
-  refused = 18 ///< one sentence
-};
+using table::ServeHeader;
+using table::ServeKind;
 
 enum class ServeMethod : std::uint32_t { chosen = 0, pcg = 1, refactor = 2 };
 

@@ -18,6 +18,13 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+std::string list(const std::vector<std::string>& words) {
+  std::string out = "[";
+  for (std::size_t i = 0; i < words.size(); ++i)
+    out += (i ? ", " : "") + quoted(words[i]);
+  return out + "]";
+}
+
 std::string list(std::span<const double> values) {
   std::string out = "[";
   for (std::size_t i = 0; i < values.size(); ++i)

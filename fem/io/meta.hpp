@@ -4,12 +4,14 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 namespace tactus::fem {
 
-/// Pieces of the JSON text that goes into tables as `meta`: a string, a list of numbers (nine
-/// digits), a material of a region with its constants in SI.
+/// Pieces of the JSON text that goes into tables as `meta`: a string, a list of words, a list of
+/// numbers (nine digits), a material of a region with its constants in SI.
 [[nodiscard]] std::string quoted(const std::string& text);
+[[nodiscard]] std::string list(const std::vector<std::string>& words);
 [[nodiscard]] std::string list(std::span<const double> values);
 [[nodiscard]] std::string json_of(const Material&, const std::string& region);
 

@@ -1,5 +1,6 @@
 #include "fem/io/modal_table.hpp"
 
+#include "fem/io/mesh_bytes.hpp"
 #include "fem/io/meta.hpp"
 #include "fem/io/npz.hpp"
 #include "fem/io/safe_file.hpp"
@@ -29,6 +30,7 @@ std::string meta_of(const ModalTable& t) {
   out += "], \"bc\": " + quoted(notes.support) + format(", \"rigid_modes\": %zu", t.modes.rigid) +
          format(", \"air\": {\"rho\": %.9g, \"c\": %.9g}", notes.air_density, notes.air_speed) +
          ", \"accuracy\": {\"est_rel_error\": " + list(notes.relative_error) + "}" +
+         (notes.command.empty() ? "" : ", \"command\": " + list(notes.command)) +
          ", \"license\": \"of the body's author\"}";
   return out;
 }
@@ -39,7 +41,9 @@ double decay_time(double frequency_hz, double loss_factor) noexcept {
   return 3 * std::numbers::ln10 / (std::numbers::pi * frequency_hz * loss_factor);
 }
 
-void write_table(const std::string& path, const ModalTable& t) {
+namespace {
+
+NpzWriter arrays_of(const ModalTable& t) {
   const Surface skin = surface_of(t.mesh);
   const std::size_t n = t.mesh.dofs(), modes = t.modes.frequency_hz.size();
   const std::size_t vertices = skin.node.size();
@@ -87,6 +91,8 @@ void write_table(const std::string& path, const ModalTable& t) {
     npz.add("parameters", rows, {shape.parameters.size(), 4});
     npz.add("trust", std::span(&shape.trust, 1), {});
     npz.add("domega2_dp", shape.by_parameter, {shape.parameters.size(), modes});
+    if (!shape.displacement.empty())
+      npz.add("displacement", shape.displacement, {shape.parameters.size()});
   }
   if (const ModeRadiation& r = t.radiation; !r.empty()) {
     const std::array<double, 3> middle{r.centre.x, r.centre.y, r.centre.z};
@@ -104,8 +110,21 @@ void write_table(const std::string& path, const ModalTable& t) {
       npz.add("mp_band_coef", band.coefficients, {band.coefficients.size()});
     }
   }
+  return npz;
+}
+
+} // namespace
+
+void write_table(const std::string& path, const ModalTable& t) {
+  NpzWriter npz = arrays_of(t);
+  if (!t.shape.parameters.empty() && !t.notes.command.empty()) {
+    const std::string mesh = to_bytes(t.mesh);
+    npz.add_bytes("mesh", "|u1", std::as_bytes(std::span(mesh)), {mesh.size()});
+  }
   npz.write(path);
 }
+
+std::string table_bytes(const ModalTable& t) { return arrays_of(t).bytes(); }
 
 void write_csv(const std::string& path, const ModalTable& t) {
   SafeFile file(path);

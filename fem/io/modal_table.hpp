@@ -14,6 +14,7 @@ struct TableNotes {
   std::string created; ///< ISO 8601; empty: left out, and equal bodies are equal files
   std::vector<double> relative_error; ///< estimated, of each frequency; empty: unknown
   double air_density = 1.184, air_speed = 346.1;
+  std::vector<std::string> command; ///< the words with which modal_fem made it; empty: not said
 };
 
 /// How the frequencies follow the control points of a lattice around the body.
@@ -22,6 +23,7 @@ struct ShapeDerivatives {
   std::vector<ParameterRange> parameters;
   std::vector<double> by_parameter; ///< [parameter][mode] d(omega^2)/dp, rad^2/s^2 per m
   double trust = 0;                 ///< m, displacements for which the derivatives serve
+  std::vector<double> displacement; ///< m, of the parameters, here; empty: 0
 };
 
 /// Everything that a sounding body needs, ready to be written.
@@ -41,8 +43,12 @@ struct ModalTable {
 /// NAME.modal.npz, SI, little-endian: meta (JSON), freq, phi [K,V,3] at the skin's vertices, xyz,
 /// tri, mult, eta, mass, com, inertia and, for one isotropic material, dlnf_dnu; with radiation
 /// also mp_* and alpha_rad, with shape derivatives control_points, parameters, trust and
-/// domega2_dp. docs/modal_fem.md lists them.
+/// domega2_dp, and for `modal_fem serve` the mesh (bytes) and in meta the command; of a moved
+/// shape displacement. docs/modal_fem.md lists them.
 void write_table(const std::string& path, const ModalTable&);
+
+/// The same file in memory, without the mesh.
+[[nodiscard]] std::string table_bytes(const ModalTable&);
 
 /// One line a mode: number, frequency, multiplicity, loss factor, T60, error estimate, residual.
 void write_csv(const std::string& path, const ModalTable&);

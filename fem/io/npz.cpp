@@ -64,8 +64,7 @@ void put(std::string& out, std::uint64_t value, int bytes) {
 
 } // namespace
 
-void NpzWriter::write(const std::string& path) const {
-  SafeFile file(path);
+void NpzWriter::emit(const Sink& sink) const {
   std::string directory;
   std::uint64_t at = 0;
   for (const Member& m : members_) {
@@ -91,8 +90,8 @@ void NpzWriter::write(const std::string& path) const {
     put(directory, 0, 4); // external attributes
     put(directory, at, 4);
     directory += m.name;
-    file.write(local);
-    file.write(m.bytes.data(), m.bytes.size());
+    sink(local.data(), local.size());
+    sink(m.bytes.data(), m.bytes.size());
     at += local.size() + m.bytes.size();
   }
   std::string end("PK\x05\x06", 4);
@@ -102,9 +101,22 @@ void NpzWriter::write(const std::string& path) const {
   put(end, directory.size(), 4);
   put(end, at, 4);
   put(end, 0, 2);
-  file.write(directory);
-  file.write(end);
+  sink(directory.data(), directory.size());
+  sink(end.data(), end.size());
+}
+
+void NpzWriter::write(const std::string& path) const {
+  SafeFile file(path);
+  emit([&](const void* bytes, std::size_t size) { file.write(bytes, size); });
   file.commit();
+}
+
+std::string NpzWriter::bytes() const {
+  std::string out;
+  emit([&](const void* bytes, std::size_t size) {
+    out.append(static_cast<const char*>(bytes), size);
+  });
+  return out;
 }
 
 } // namespace tactus::fem

@@ -2,6 +2,7 @@
 #include <array>
 #include <complex>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,8 +27,12 @@ public:
                  const std::vector<std::size_t>& shape);
   /// Writes all arrays; the file appears only when complete. Same arrays, same bytes.
   void write(const std::string& path) const;
+  /// The same file in memory.
+  [[nodiscard]] std::string bytes() const;
 
 private:
+  using Sink = std::function<void(const void*, std::size_t)>;
+  void emit(const Sink&) const;
   struct Member {
     std::string name;
     std::vector<std::byte> bytes;

@@ -11,13 +11,6 @@
 namespace tactus::fem {
 namespace {
 
-std::string list(const std::vector<std::string>& words) {
-  std::string out = "[";
-  for (std::size_t i = 0; i < words.size(); ++i)
-    out += (i ? ", " : "") + quoted(words[i]);
-  return out + "]";
-}
-
 std::string joined(const std::vector<std::string>& words) {
   std::string out;
   for (const std::string& word : words)

@@ -18,10 +18,10 @@
 #include "programs/modal_fem/outputs.hpp"
 #include "programs/modal_fem/raw.hpp"
 #include "programs/modal_fem/run.hpp"
+#include "programs/modal_fem/serve.hpp"
 
 #include <cstdio>
 #include <ctime>
-#include <filesystem>
 #include <numbers>
 
 namespace {
@@ -69,26 +69,9 @@ int run(const std::vector<std::string>& words) {
   if (!body.solved)
     return 0; // only exported
   progress.stage("damping and the table", 0);
-  TableNotes notes;
-  notes.body_name = std::filesystem::path(order.body).stem().string();
-  notes.support = body.support_words;
-  notes.relative_error = body.relative_error;
-  notes.air_density = order.air_density;
-  notes.air_speed = order.sound_speed;
   // SOURCE_DATE_EPOCH set: no date, so that equal bodies are equal files
-  notes.created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now();
-  const ModalTable table{
-      body.mesh,
-      body.materials,
-      body.modes,
-      mass_properties(body.mesh, body.materials),
-      loss_factors(body.mesh, body.materials, *body.matrices, body.modes),
-      order.output.empty() ? std::vector<double>{}
-                           : poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
-      notes,
-      body.radiation,
-      body.residual,
-      body.shape};
+  ModalTable table = table_of(order, body, std::getenv("SOURCE_DATE_EPOCH") ? "" : now());
+  table.notes.command = words;
   print(table);
   std::fflush(stdout);
   const auto begin = [&](const std::string& path) { progress.stage("writing " + path, 0); };
@@ -123,6 +106,8 @@ int main(int argc, char** argv) {
     }
     if (!words.empty() && words[0] == "raw")
       return run_raw({words.begin() + 1, words.end()});
+    if (!words.empty() && words[0] == "serve")
+      return serve({words.begin() + 1, words.end()});
     return run(words);
   } catch (const std::bad_alloc&) {
     std::fputs("modal_fem: out of memory; take a coarser mesh (--h)\n", stderr);

@@ -15,7 +15,8 @@ std::vector<Output> outputs(const Order& order, const MeshSize& mesh) {
   std::vector<Output> all{
       {"-o", order.output,
        12 * vertices * (modes + 1) + 12 * mesh.skin_triangles +
-           (order.residual ? 4 * vertices : 0)},
+           (order.residual ? 4 * vertices : 0) +
+           (order.design.wanted ? 24 * mesh.nodes + (12 + 4 * corners) * mesh.elements : 0)},
       {"--csv", order.csv, 80 * modes},
       {"--vtu", order.vtu,
        mesh.nodes * (40 + 33 * std::min(modes, 20.0)) + mesh.elements * (10 + 7 * corners)},

@@ -22,33 +22,11 @@ void check_residual(const Order& order, const Material& material) {
     throw Refusal("--residual needs an isotropic material, " + material.name + " is orthotropic");
 }
 
-std::vector<Support> supports_of(const Order& order, const Mesh& mesh) {
-  std::vector<Support> supports;
-  if (order.places.empty())
-    return supports;
-  const Surface skin = surface_of(mesh);
-  const double near = 1e-6 * bounding_box(mesh.nodes).largest();
-  for (const Place& place : order.places) {
-    Support support{place.words, {}, place.directions, place.stiffness};
-    if (!place.set.empty()) {
-      const auto at = mesh.node_sets.find(place.set);
-      if (at == mesh.node_sets.end())
-        throw Refusal("--" + place.words + ": the mesh has no node set of that name");
-      support.nodes = at->second;
-    } else {
-      for (const int node : skin.node) {
-        const Vector3& p = mesh.nodes[static_cast<std::size_t>(node)];
-        if (place.plane >= 0 ? std::abs(p[place.plane] - place.level) <= near
-                             : length(p - place.centre) <= place.radius + near)
-          support.nodes.push_back(node);
-      }
-    }
-    if (support.nodes.empty())
-      throw Refusal("--" + place.words +
-                    " meets no node of the body's skin: expected a place on it");
-    supports.push_back(std::move(support));
-  }
-  return supports;
+std::string words_of(std::span<const Support> supports) {
+  std::string words;
+  for (const Support& support : supports)
+    words += (words.empty() ? "" : "; ") + support.name;
+  return words.empty() ? "free" : words;
 }
 
 /// The errors of modes that were found elsewhere: their factor has to be made here again, where
@@ -167,8 +145,7 @@ Solved assembled(const Order& order, Refinement& refinement, ProgressLine& progr
   body.materials = materials_of(order, body.mesh);
   check_residual(order, body.materials[0]);
   const std::vector<Support> supports = supports_of(order, body.mesh);
-  for (std::size_t i = 0; i < supports.size(); ++i)
-    body.support_words = (i ? body.support_words + "; " : "") + supports[i].name;
+  body.support_words = words_of(supports);
   progress.stage("assembling", 0);
   body.matrices =
       std::make_unique<Matrices>(assemble(body.mesh, body.materials, supports, [&](double share) {
@@ -210,6 +187,75 @@ void refine(Solved& body, const Order& order, Refinement& refinement, ErrorEstim
 }
 
 } // namespace
+
+std::vector<Support> supports_of(const Order& order, const Mesh& mesh) {
+  std::vector<Support> supports;
+  if (order.places.empty())
+    return supports;
+  const Surface skin = surface_of(mesh);
+  const double near = 1e-6 * bounding_box(mesh.nodes).largest();
+  for (const Place& place : order.places) {
+    Support support{place.words, {}, place.directions, place.stiffness};
+    if (!place.set.empty()) {
+      const auto at = mesh.node_sets.find(place.set);
+      if (at == mesh.node_sets.end())
+        throw Refusal("--" + place.words + ": the mesh has no node set of that name");
+      support.nodes = at->second;
+    } else {
+      for (const int node : skin.node) {
+        const Vector3& p = mesh.nodes[static_cast<std::size_t>(node)];
+        if (place.plane >= 0 ? std::abs(p[place.plane] - place.level) <= near
+                             : length(p - place.centre) <= place.radius + near)
+          support.nodes.push_back(node);
+      }
+    }
+    if (support.nodes.empty())
+      throw Refusal("--" + place.words +
+                    " meets no node of the body's skin: expected a place on it");
+    supports.push_back(std::move(support));
+  }
+  return supports;
+}
+
+ModalTable table_of(const Order& order, const Solved& body, const std::string& created) {
+  TableNotes notes;
+  notes.body_name = std::filesystem::path(order.body).stem().string();
+  notes.support = body.support_words;
+  notes.relative_error = body.relative_error;
+  notes.air_density = order.air_density;
+  notes.air_speed = order.sound_speed;
+  notes.created = created;
+  return {body.mesh,
+          body.materials,
+          body.modes,
+          mass_properties(body.mesh, body.materials),
+          loss_factors(body.mesh, body.materials, *body.matrices, body.modes),
+          order.output.empty()
+              ? std::vector<double>{}
+              : poisson_slopes(body.mesh, body.materials, *body.matrices, body.modes),
+          notes,
+          body.radiation,
+          body.residual,
+          body.shape};
+}
+
+Solved solve_moved(const Order& order, Mesh moved, std::span<const Material> materials,
+                   std::span<const Support> supports, const DesignSpace& space,
+                   std::vector<double> displacement) {
+  Solved body;
+  body.mesh = std::move(moved);
+  body.materials.assign(materials.begin(), materials.end());
+  body.support_words = words_of(supports);
+  body.matrices = std::make_unique<Matrices>(assemble(body.mesh, materials, supports));
+  body.modes =
+      find_modes(body.mesh, materials, *body.matrices, {.count = order.modes + kModesBeyond});
+  const std::size_t count = std::min(order.modes, body.modes.frequency_hz.size());
+  body.shape =
+      shape_derivatives(space, body.mesh, materials, body.modes, count, std::move(displacement));
+  keep_first(body, count);
+  body.solved = true;
+  return body;
+}
 
 Solved solve(const Order& order, ProgressLine& progress) {
   check_early(order);

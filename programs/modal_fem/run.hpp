@@ -23,6 +23,19 @@ struct Solved {
   bool solved = false;         ///< false: only exported
 };
 
+/// The supports that are ordered, on the mesh's nodes. Refuses a place that meets no node.
+[[nodiscard]] std::vector<Support> supports_of(const Order&, const Mesh&);
+
+/// What a table says of a body that is solved. `created`: ISO 8601, or empty.
+[[nodiscard]] ModalTable table_of(const Order&, const Solved&, const std::string& created);
+
+/// The modes of a body that is reshaped and their derivatives: the ordered number, or all that
+/// there are. `displacement` of the space's parameters (m) has moved the mesh; supports are those
+/// of the mesh as it was.
+[[nodiscard]] Solved solve_moved(const Order&, Mesh moved, std::span<const Material>,
+                                 std::span<const Support>, const DesignSpace&,
+                                 std::vector<double> displacement);
+
 /// Checks names, foretells, meshes, assembles and solves as ordered.
 [[nodiscard]] Solved solve(const Order&, ProgressLine&);
 

@@ -2,17 +2,24 @@
 
 #include "fem/design/eigenvalue_sensitivity.hpp"
 
+#include <utility>
+
 namespace tactus::fem {
 
 ShapeDerivatives shape_derivatives(const DesignOrder& order, const Mesh& mesh,
                                    std::span<const Material> materials, const Modes& modes,
                                    std::size_t count, ProgressLine& progress) {
   progress.stage("how the modes follow the shape", 0);
-  const DesignSpace space = design_space_of(order, mesh);
+  return shape_derivatives(design_space_of(order, mesh), mesh, materials, modes, count, {});
+}
+
+ShapeDerivatives shape_derivatives(const DesignSpace& space, const Mesh& moved,
+                                   std::span<const Material> materials, const Modes& modes,
+                                   std::size_t count, std::vector<double> displacement) {
   return {space.weights.control_points, space.parameters,
-          eigenvalue_sensitivity(mesh, materials, {}, modes.frequency_hz, modes.shapes, count,
+          eigenvalue_sensitivity(moved, materials, {}, modes.frequency_hz, modes.shapes, count,
                                  space.velocities),
-          space.trust};
+          space.trust, std::move(displacement)};
 }
 
 } // namespace tactus::fem

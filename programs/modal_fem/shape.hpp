@@ -14,4 +14,11 @@ inline constexpr std::size_t kModesBeyond = 4;
                                                  std::span<const Material>, const Modes&,
                                                  std::size_t count, ProgressLine&);
 
+/// The same of a moved mesh, in the design space of the mesh as it was: bounds stay those of the
+/// first shape. `displacement`: of the parameters, m.
+[[nodiscard]] ShapeDerivatives shape_derivatives(const DesignSpace&, const Mesh& moved,
+                                                 std::span<const Material>, const Modes&,
+                                                 std::size_t count,
+                                                 std::vector<double> displacement);
+
 } // namespace tactus::fem
