@@ -177,6 +177,11 @@ struct BodyModel {
   /// The same while something touches the body: motion is in the solvers. Contacts are still to be
   /// taken over.
   void continue_touched(BodyModel& before) noexcept;
+  /// The same where another table of the same body was, which this one's follows; `touched`: motion
+  /// is in the solvers. Energies of modes, and their sound, go over by the table's shares: no
+  /// energy arises. What has no successor is left in `before`'s bank, being released; false when
+  /// nothing is.
+  bool succeed(BodyModel& before, bool touched) noexcept;
 
   /// Gives the contact solver the weights that the bank's glides are at now, if they have changed.
   void refresh_ears() noexcept;
@@ -184,6 +189,7 @@ struct BodyModel {
 private:
   void glide_from(BodyModel& before) noexcept;
   void release_from(BodyModel& before) noexcept;
+  void glide_by_shares(BodyModel& before) noexcept;
   [[nodiscard]] double decay_rate(std::size_t mode, double omega) const;
   [[nodiscard]] double shape_scale_of(std::size_t part) const noexcept;
   [[nodiscard]] double part_modulus(std::size_t part) const noexcept;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <numbers>
 #include <utility>
 
@@ -27,6 +28,29 @@ LoadedTable::LoadedTable(ModalTable read) : table(std::move(read)) {
   surface.build(table.vertex_m, table.triangle);
   radiating.build(table, surface);
   order_shapes();
+}
+
+LoadedTable::LoadedTable(ModalTable solved, const LoadedTable& before,
+                         std::vector<ModeShare> shares)
+    : LoadedTable(std::move(solved)) {
+  share = std::move(shares);
+  predecessor_ = before.serial_;
+}
+
+LoadedTable::LoadedTable(std::shared_ptr<const LoadedTable> body, const LoadedTable& before)
+    : LoadedTable(body, before.parts[kBoard].loaded, before.parts[kBoard].displacement_m) {
+  const auto number = [](std::size_t mode) { return static_cast<std::uint32_t>(mode); };
+  for (const ModeShare& s : body->share)
+    share.push_back(
+        {number(before.parts[0].mode[s.before]), number(parts[0].mode[s.now]), s.share});
+  for (std::size_t k = 0; k < parts[kBoard].mode.size(); ++k)
+    share.push_back({number(before.parts[kBoard].mode[k]), number(parts[kBoard].mode[k]), 1});
+  predecessor_ = before.serial_;
+}
+
+std::uint64_t LoadedTable::next_serial() noexcept {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
 void LoadedTable::order_shapes() {
@@ -102,6 +126,7 @@ LoadedTable::LoadedTable(std::shared_ptr<const LoadedTable> body,
   const std::size_t modes = table.modes();
   if (const ShapeSensitivity& of_body = own[0]->sensitivity; !of_body.empty()) {
     table.sensitivity.shape = of_body.shape;
+    table.sensitivity.solved_at_m = of_body.solved_at_m;
     table.sensitivity.eigenvalue_slope.assign(of_body.parameters() * modes, 0);
     for (std::size_t p = 0; p < of_body.parameters(); ++p)
       for (std::size_t k = 0; k < own[0]->modes(); ++k)

@@ -2,6 +2,7 @@
 
 #include "core/modal/modal_table.hpp"
 #include "core/modal/radiation.hpp"
+#include "core/modal/serve_protocol.hpp"
 #include "core/modal/surface.hpp"
 
 #include <cstddef>
@@ -23,6 +24,9 @@ struct LoadedTable {
   std::vector<float> shape;
 
   explicit LoadedTable(ModalTable read);
+  /// The same body in another shape, solved anew: `share` says how the modes of `before` go on as
+  /// those of the new table. It must have the triangles of `before`, and no board.
+  LoadedTable(ModalTable solved, const LoadedTable& before, std::vector<ModeShare> share);
   /// Both: modes by frequency, each with its shape on its own body and none on the other; the
   /// body's vertices and triangles first, then the board's, displaced by so many metres in the
   /// body's axes. Mass, inertia, material, air and shape
@@ -30,6 +34,8 @@ struct LoadedTable {
   /// Memory: 12 bytes for every mode of both at every vertex of both, besides the two tables.
   LoadedTable(std::shared_ptr<const LoadedTable> body, std::shared_ptr<const LoadedTable> board,
               const Vec3& displacement_m);
+  /// The body solved anew on the same board: the new body must follow the one of `before`.
+  LoadedTable(std::shared_ptr<const LoadedTable> body, const LoadedTable& before);
   LoadedTable(const LoadedTable&) = delete; // `radiating` knows where `surface` is
   LoadedTable& operator=(const LoadedTable&) = delete;
 
@@ -50,6 +56,12 @@ struct LoadedTable {
   [[nodiscard]] const LoadedTable& body() const noexcept {
     return parts.empty() ? *this : *parts[0].loaded;
   }
+  /// This is the body of another table in another shape: places by triangle and corners' weights
+  /// mean the same material points, and modes go on by `share`.
+  [[nodiscard]] bool follows(const LoadedTable& other) const noexcept {
+    return predecessor_ == other.serial_;
+  }
+  std::vector<ModeShare> share; ///< from the table that this one follows; empty: it follows none
   [[nodiscard]] std::size_t part_of_triangle(std::size_t triangle) const noexcept {
     return !parts.empty() && triangle >= parts[kBoard].first_triangle ? kBoard : 0;
   }
@@ -61,6 +73,9 @@ struct LoadedTable {
 
 private:
   void order_shapes();
+  [[nodiscard]] static std::uint64_t next_serial() noexcept;
+
+  std::uint64_t serial_ = next_serial(), predecessor_ = 0; ///< 0: none
 };
 
 } // namespace tactus::modal

@@ -267,6 +267,12 @@ void read_sensitivity(TableArrays& arrays, const NpzFile& file, ModalTable& tabl
                          std::to_string(modes) + " modes: expected at most " +
                          std::to_string(kMaxShapeSlopes / modes));
   out.eigenvalue_slope = arrays.reals("domega2_dp", {parameters, modes}, true);
+  out.solved_at_m = arrays.reals("displacement", {parameters}, false);
+  for (std::size_t p = 0; p < parameters && arrays.good(); ++p) {
+    const table::DesignParameter& range = out.shape.parameters[p];
+    if (out.solved_at(p) < range.low_m || out.solved_at(p) > range.high_m)
+      arrays.refuse("array 'displacement' leaves the bounds of parameter " + std::to_string(p));
+  }
 }
 
 } // namespace
@@ -291,6 +297,7 @@ std::string read_modal_table(std::span<const std::byte> file, ModalTable& table)
   read_raw(arrays, archive, read);
   if (arrays.good())
     read_sensitivity(arrays, archive, read);
+  read.has_mesh = !read.sensitivity.empty() && arrays.has("mesh");
   if (!arrays.good())
     return arrays.refusal();
   table = std::move(read);

@@ -75,6 +75,7 @@ struct ModalTable {
   MultipoleTable multipoles;
   RawTable raw;
   ShapeSensitivity sensitivity; ///< may be empty
+  bool has_mesh = false;        ///< modal_fem serve can solve it at other shapes
 
   [[nodiscard]] std::size_t modes() const noexcept { return frequency_hz.size(); }
   [[nodiscard]] std::size_t vertices() const noexcept { return vertex_m.size(); }

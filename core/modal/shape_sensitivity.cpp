@@ -17,7 +17,8 @@ std::vector<double> frequency_factors(const ShapeSensitivity& sensitivity,
   for (std::size_t k = 0; k < modes; ++k) {
     double change = 0; // of omega^2
     for (std::size_t p = 0; p < displacement_m.size(); ++p)
-      change += sensitivity.eigenvalue_slope[p * modes + k] * displacement_m[p];
+      change += sensitivity.eigenvalue_slope[p * modes + k] *
+                (displacement_m[p] - sensitivity.solved_at(p));
     const double omega = 2 * std::numbers::pi * frequency_hz[k];
     const double exponent = 0.5 * change / (omega * omega);
     if (std::isfinite(exponent))

@@ -33,10 +33,11 @@ template <class S> void make_sane(std::span<const S> from, double most, float* t
 StruckBody::~StruckBody() {
   drop_retired();
   delete incoming_.load();
-  for (const Leaving& body : leaving_)
-    delete body.body;
-  for (Handover* const kept : kept_)
-    delete kept;
+  for (Leaving& body : leaving_)
+    retire(std::exchange(body.body, nullptr));
+  for (Handover*& kept : kept_)
+    retire(std::exchange(kept, nullptr));
+  drop_retired();
 }
 
 void StruckBody::drop_retired() noexcept {
@@ -362,6 +363,7 @@ void StruckBody::run(std::size_t frames) noexcept {
 
 void StruckBody::finish(std::size_t frames) noexcept {
   const std::size_t listeners = model_ ? model_->settings.listeners : kMostListeners;
+  add_leaving_ahead(frames);
   for (std::size_t l = 0; l < listeners; ++l)
     delay_[l].run(chunk_.heard[l].data(), frames);
   add_leaving(listeners, frames);

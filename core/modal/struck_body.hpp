@@ -225,6 +225,7 @@ private:
     std::unique_ptr<BodyModel> model;
     bool same_body = false;
     Handover* next = nullptr;
+    int holders = 1; ///< what retires it, each once
   };
   void drop_retired() noexcept;
   void retire(Handover* body) noexcept;
@@ -235,7 +236,13 @@ private:
     Recordings recordings{};
     DirectSound direct;
     std::size_t left = 0; ///< samples
+    bool ahead = false;   ///< of the present delay lines, with the present body
   };
+  /// Room for a body that leaves: of more than there is room for, the one nearest to its end goes.
+  [[nodiscard]] Leaving& room_to_leave() noexcept;
+  void fade_unmatched(Handover* before) noexcept;
+  void follow_surface() noexcept;
+  void add_leaving_ahead(std::size_t frames) noexcept;
   void leave(Handover* before, bool glides) noexcept;
   void add_leaving(std::size_t listener_count, std::size_t frames) noexcept;
   std::array<Leaving, 3> leaving_{};

@@ -26,7 +26,10 @@ void StruckBody::adopt() noexcept {
   Handover* next = incoming_.exchange(nullptr, std::memory_order_acq_rel);
   if (!next)
     return;
-  const bool goes_on = next->same_body && model_ && model_->loaded == next->model->loaded;
+  const bool follows = next->same_body && model_ && next->model->loaded->follows(*model_->loaded);
+  const bool goes_on =
+      follows || (next->same_body && model_ && model_->loaded == next->model->loaded);
+  bool unmatched = false;
   const bool touched =
       goes_on && coupled_now_ && next->model->settings.sample_rate == model_->settings.sample_rate;
   if (!touched)
@@ -36,6 +39,8 @@ void StruckBody::adopt() noexcept {
       !model_ || (!touched && silent_samples_ >= kSilence && model_->bank.asleep());
   if (goes_on && in_silence) {
     next->model->bank.set_clock(model_->bank.clock());
+  } else if (follows) {
+    unmatched = next->model->succeed(*model_, touched);
   } else if (touched) {
     next->model->continue_touched(*model_);
   } else if (goes_on) {
@@ -49,6 +54,10 @@ void StruckBody::adopt() noexcept {
   }
   const bool glides = model_ && model_->bank.glide(0).moving();
   std::swap(model_, next->model);
+  if (follows)
+    follow_surface();
+  if (unmatched)
+    fade_unmatched(next);
   if (touched) {
     if (next->model->rests.empty() && rests())
       model_->solver.rest_rigid(); // where it was without a board is its equilibrium now
@@ -139,15 +148,63 @@ void StruckBody::move_events(const BodyModel& before) noexcept {
 
 /// What is left of a body is deleted by another thread.
 void StruckBody::retire(Handover* body) noexcept {
-  if (!body)
+  if (!body || --body->holders > 0)
     return;
   body->next = retired_.load(std::memory_order_relaxed);
   while (!retired_.compare_exchange_weak(body->next, body, std::memory_order_acq_rel)) {
   }
 }
 
-/// The body before rings on by itself while it is faded out. Of more than there is room for, the
-/// one that is nearest to its end goes.
+StruckBody::Leaving& StruckBody::room_to_leave() noexcept {
+  Leaving* room = &leaving_[0];
+  for (Leaving& other : leaving_)
+    if (other.body == nullptr || (room->body != nullptr && other.left < room->left))
+      room = &other;
+  retire(std::exchange(room->body, nullptr));
+  return *room;
+}
+
+/// Modes of the table before that have no successor, being released in its bank, are heard by the
+/// delay lines of the present body.
+void StruckBody::fade_unmatched(Handover* before) noexcept {
+  Leaving& room = room_to_leave();
+  ++before->holders;
+  room.body = before;
+  room.ahead = true;
+  room.recordings = {};
+  room.left = ModeBank::kRelease;
+}
+
+/// Places on the surface are the same material points of a body that has another shape.
+void StruckBody::follow_surface() noexcept {
+  const Surface& surface = model_->loaded->surface;
+  if (surface.empty())
+    return;
+  const auto follow = [&](SurfacePoint& place, Vec3* direction) {
+    const bool along_normal = direction && *direction == place.normal;
+    place = surface.on(place.triangle, place.weight[1], place.weight[2]);
+    if (along_normal)
+      *direction = place.normal;
+  };
+  follow(point_, &point_direction_);
+  follow(requested_point_, nullptr);
+  for (Rub* rub : {&rub_, &requested_rub_})
+    if (rub->placed) {
+      follow(rub->place, nullptr);
+      rub->direction = along_surface(rub->place.normal, rub->direction);
+    }
+  for (Blow& blow : blows_)
+    follow(blow.hit.place, &blow.hit.direction);
+  for (PulseBlow& blow : pulses_)
+    follow(blow.hit.place, &blow.hit.direction);
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    follow(events_[i].hit.place, &events_[i].hit.direction);
+    follow(events_[i].rub.place, nullptr);
+    events_[i].rub.direction = along_surface(events_[i].rub.place.normal, events_[i].rub.direction);
+  }
+}
+
+/// The body before rings on by itself while it is faded out.
 void StruckBody::leave(Handover* before, bool glides) noexcept {
   if (glides)
     direct_.settle(before->model->bank.glide(0));
@@ -160,12 +217,9 @@ void StruckBody::leave(Handover* before, bool glides) noexcept {
     direct_.clear();
     return retire(before);
   }
-  Leaving* room = &leaving_[0];
-  for (Leaving& other : leaving_)
-    if (other.body == nullptr || (room->body != nullptr && other.left < room->left))
-      room = &other;
-  retire(room->body);
+  Leaving* const room = &room_to_leave();
   room->body = before;
+  room->ahead = false;
   room->recordings = recordings;
   for (Recording& r : room->recordings)
     r.released = true;
@@ -181,9 +235,29 @@ void StruckBody::leave(Handover* before, bool glides) noexcept {
                2 * DelayLine::kHalf;
 }
 
+void StruckBody::add_leaving_ahead(std::size_t frames) noexcept {
+  for (Leaving& body : leaving_) {
+    if (!body.body || !body.ahead)
+      continue;
+    BodyModel& m = *body.body->model;
+    std::array<float*, kMostListeners> out{};
+    for (std::size_t l = 0; l < m.settings.listeners; ++l)
+      out[l] = chunk_.released[l].data();
+    m.bank.process({}, out, frames);
+    const std::size_t listeners =
+        model_ ? std::min(m.settings.listeners, model_->settings.listeners) : 0;
+    for (std::size_t l = 0; l < listeners; ++l)
+      for (std::size_t n = 0; n < frames; ++n)
+        chunk_.heard[l][n] += chunk_.released[l][n];
+    body.left -= std::min(body.left, frames);
+    if (body.left == 0)
+      retire(std::exchange(body.body, nullptr));
+  }
+}
+
 void StruckBody::add_leaving(std::size_t listener_count, std::size_t frames) noexcept {
   for (Leaving& body : leaving_) {
-    if (!body.body)
+    if (!body.body || body.ahead)
       continue;
     BodyModel& m = *body.body->model;
     std::array<float*, kMostListeners> out{};

@@ -53,7 +53,8 @@ void ModalImpact::set_board(std::span<const Atom> arguments, Host& host) {
     return;
   }
   const std::string subject = "board " + board.name;
-  carry_out({{}, {}, table_, settings(), std::move(board)}, subject, value_[kSync] >= 0.5, host);
+  carry_out({{}, {}, table_, settings(), std::move(board), {}}, subject, value_[kSync] >= 0.5,
+            host);
 }
 
 void ModalImpact::set_rest(Numbers n, Host& host) {

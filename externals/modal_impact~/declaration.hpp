@@ -11,6 +11,7 @@ namespace tactus::modal_impact {
 
 inline constexpr std::array<std::string_view, 4> kRadiations{"modal", "raw", "body", "none"};
 inline constexpr std::array<std::string_view, 2> kContacts{"coupled", "pulse"};
+inline constexpr std::array<std::string_view, 2> kResolves{"auto", "off"};
 
 enum ParameterIndex : std::size_t {
   kRadiation,
@@ -31,6 +32,7 @@ enum ParameterIndex : std::size_t {
   kRestExponent,
   kRestLoss,
   kRestForce,
+  kResolve,
 };
 inline constexpr std::array kParameters{
     Parameter{
@@ -64,6 +66,9 @@ inline constexpr std::array kParameters{
     Parameter{"rest_loss", "s/m", 2, 0, 100, "its loss: force k d^a (1 + loss v)"},
     Parameter{"rest_force", "N", 0, 0, 1000,
               "what presses body and board together besides the weight, all points together"},
+    Parameter{"resolve", "", 0, 0, 1,
+              "when the shape has moved: its modes are solved anew beside, or extrapolated alone",
+              kResolves},
 };
 
 enum MessageIndex : std::size_t {
@@ -86,6 +91,7 @@ enum MessageIndex : std::size_t {
   kPreset,
   kShape,
   kControlPoint,
+  kSolver,
   kRayleigh,
   kLoss,
   kLossCurve,
@@ -130,6 +136,9 @@ inline constexpr std::array kMessages{
         "shape", "d1 d2 ...", 1, 3 * 4096,
         "displacements of the table's shape parameters, mm, in their order; 0: the table's shape"},
     Message{"cp", "id x y z", 4, 4, "position of a control point of the body's shape, mm"},
+    Message{"solver", "path | auto", 1, 1,
+            "the program modal_fem that solves the shape anew, or the one that is found beside the "
+            "object or in PATH; starts it anew"},
     Message{"rayleigh", "a b", 2, 2, "damping (a + b omega^2)/2 in 1/s"},
     Message{"loss", "eta", 1, 1, "the same loss factor at all frequencies"},
     Message{"losscurve", "f1 eta1 f2 eta2 ...", 2, 64, "loss factor over frequency in Hz"},

@@ -55,6 +55,8 @@ void ModalImpact::message(std::size_t index, std::span<const Atom> arguments, Ho
     return load(arguments, host);
   if (index == kBoard)
     return set_board(arguments, host);
+  if (index == kSolver)
+    return set_solver(arguments[0], host);
   if (index == kPreset)
     return set_preset(arguments[0], host);
   std::vector<double> numbers;
@@ -132,7 +134,7 @@ void ModalImpact::load(const std::string& name, bool at_once, Host& host) {
   const std::string path = host.find_file(name);
   if (path.empty())
     return host.error("load " + name + ": there is no such file");
-  carry_out({path, name, table_, settings(), {}}, "load " + name, at_once, host);
+  carry_out({path, name, table_, settings(), {}, {}}, "load " + name, at_once, host);
 }
 
 void ModalImpact::warn_of_distance(const SurfacePoint& place, Host& host) {

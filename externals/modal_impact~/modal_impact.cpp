@@ -88,12 +88,14 @@ void ModalImpact::set(std::size_t parameter, double value) noexcept {
                             (parameter >= kRestStiffness && parameter <= kRestForce);
   if (of_the_model && table_)
     renew();
+  if (parameter == kResolve && host_ && table_)
+    shape_moved(false, *host_);
 }
 
 void ModalImpact::renew() {
   if (!table_)
     return;
-  TableWorker::Request request{{}, {}, table_, settings(), {}};
+  TableWorker::Request request{{}, {}, table_, settings(), {}, {}};
   const std::size_t work =
       request.settings.radiation == Radiation::kBody
           ? kSoonDone + 1
@@ -115,20 +117,29 @@ void ModalImpact::accept(TableWorker::Result result, Host* host) {
   }
   if (!result.model)
     return;
-  const bool same = result.table == table_;
+  if (table_ && result.table && table_->follows(*result.table)) // solved anew meanwhile
+    return renew();
+  const bool solved = table_ && result.table != table_ && result.table->follows(*table_);
+  const bool same = solved || result.table == table_;
   if (!accept_rest(*result.model, same, host))
     return;
   const BodySettings wanted = settings();
-  const bool stale = result.model->settings.sample_rate != wanted.sample_rate ||
-                     result.model->settings.voices != wanted.voices;
+  const bool stale =
+      result.model->settings.sample_rate != wanted.sample_rate ||
+      result.model->settings.voices != wanted.voices ||
+      (solved && result.model->settings.shape_displacement_m != wanted.shape_displacement_m);
   table_ = result.table;
   if (result.loaded) { // displacements were another body's
     settings_.shape_displacement_m.clear();
     warned_of_trust_ = false;
+    table_path_ = result.path;
+    forget_solver(host);
   }
   if (!same)
     last_place_.reset();
   body_.publish(std::move(result.model), same);
+  if (solved && host)
+    resolved(*host);
   if (result.loaded && host) {
     const ModalTable& table = table_->table;
     host->info({"loaded", std::string_view(table.body_name.empty() ? "body" : table.body_name),
@@ -149,6 +160,8 @@ void ModalImpact::posted(Host& host) {
   host_ = &host;
   if (auto result = worker_.take())
     accept(std::move(*result), &host);
+  if (auto result = solver_.take())
+    take_solution(std::move(*result), host);
 }
 
 void ModalImpact::created(Host& host) {

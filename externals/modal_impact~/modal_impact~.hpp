@@ -3,6 +3,7 @@
 #include "core/modal/struck_body.hpp"
 #include "core/object.hpp"
 #include "externals/modal_impact~/declaration.hpp"
+#include "externals/modal_impact~/mode_solver.hpp"
 #include "externals/modal_impact~/table_worker.hpp"
 
 #include <array>
@@ -33,6 +34,8 @@ public:
       modal_impact::kParameters,
       modal_impact::kMessages,
       modal_impact::kArguments};
+  enum Timer : std::size_t { kRestTimer, kAnswerTimer };
+  static constexpr std::size_t timers = 2;
 
   ModalImpact();
   void prepare(double sample_rate, std::size_t max_block);
@@ -40,6 +43,7 @@ public:
   [[nodiscard]] double get(std::size_t parameter) const noexcept { return value_[parameter]; }
   void message(std::size_t index, std::span<const Atom> arguments, Host& host);
   void posted(Host& host);
+  void tick(std::size_t timer, Host& host);
   void created(Host& host);
   void dump(Host& host);
 
@@ -86,6 +90,18 @@ private:
   /// Displacements of the shape's parameters now, as many as there are.
   [[nodiscard]] std::vector<double> shape_displacement_m(const table::ShapeParameters&) const;
   void deform(std::vector<double> displacement_m, const table::ShapeParameters&, Host& host);
+  // A shape that is solved anew: resolve.cpp.
+  [[nodiscard]] bool wants_solve() const;
+  /// Displacements of the control points from the shape that was solved, m.
+  [[nodiscard]] std::vector<Vec3> from_solved_m(const std::vector<double>& displacement_m) const;
+  /// The largest of them over the table's trust.
+  [[nodiscard]] double trust_ratio() const;
+  void shape_moved(bool beyond_trust, Host& host);
+  void start_solve(Host& host);
+  void take_solution(ModeSolver::Result result, Host& host);
+  void resolved(Host& host);
+  void forget_solver(Host* host);
+  void set_solver(const Atom& program, Host& host);
 
   /// The body that hits meet now; null after one sentence when there is none.
   const BodyModel* body(Host& host);
@@ -117,7 +133,15 @@ private:
   bool warned_ = false;
   bool warned_of_trust_ = false;
   double sample_rate_ = 48000;
-  TableWorker worker_; // last: its thread ends before what it uses
+  std::string table_path_;     ///< of the body
+  std::string solver_program_; ///< empty: where it is looked for
+  std::uint64_t loads_ = 0;    ///< of bodies and solvers: answers to earlier ones do not count
+  std::uint64_t solves_ = 0;
+  double solve_s_ = 0; ///< the last one's duration
+  bool solving_ = false, solver_lost_ = false, solve_failed_ = false;
+  std::optional<ModeSolver::Request> solver_request_; ///< in a render: the answer's time is set
+  ModeSolver solver_; // last: their threads end before what they use
+  TableWorker worker_;
 };
 
 } // namespace tactus::modal

@@ -66,12 +66,13 @@ void ModalImpact::set_control_point(Numbers n, Host& host) {
 
 void ModalImpact::deform(std::vector<double> displacement, const table::ShapeParameters& shape,
                          Host& host) {
-  std::vector<Vec3> moved(shape.control_point_m.size());
-  for (std::size_t p = 0; p < displacement.size(); ++p)
-    moved[shape.parameters[p].control_point][shape.parameters[p].axis] = displacement[p];
+  const std::vector<Vec3> moved = from_solved_m(displacement);
   const auto farthest = std::max_element(
       moved.begin(), moved.end(), [](const Vec3& a, const Vec3& b) { return norm(a) < norm(b); });
-  if (!warned_of_trust_ && norm(*farthest) > shape.trust_m * (1 + 1e-9)) {
+  const bool beyond = norm(*farthest) > shape.trust_m * (1 + 1e-9);
+  const bool solves =
+      table_->body().table.has_mesh && !solver_lost_ && value_[modal_impact::kResolve] < 0.5;
+  if (!warned_of_trust_ && beyond && !solves) {
     warned_of_trust_ = true;
     host.log("control point " + std::to_string(farthest - moved.begin()) + " is moved by " +
              number_text(1000 * norm(*farthest)) + " mm, the table trusts " +
@@ -79,6 +80,7 @@ void ModalImpact::deform(std::vector<double> displacement, const table::ShapePar
   }
   settings_.shape_displacement_m = std::move(displacement);
   renew();
+  shape_moved(beyond, host);
 }
 
 void ModalImpact::tell_shape(Host& host) const {

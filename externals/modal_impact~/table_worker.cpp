@@ -34,6 +34,10 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
       next.path = waiting_->path;
       next.name = waiting_->name;
     }
+    if (waiting_ && waiting_->replaces && waiting_->replaces == next.table) {
+      next.replaces = waiting_->replaces;
+      next.table = waiting_->table;
+    }
     if (waiting_ && !next.board)
       next.board = waiting_->board;
     waiting_ = std::move(next);
@@ -47,8 +51,8 @@ std::string TableWorker::request(const Request& request, std::function<void()> r
 void TableWorker::follow(Request& request) const {
   if (!replacing_ || request.table != replaced_)
     return;
-  if (request.table &&
-      &request.table->body() != &replacing_->body()) // displacements were another body's
+  if (request.table && &request.table->body() != &replacing_->body() &&
+      !replacing_->body().follows(request.table->body())) // displacements were another body's
     request.settings.shape_displacement_m.clear();
   request.table = replacing_;
 }
@@ -85,6 +89,7 @@ TableWorker::Result TableWorker::carry_out(const Request& request) {
     if (!request.path.empty()) {
       body = read(request.path);
       result.loaded = true;
+      result.path = request.path;
       settings.shape_displacement_m.clear();
     }
     if (request.board && result.refusal.empty()) {
@@ -130,12 +135,14 @@ void TableWorker::work(const std::stop_token& stop) {
       done_->refusal = result.refusal;
     } else if (!done_ || !done_->loaded || result.loaded || request.table == done_->table) {
       if (done_ && result.model) {
+        if (done_->loaded && !result.loaded)
+          result.path = done_->path;
         result.loaded |= done_->loaded;
         result.board_loaded |= done_->board_loaded;
       }
-      if (result.model && result.table != request.table) {
+      if (result.model && (result.table != request.table || request.replaces)) {
         if (!replacing_)
-          replaced_ = request.table;
+          replaced_ = request.replaces ? request.replaces : request.table;
         replacing_ = result.table;
       }
       done_ = std::move(result);

@@ -27,12 +27,15 @@ public:
     std::shared_ptr<const LoadedTable> table;
     BodySettings settings;
     std::optional<Board> board; ///< none: as it is
+    /// `table` is the body of this one in another shape, which it is to replace; null: it is not.
+    std::shared_ptr<const LoadedTable> replaces;
   };
   struct Result {
     std::string refusal; ///< a sentence when something could not be read
     std::shared_ptr<const LoadedTable> table;
     std::unique_ptr<BodyModel> model;
     bool loaded = false, board_loaded = false; ///< read now
+    std::string path;                          ///< of the body that was loaded
   };
 
   TableWorker() = default;

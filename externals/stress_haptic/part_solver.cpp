@@ -3,56 +3,17 @@
 #include "core/words.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <dlfcn.h>
-#include <filesystem>
 #include <new>
 #include <string_view>
-#include <type_traits>
-#include <unistd.h>
 #include <utility>
 
 namespace tactus::stress {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "messages are copied as they lie");
-
 constexpr const char* kProgram = "part_stress";
-constexpr std::uint64_t kMaxSentence = 4096;
-constexpr double kEndGrace_s = 0.1;
 constexpr double kLook_s = 0.1; // between looks at the clock of one who waits
-
-bool can_run(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
-}
-
-/// The folder of the module that this code is part of.
-std::filesystem::path own_folder() {
-  Dl_info found{};
-  static const char here = 0;
-  if (::dladdr(&here, &found) == 0 || !found.dli_fname)
-    return {};
-  return std::filesystem::path(found.dli_fname).parent_path();
-}
-
-/// What a child says, on one line.
-std::string printable(std::string_view text) {
-  std::string line(text.substr(0, 300));
-  std::replace_if(
-      line.begin(), line.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
-  return line;
-}
-
-template <class T> T read_at(std::span<const std::byte> bytes, std::size_t offset) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
 
 template <class T> void append(std::vector<std::byte>& bytes, const T& value) {
   const auto* begin = reinterpret_cast<const std::byte*>(&value);
@@ -69,32 +30,10 @@ template <class T> std::vector<T> take_array(std::span<const std::byte>& bytes, 
 
 } // namespace
 
-std::string find_part_stress(const std::string& program) {
-  if (program.find('/') != std::string::npos)
-    return can_run(program) ? program : std::string();
-  const std::string name = program.empty() ? kProgram : program;
-  if (const auto beside = own_folder() / name; program.empty() && can_run(beside))
-    return beside.string();
-  const char* path = std::getenv("PATH");
-  std::string_view left = path ? path : "";
-  while (!left.empty()) {
-    const std::string_view folder = left.substr(0, left.find(':'));
-    left.remove_prefix(std::min(left.size(), folder.size() + 1));
-    // An empty entry, the current folder, is left out: a patch's folder runs no programs.
-    if (const auto here = std::filesystem::path(folder) / name; !folder.empty() && can_run(here))
-      return here.string();
-  }
-  return {};
-}
+std::string find_part_stress(const std::string& program) { return find_program(kProgram, program); }
 
 PartSolver::PartSolver(SolverOrder order, const Limits& limits)
     : order_(std::move(order)), limits_(limits) {}
-
-void PartSolver::set_limit(double seconds) {
-  limit_s_ = seconds;
-  limit_ = Clock::now() +
-           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-}
 
 void PartSolver::lose(const std::string& reason) {
   child_.reset();
@@ -110,12 +49,12 @@ void PartSolver::launch() {
     return lose("the program " + (order_.program.empty() ? kProgram : order_.program) +
                 " was not found: expected it beside stress_haptic, in PATH, or by solver PATH");
   std::string refusal;
-  child_ = ChildProcess::start(
-      {program, "serve", order_.path, "--tolerance", number_text(kTolerance)}, refusal);
+  child_ =
+      ServedProgram::start({program, "serve", order_.path, "--tolerance", number_text(kTolerance)},
+                           kProgram, limits_.start_s, refusal);
   if (!child_)
     return lose("the solver: " + refusal);
   state_ = State::kLoading;
-  set_limit(limits_.start_s);
 }
 
 bool PartSolver::prepare() {
@@ -139,14 +78,14 @@ std::string PartSolver::start(std::span<const double> displacement_m, Method met
     return "the solver has not loaded the part yet";
   const bool direct = method == Method::kFull || sensitivities;
   sensitivities_ = sensitivities;
-  ask(displacement_m, direct ? ServeMethod::refactor : ServeMethod::pcg,
-      (sensitivities ? kWithDerivatives : 0U) | kKeepFactor);
-  state_ = State::kSolving;
   // All that a solve may take by the costs, twenty times.
   const double parameters = static_cast<double>(order_.table.parameters.size());
   const double expected_s =
       costs_.factor_s + (60 + parameters) * (costs_.product_s + costs_.solve_s);
-  set_limit(std::max(limits_.solve_s, 20 * expected_s));
+  ask(displacement_m, direct ? ServeMethod::refactor : ServeMethod::pcg,
+      (sensitivities ? kWithDerivatives : 0U) | kKeepFactor,
+      std::max(limits_.solve_s, 20 * expected_s));
+  state_ = State::kSolving;
   return {};
 }
 
@@ -159,15 +98,13 @@ std::optional<Reanalysis::Result> PartSolver::poll() {
 }
 
 void PartSolver::ask(std::span<const double> displacement_m, ServeMethod method,
-                     std::uint32_t flags) {
-  out_.clear();
-  sent_ = 0;
-  append(out_, ServeHeader{ServeHeader::kMagic, static_cast<std::uint32_t>(ServeKind::solve),
-                           8 + displacement_m.size_bytes()});
-  append(out_, static_cast<std::uint32_t>(method));
-  append(out_, flags);
+                     std::uint32_t flags, double limit_s) {
+  std::vector<std::byte> payload;
+  append(payload, static_cast<std::uint32_t>(method));
+  append(payload, flags);
   const auto bytes = std::as_bytes(displacement_m);
-  out_.insert(out_.end(), bytes.begin(), bytes.end());
+  payload.insert(payload.end(), bytes.begin(), bytes.end());
+  child_->ask(ServeKind::solve, payload, limit_s);
 }
 
 std::uint64_t PartSolver::answer_bytes() const noexcept {
@@ -176,53 +113,27 @@ std::uint64_t PartSolver::answer_bytes() const noexcept {
          8 * rows * order_.table.elements();
 }
 
-/// Sends and receives what the pipes take, and acts on a message that is whole.
+/// Acts on a message that is whole.
 void PartSolver::advance() {
   if (state_ == State::kNone || state_ == State::kLost)
     return;
   if (order_.wait && state_ != State::kReady)
     child_->wait(kLook_s);
-  try {
-    exchange();
-  } catch (const std::bad_alloc&) {
-    in_ = {};
-    lose("there is not enough memory for the solver's answer");
-  }
-  const bool asked = state_ != State::kReady && state_ != State::kLost;
-  if (asked && Clock::now() >= limit_)
-    lose("the solver did not answer within " + number_text(limit_s_) + " s and was ended");
-}
-
-void PartSolver::exchange() {
-  if (sent_ < out_.size())
-    sent_ += child_->send(std::span(out_).subspan(sent_));
-  const auto missing = [this](std::size_t whole) {
-    return whole > in_.size() ? child_->receive(in_, whole - in_.size()) : true;
-  };
-  bool open = missing(sizeof(ServeHeader));
-  if (in_.size() >= sizeof(ServeHeader)) {
-    const auto header = read_at<ServeHeader>(in_, 0);
+  std::string reason;
+  const auto expects = [this](const ServeHeader& header) {
     const auto kind = static_cast<ServeKind>(header.kind);
-    const bool waits = state_ != State::kReady;
-    const bool fits = header.magic == ServeHeader::kMagic && waits &&
-                      ((kind == ServeKind::ready && state_ == State::kLoading &&
-                        header.size == sizeof(ServeReady)) ||
-                       (kind == ServeKind::stress && state_ != State::kLoading &&
-                        header.size == answer_bytes()) ||
-                       (kind == ServeKind::refused && header.size <= kMaxSentence));
-    if (!fits)
-      return lose("the solver answered what is no answer (magic " + std::to_string(header.magic) +
-                  ", kind " + std::to_string(header.kind) + ", " + std::to_string(header.size) +
-                  " bytes) and was ended: expected part_stress of this version");
-    const std::size_t whole = sizeof(ServeHeader) + static_cast<std::size_t>(header.size);
-    open = missing(whole);
-    if (in_.size() >= whole) {
-      const std::vector<std::byte> message = std::exchange(in_, {});
-      return take(kind, std::span(message).subspan(sizeof(ServeHeader)));
+    return state_ == State::kLoading ? kind == ServeKind::ready && header.size == sizeof(ServeReady)
+                                     : kind == ServeKind::stress && header.size == answer_bytes();
+  };
+  const auto message = child_->poll(expects, reason);
+  if (!reason.empty())
+    return lose(reason);
+  if (message)
+    try {
+      take(message->kind, message->payload);
+    } catch (const std::bad_alloc&) {
+      lose("there is not enough memory for the solver's answer");
     }
-  }
-  if (!open)
-    lose("the solver ended: " + printable(child_->end(kEndGrace_s)));
 }
 
 void PartSolver::take(ServeKind kind, std::span<const std::byte> payload) {
@@ -230,8 +141,8 @@ void PartSolver::take(ServeKind kind, std::span<const std::byte> payload) {
     return take_ready(payload);
   if (kind == ServeKind::stress)
     return take_answer(payload);
-  const std::string sentence =
-      printable(std::string_view(reinterpret_cast<const char*>(payload.data()), payload.size()));
+  const std::string sentence = printable_line(
+      std::string_view(reinterpret_cast<const char*>(payload.data()), payload.size()));
   if (state_ != State::kSolving)
     return lose("the solver refuses the part: " + sentence);
   state_ = State::kReady;
@@ -240,7 +151,7 @@ void PartSolver::take(ServeKind kind, std::span<const std::byte> payload) {
 }
 
 void PartSolver::take_ready(std::span<const std::byte> payload) {
-  const auto ready = read_at<ServeReady>(payload, 0);
+  const auto ready = value_at<ServeReady>(payload);
   const StressTable& table = order_.table;
   if (ready.elements != table.elements() || ready.parameters != table.parameters.size())
     return lose("the solver's part has " + std::to_string(ready.elements) + " elements and " +
@@ -253,7 +164,7 @@ void PartSolver::take_ready(std::span<const std::byte> payload) {
                   " s: expected 0..100000 s");
   costs_ = {ready.product_s, ready.solve_s, ready.factor_s};
   state_ = State::kChecking; // within the limit of loading
-  ask(std::vector<double>(table.parameters.size()), ServeMethod::pcg, kKeepFactor);
+  ask(std::vector<double>(table.parameters.size()), ServeMethod::pcg, kKeepFactor, limits_.start_s);
 }
 
 bool PartSolver::is_tables_own(const StressBase& base) const {
@@ -275,7 +186,7 @@ bool PartSolver::is_tables_own(const StressBase& base) const {
 void PartSolver::take_answer(std::span<const std::byte> payload) {
   const StressTable& table = order_.table;
   const std::size_t elements = table.elements(), parameters = table.parameters.size();
-  const auto fixed = read_at<StressAnswer>(payload, 0);
+  const auto fixed = value_at<StressAnswer>(payload);
   payload = payload.subspan(sizeof fixed);
   const StressBase& before = latest_ ? *latest_ : table.base;
   auto base = std::make_shared<StressBase>();

@@ -2,9 +2,8 @@
 
 #include "core/stress/reanalysis.hpp"
 #include "core/stress/serve_protocol.hpp"
-#include "externals/stress_haptic/child_process.hpp"
+#include "externals/common/served_program.hpp"
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -51,30 +50,24 @@ public:
 
 private:
   enum class State : std::uint8_t { kNone, kLoading, kChecking, kReady, kSolving, kLost };
-  using Clock = std::chrono::steady_clock;
 
   void launch();
   void advance();
-  void exchange();
   void take(ServeKind kind, std::span<const std::byte> payload);
   void take_ready(std::span<const std::byte> payload);
   void take_answer(std::span<const std::byte> payload);
   [[nodiscard]] bool is_tables_own(const StressBase& base) const;
-  void ask(std::span<const double> displacement_m, ServeMethod method, std::uint32_t flags);
+  void ask(std::span<const double> displacement_m, ServeMethod method, std::uint32_t flags,
+           double limit_s);
   void lose(const std::string& reason);
   [[nodiscard]] std::uint64_t answer_bytes() const noexcept;
-  void set_limit(double seconds);
 
   SolverOrder order_;
   Limits limits_;
   Costs costs_;
-  std::unique_ptr<ChildProcess> child_;
+  std::unique_ptr<ServedProgram> child_;
   State state_ = State::kNone;
-  bool sensitivities_ = false; ///< asked for
-  Clock::time_point limit_;
-  double limit_s_ = 0;
-  std::vector<std::byte> out_, in_;
-  std::size_t sent_ = 0;
+  bool sensitivities_ = false;               ///< asked for
   std::shared_ptr<const StressBase> latest_; ///< of the newest answer; null: the table's own
   std::optional<Result> result_;
 };

@@ -1,4 +1,4 @@
-#include "externals/stress_haptic/child_process.hpp"
+#include "externals/common/child_process.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,141 @@
+#include "externals/common/served_program.hpp"
+
+#include "core/words.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <filesystem>
+#include <new>
+#include <unistd.h>
+#include <utility>
+
+namespace tactus {
+
+using table::ServeHeader;
+using table::ServeKind;
+
+namespace {
+
+constexpr std::uint64_t kMaxSentence = 4096;
+constexpr double kEndGrace_s = 0.1;
+
+bool can_run(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
+}
+
+/// The folder of the module that this code is part of.
+std::filesystem::path own_folder() {
+  Dl_info found{};
+  static const char here = 0;
+  if (::dladdr(&here, &found) == 0 || !found.dli_fname)
+    return {};
+  return std::filesystem::path(found.dli_fname).parent_path();
+}
+
+} // namespace
+
+std::string find_program(const char* usual, const std::string& given) {
+  if (given.find('/') != std::string::npos)
+    return can_run(given) ? given : std::string();
+  const std::string name = given.empty() ? usual : given;
+  if (const auto beside = own_folder() / name; given.empty() && can_run(beside))
+    return beside.string();
+  const char* path = std::getenv("PATH");
+  std::string_view left = path ? path : "";
+  while (!left.empty()) {
+    const std::string_view folder = left.substr(0, left.find(':'));
+    left.remove_prefix(std::min(left.size(), folder.size() + 1));
+    // An empty entry, the current folder, is left out: a patch's folder runs no programs.
+    if (const auto here = std::filesystem::path(folder) / name; !folder.empty() && can_run(here))
+      return here.string();
+  }
+  return {};
+}
+
+std::string printable_line(std::string_view text) {
+  std::string line(text.substr(0, 300));
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+  return line;
+}
+
+std::unique_ptr<ServedProgram> ServedProgram::start(const std::vector<std::string>& words,
+                                                    std::string name, double limit_s,
+                                                    std::string& refusal) {
+  auto child = ChildProcess::start(words, refusal);
+  if (!child)
+    return nullptr;
+  auto served = std::make_unique<ServedProgram>();
+  served->name_ = std::move(name);
+  served->child_ = std::move(child);
+  served->set_limit(limit_s);
+  return served;
+}
+
+void ServedProgram::set_limit(double seconds) {
+  limit_s_ = seconds;
+  limit_ = Clock::now() +
+           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+void ServedProgram::ask(ServeKind kind, std::span<const std::byte> payload, double limit_s) {
+  const ServeHeader header{ServeHeader::kMagic, static_cast<std::uint32_t>(kind), payload.size()};
+  const auto bytes = std::as_bytes(std::span(&header, 1));
+  out_.assign(bytes.begin(), bytes.end());
+  out_.insert(out_.end(), payload.begin(), payload.end());
+  sent_ = 0;
+  awaits_ = true;
+  set_limit(limit_s);
+}
+
+std::optional<ServedProgram::Message> ServedProgram::poll(const Expects& expects,
+                                                          std::string& lost) {
+  std::optional<Message> message;
+  try {
+    message = exchange(expects, lost);
+  } catch (const std::bad_alloc&) {
+    in_ = {};
+    lost = "there is not enough memory for the solver's answer";
+  }
+  if (message)
+    awaits_ = false;
+  else if (lost.empty() && awaits_ && Clock::now() >= limit_)
+    lost = "the solver did not answer within " + number_text(limit_s_) + " s and was ended";
+  return message;
+}
+
+std::optional<ServedProgram::Message> ServedProgram::exchange(const Expects& expects,
+                                                              std::string& lost) {
+  if (sent_ < out_.size())
+    sent_ += child_->send(std::span(out_).subspan(sent_));
+  const auto missing = [this](std::size_t whole) {
+    return whole > in_.size() ? child_->receive(in_, whole - in_.size()) : true;
+  };
+  bool open = missing(sizeof(ServeHeader));
+  if (in_.size() >= sizeof(ServeHeader)) {
+    const auto header = value_at<ServeHeader>(in_);
+    const auto kind = static_cast<ServeKind>(header.kind);
+    if (!(header.magic == ServeHeader::kMagic && awaits_ &&
+          ((kind == ServeKind::refused && header.size <= kMaxSentence) || expects(header)))) {
+      lost = "the solver answered what is no answer (magic " + std::to_string(header.magic) +
+             ", kind " + std::to_string(header.kind) + ", " + std::to_string(header.size) +
+             " bytes) and was ended: expected " + name_ + " of this version";
+      return {};
+    }
+    const std::size_t whole = sizeof(ServeHeader) + static_cast<std::size_t>(header.size);
+    open = missing(whole);
+    if (in_.size() >= whole) {
+      Message message{kind, {}};
+      message.payload.assign(in_.begin() + sizeof(ServeHeader), in_.end());
+      in_ = {};
+      return message;
+    }
+  }
+  if (!open)
+    lost = "the solver ended: " + printable_line(child_->end(kEndGrace_s));
+  return {};
+}
+
+} // namespace tactus

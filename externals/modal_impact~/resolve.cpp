@@ -1,0 +1,152 @@
+#include "core/words.hpp"
+#include "externals/modal_impact~/modal_impact~.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+/// Modes of a body that is reshaped, solved anew by modal_fem in the background.
+namespace tactus::modal {
+
+using namespace modal_impact;
+
+namespace {
+
+constexpr double kRest_ms = 150;       // without a move, as [stress_haptic] has it
+constexpr double kBatchAnswer_ms = 10; // a render's logical time from request to answer
+constexpr double kSamePlace = 1e-9;    // of the trust size
+
+} // namespace
+
+bool ModalImpact::wants_solve() const {
+  if (!table_ || !table_->body().table.has_mesh || value_[kResolve] >= 0.5)
+    return false;
+  return trust_ratio() > kSamePlace;
+}
+
+std::vector<Vec3> ModalImpact::from_solved_m(const std::vector<double>& displacement_m) const {
+  const ShapeSensitivity& sensitivity = table_->table.sensitivity;
+  std::vector<Vec3> moved(sensitivity.shape.control_point_m.size());
+  for (std::size_t p = 0; p < sensitivity.parameters(); ++p) {
+    const table::DesignParameter& at = sensitivity.shape.parameters[p];
+    moved[at.control_point][at.axis] =
+        (p < displacement_m.size() ? displacement_m[p] : 0) - sensitivity.solved_at(p);
+  }
+  return moved;
+}
+
+double ModalImpact::trust_ratio() const {
+  double farthest = 0;
+  for (const Vec3& way : from_solved_m(settings_.shape_displacement_m))
+    farthest = std::max(farthest, norm(way));
+  return farthest / table_->table.sensitivity.shape.trust_m;
+}
+
+void ModalImpact::shape_moved(bool beyond_trust, Host& host) {
+  solve_failed_ = false;
+  if (solver_lost_ || !wants_solve())
+    return host.wake_in(kRestTimer, -1);
+  if (beyond_trust && !solving_)
+    start_solve(host);
+  else
+    host.wake_in(kRestTimer, kRest_ms);
+}
+
+void ModalImpact::start_solve(Host& host) {
+  host.wake_in(kRestTimer, -1);
+  if (solving_ || solve_failed_ || solver_lost_ || !wants_solve())
+    return;
+  std::vector<double> displacement = settings_.shape_displacement_m;
+  displacement.resize(table_->table.sensitivity.parameters());
+  ModeSolver::Request request{loads_, table_path_, solver_program_, table_,
+                              std::move(displacement)};
+  solving_ = true;
+  if (!host.real_time()) { // the answer comes at the same logical time in every render
+    solver_request_ = std::move(request);
+    return host.wake_in(kAnswerTimer, kBatchAnswer_ms);
+  }
+  if (const std::string refusal =
+          solver_.request(std::move(request), [waiting = &host] { waiting->wake_from_thread(); });
+      !refusal.empty()) {
+    solving_ = false;
+    solver_lost_ = true;
+    host.error("resolve: " + refusal + "; frequencies are extrapolated until load or solver");
+  }
+}
+
+void ModalImpact::tick(std::size_t timer, Host& host) {
+  host_ = &host;
+  if (timer == kRestTimer)
+    return start_solve(host);
+  if (auto request = std::exchange(solver_request_, std::nullopt))
+    take_solution(solver_.solve(*request), host);
+}
+
+void ModalImpact::take_solution(ModeSolver::Result result, Host& host) {
+  if (result.number != loads_)
+    return;
+  solving_ = false;
+  if (result.lost) {
+    solver_lost_ = true;
+    return host.error("resolve: " + result.refusal +
+                      "; frequencies are extrapolated until load or solver");
+  }
+  if (!result.refusal.empty()) {
+    solve_failed_ = true; // until the shape moves
+    return host.error("resolve: " + result.refusal + "; frequencies are extrapolated");
+  }
+  if (value_[kResolve] >= 0.5)
+    return;
+  if (result.before != table_) // another board came meanwhile
+    return host.wake_in(kRestTimer, 0);
+  if (result.fraction < 1) {
+    solve_failed_ = true;
+    host.error("resolve: elements would turn inside out before this shape: the modes are solved "
+               "at " +
+               number_text(100 * result.fraction) + " % of the move, and extrapolated from there");
+  }
+  ++solves_;
+  solve_s_ = result.seconds;
+  TableWorker::Request request{{}, {}, std::move(result.table), settings(), {}, table_};
+  carry_out(request, "resolve", value_[kSync] >= 0.5 || !host.real_time(), host);
+}
+
+/// A table solved anew is in force.
+void ModalImpact::resolved(Host& host) {
+  if (last_place_)
+    last_place_ =
+        table_->surface.on(last_place_->triangle, last_place_->weight[1], last_place_->weight[2]);
+  warned_of_trust_ = false;
+  host.info({"resolved", static_cast<double>(solves_), solve_s_});
+  if (wants_solve() && !solve_failed_)
+    shape_moved(trust_ratio() > 1 + kSamePlace, host);
+}
+
+void ModalImpact::forget_solver(Host* host) {
+  solver_.forget(++loads_);
+  solver_request_.reset();
+  solving_ = solver_lost_ = solve_failed_ = false;
+  if (!host)
+    return;
+  host->wake_in(kRestTimer, -1);
+  host->wake_in(kAnswerTimer, -1);
+}
+
+void ModalImpact::set_solver(const Atom& program, Host& host) {
+  if (!program.is_word)
+    return host.error("solver: expected the path of modal_fem, or auto");
+  std::string path;
+  if (program.word != "auto") {
+    path = host.find_file(program.word);
+    if (path.empty() || find_modal_fem(path).empty())
+      return host.error("solver " + std::string(program.word) +
+                        ": there is no such program beside the patch or in the search path that "
+                        "may be run: expected the path of modal_fem");
+  }
+  solver_program_ = std::move(path);
+  forget_solver(&host);
+  if (wants_solve())
+    host.wake_in(kRestTimer, 0);
+}
+
+} // namespace tactus::modal
