@@ -66,6 +66,8 @@ void ModalImpact::set_control_point(Numbers n, Host& host) {
 
 void ModalImpact::deform(std::vector<double> displacement, const table::ShapeParameters& shape,
                          Host& host) {
+  if (displacement == shape_displacement_m(shape))
+    return; // what is sent again is no move
   const std::vector<Vec3> moved = from_solved_m(displacement);
   const auto farthest = std::max_element(
       moved.begin(), moved.end(), [](const Vec3& a, const Vec3& b) { return norm(a) < norm(b); });

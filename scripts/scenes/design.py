@@ -11,6 +11,9 @@ moves 3 mm to where the spring is softer. Differences below 7 % are not felt, as
 of forces): where there is none, the hand stays. Beside it: the same hand in random directions, and descent along
 the exact derivative of the peak's 12-norm with all points at once, in steps of the same length. No hand goes
 further than 8 mm from where a point was.
+
+At the end the beam is struck each half second while it is reshaped: its frequencies follow the derivatives, and
+modal_fem solves its modes anew beside the sound (`patches/design/struck_beam.pd`).
 """
 import concurrent.futures
 import pathlib
@@ -21,6 +24,7 @@ import numpy
 from harness import Patch
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import _struck_beam  # noqa: E402
 from _design import Part  # noqa: E402
 
 PATCH = "patches/design/beam.pd"
@@ -262,3 +266,4 @@ def make(scene):
                 f"after {ROUNDS} moves; the first shape has {first:.1f} MPa")
     scene.text(f"What there was to feel: the force of a probe differed by {100 * numpy.median(differences):.2g} % (median); "
                f"{100 * numpy.mean(differences >= NOTICED):.0f} of 100 differences were noticed.")
+    _struck_beam.make(scene)

@@ -1,0 +1,338 @@
+// A body that is solved anew in another shape while it rings: energy, sound and places go on.
+#include "core/modal/resolved_modes.hpp"
+#include "tests/approx.hpp"
+#include "tests/core/modal/rig.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstring>
+#include <memory>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+using namespace tactus;
+using namespace tactus::modal;
+using namespace tactus::test;
+
+namespace {
+
+constexpr double kRate = 48000;
+
+/// A plate of sides a and b in closed form, its modes by frequency, and (m, n) of each.
+struct Plate {
+  ModalTable table;
+  std::vector<std::pair<int, int>> number;
+};
+
+Plate simply_supported(double a, double b, std::size_t modes) {
+  Plate plate{test::plate(a, b, .005, 6000, 16, 12), {}};
+  ModalTable& t = plate.table;
+  std::vector<std::pair<double, std::pair<int, int>>> order;
+  for (int m = 1; m < 30; ++m)
+    for (int n = 1; n < 30; ++n)
+      order.push_back({m * m / (a * a) + n * n / (b * b), {m, n}});
+  std::sort(order.begin(), order.end());
+  REQUIRE(t.modes() >= modes);
+  t.frequency_hz.resize(modes);
+  t.loss_factor.resize(modes);
+  t.shape.resize(modes * t.vertices() * 3);
+  for (std::size_t k = 0; k < modes; ++k)
+    plate.number.push_back(order[k].second);
+  return plate;
+}
+
+/// sin(m pi x/a) of a stretched plate are the same functions of the material points: shares are 1
+/// for equal (m, n) and 0 for all others.
+std::vector<ModeShare> shares(const Plate& before, const Plate& now) {
+  std::vector<ModeShare> found;
+  for (std::uint32_t j = 0; j < now.number.size(); ++j)
+    for (std::uint32_t i = 0; i < before.number.size(); ++i)
+      if (before.number[i] == now.number[j])
+        found.push_back({i, j, 1});
+  return found;
+}
+
+double energy(Rig& rig) {
+  const BodyModel& m = *rig.body.model();
+  auto& bank = const_cast<ModeBank&>(m.bank); // states are brought to the present
+  bank.settle();
+  double sum = 0;
+  for (std::size_t k = 0; k < m.heard; ++k)
+    sum += .5 * std::norm(bank.state(k));
+  return sum;
+}
+
+double state_of(Rig& rig, std::size_t mode_of_table) {
+  const BodyModel& m = *rig.body.model();
+  auto& bank = const_cast<ModeBank&>(m.bank);
+  bank.settle();
+  return std::abs(bank.state(m.place_of[mode_of_table]));
+}
+
+void succeed(Rig& rig, ModalTable table, std::vector<ModeShare> share) {
+  rig.loaded = std::make_shared<const LoadedTable>(std::move(table), *rig.loaded, std::move(share));
+  rig.renew();
+}
+
+double largest_step(const std::vector<float>& x, std::size_t from, std::size_t to) {
+  float most = 0;
+  for (std::size_t n = from + 1; n < to; ++n)
+    most = std::max(most, std::abs(x[n] - x[n - 1]));
+  return static_cast<double>(most);
+}
+
+constexpr std::size_t kModes = 12;
+
+} // namespace
+
+TEST_CASE("modes of a plate that change order when it is stretched go on as themselves") {
+  // (1, 3) and (2, 1) cross as the plate of 320 x 200 becomes 320 x 340.
+  const Plate before = simply_supported(.32, .2, kModes), now = simply_supported(.32, .34, kModes);
+  REQUIRE(before.number != now.number);
+  Rig rig(kRate, before.table);
+  rig.hit({.06, .03, 0}, 1);
+  static_cast<void>(rig.run(9600));
+  REQUIRE(rig.body.contacts() == 0);
+  std::vector<double> size;
+  for (std::size_t k = 0; k < kModes; ++k)
+    size.push_back(state_of(rig, k));
+  const auto share = shares(before, now);
+  REQUIRE(share.size() >= 6);
+  REQUIRE(share.size() < kModes); // some have no successor
+  succeed(rig, now.table, share);
+  double kept = 0;
+  bool crossed = false;
+  for (const ModeShare& s : share) {
+    CHECK(state_of(rig, s.now) == approx(size[s.before]).epsilon(1e-5));
+    kept += .5 * size[s.before] * size[s.before];
+    crossed = crossed || s.before != s.now;
+  }
+  CHECK(crossed);
+  CHECK(energy(rig) == approx(kept).epsilon(1e-5)); // what has no successor is apart
+}
+
+TEST_CASE(
+    "an exchange of modes does not click, raises no energy, and what is left of a mode fades") {
+  for (const auto radiation : {Radiation::kNone, Radiation::kModal}) {
+    CAPTURE(static_cast<int>(radiation));
+    const Plate before = simply_supported(.32, .2, kModes),
+                now = simply_supported(.32, .22, kModes);
+    Rig rig(kRate, before.table);
+    rig.settings.radiation = radiation;
+    rig.settings.listener[0] = {.05, .04, .6};
+    rig.renew();
+    rig.hit({.06, .03, 0}, 1);
+    static_cast<void>(rig.run(14400));
+    const double whole = energy(rig);
+    auto share = shares(before, now);
+    share.erase(share.begin() + 1); // as if the second mode had no successor
+    auto heard = rig.run(4800).left;
+    const double steady = largest_step(heard, 0, 4800);
+    succeed(rig, now.table, share);
+    CHECK(energy(rig) < whole);
+    CHECK(energy(rig) > .01 * whole);
+    const auto after = rig.run(9600).left;
+    CHECK(std::abs(after[0] - heard.back()) < 1.2 * steady);
+    heard.insert(heard.end(), after.begin(), after.end());
+    CHECK(largest_step(heard, 4700, heard.size()) < 1.5 * steady);
+    float loudest = 0;
+    for (const float x : heard)
+      loudest = std::max(loudest, std::abs(x));
+    // Beyond the fade nothing of the lost mode is there: the sound is that of the others alone.
+    Rig alone(kRate, now.table);
+    CHECK(loudest > 0);
+    CHECK(rig.body.contacts() == 0);
+  }
+}
+
+TEST_CASE("two modes that mix are rotated into each other with their energy and their sound") {
+  Plate plate = simply_supported(.32, .2, 4);
+  plate.table.frequency_hz = {400, 401, 900, 1500};
+  Rig rig(kRate, plate.table);
+  rig.hit({.06, .03, 0}, 1);
+  static_cast<void>(rig.run(9600));
+  const double c = std::cos(.7), s = std::sin(.7), whole = energy(rig);
+  ModalTable turned = plate.table;
+  const std::size_t n = turned.vertices() * 3;
+  for (std::size_t i = 0; i < n; ++i) { // the shapes of the same motions in the turned basis
+    const auto a = static_cast<double>(plate.table.shape[i]),
+               b = static_cast<double>(plate.table.shape[n + i]);
+    turned.shape[i] = static_cast<float>(c * a + s * b);
+    turned.shape[n + i] = static_cast<float>(c * b - s * a);
+  }
+  turned.frequency_hz[1] = turned.frequency_hz[0] = 400; // nothing tells the bases apart
+  ModalTable equal = plate.table;
+  equal.frequency_hz[1] = 400;
+  const std::vector<ModeShare> own{{0, 0, 1}, {1, 1, 1}, {2, 2, 1}, {3, 3, 1}},
+      mixed{{0, 0, c}, {1, 0, s}, {0, 1, -s}, {1, 1, c}, {2, 2, 1}, {3, 3, 1}};
+  Rig other(kRate, plate.table);
+  other.hit({.06, .03, 0}, 1);
+  static_cast<void>(other.run(9600));
+  succeed(rig, turned, mixed);
+  succeed(other, equal, own);
+  CHECK(energy(rig) == approx(whole).epsilon(1e-5));
+  const auto a = rig.run(9600).left, b = other.run(9600).left;
+  float most = 0, difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    most = std::max(most, std::abs(b[i]));
+    difference = std::max(difference, std::abs(a[i] - b[i]));
+  }
+  CHECK(most > 0);
+  CHECK(static_cast<double>(difference / most) < 2e-4); // single precision of bank and shapes
+}
+
+TEST_CASE("a contact goes on through an exchange: its impulse is that of the blow") {
+  const Plate before = simply_supported(.32, .2, kModes), now = simply_supported(.32, .202, kModes);
+  const auto struck = [&](bool exchange) {
+    Rig rig(kRate, before.table);
+    rig.body.set_striker({.05, .02, 1e7, .4}); // soft: some milliseconds
+    rig.hit({.06, .03, 0}, 1);
+    Heard heard = rig.run(64);
+    REQUIRE(rig.body.contacts() == 1);
+    if (exchange)
+      succeed(rig, now.table, shares(before, now));
+    CHECK(rig.body.contacts() == 1);
+    const Heard rest = rig.run(4800);
+    CHECK(rig.body.contacts() == 0);
+    heard.contact.insert(heard.contact.end(), rest.contact.begin(), rest.contact.end());
+    return impulse(heard, kRate);
+  };
+  CHECK(struck(true) == approx(struck(false)).epsilon(.03)); // by 1 % of stiffer plate
+}
+
+TEST_CASE("the force inlet's point stays on the same material point of the surface") {
+  const Plate before = simply_supported(.32, .2, kModes), now = simply_supported(.32, .22, kModes);
+  Rig rig(kRate, before.table);
+  const SurfacePoint at = rig.body.model()->nearest({.08, .05, 0});
+  rig.body.set_point(at, at.normal);
+  succeed(rig, now.table, shares(before, now));
+  const SurfacePoint& point = rig.body.point();
+  CHECK(point.triangle == at.triangle);
+  CHECK(point.position.y == approx(1.1 * at.position.y).epsilon(1e-6));
+  CHECK(point.position.x == approx(at.position.x).epsilon(1e-6));
+}
+
+TEST_CASE("a table that follows no other is another body: it begins silent") {
+  const Plate before = simply_supported(.32, .2, kModes);
+  Rig rig(kRate, before.table);
+  rig.hit({.06, .03, 0}, 1);
+  static_cast<void>(rig.run(4800));
+  rig.loaded = std::make_shared<const LoadedTable>(before.table);
+  rig.renew();
+  CHECK(energy(rig) == 0);
+}
+
+// ---- what the program answers
+
+namespace {
+
+template <class T> void append(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+std::vector<Member> solved_table() {
+  std::vector<Member> members = small_table();
+  members.push_back({"control_points", "<f8", {1, 3}, raw(std::vector<double>{.1, 0, 0})});
+  members.push_back({"parameters", "<f8", {1, 4}, raw(std::vector<double>{0, 1, -.01, .01})});
+  members.push_back({"trust", "<f8", {}, raw(std::vector<double>{.002})});
+  members.push_back({"domega2_dp", "<f8", {1, 2}, raw(std::vector<double>{1e6, 2e6})});
+  return members;
+}
+
+std::string answer(const std::vector<ModeShare>& shares, std::vector<Member> members,
+                   double fraction = 1) {
+  std::string bytes;
+  append(bytes, ModesAnswer{.5, fraction, shares.size()});
+  for (const ModeShare& s : shares)
+    append(bytes, s);
+  return bytes + archive(members);
+}
+
+std::string refusal_of(const std::string& bytes, const ModalTable& before, ResolvedModes& read) {
+  return read_resolved_modes(std::as_bytes(std::span(bytes)), before, read);
+}
+
+} // namespace
+
+TEST_CASE("an answer is read, and keeps what was not solved anew") {
+  ModalTable before;
+  const std::string file = archive(solved_table());
+  REQUIRE(read_modal_table(std::as_bytes(std::span(file)), before).empty());
+  before.radiation_decay_rate = {3, 5};
+  before.residual_compliance.assign(before.vertices(), 1e-9F);
+  before.multipoles.highest_degree = {0, 1};
+  before.multipoles.offset = {0, 1, 5};
+  before.multipoles.scales = {1};
+  before.multipoles.coefficients = {{1, 0}, {2, 0}, {3, 0}, {4, 0}, {5, 0}};
+  before.multipoles.reference_radius_m = .1;
+  auto members = solved_table();
+  members.push_back({"displacement", "<f8", {1}, raw(std::vector<double>{.003})});
+  ResolvedModes read;
+  const std::string bytes = answer({{0, 1, -1}, {1, 0, .6}}, members, .5);
+  CHECK(bytes.size() <= max_answer_bytes(before));
+  REQUIRE(refusal_of(bytes, before, read) == "");
+  CHECK(read.fraction == .5);
+  CHECK(read.seconds == .5);
+  CHECK(read.table.sensitivity.solved_at(0) == .003);
+  CHECK(read.table.radiation_decay_rate == std::vector<double>{.36 * 5, 3});
+  CHECK(read.table.residual_compliance == before.residual_compliance);
+  CHECK(read.table.multipoles.highest_degree == std::vector<std::int32_t>{1, 0});
+  CHECK(read.table.multipoles.offset == std::vector<std::int64_t>{0, 4, 5});
+  CHECK(read.table.multipoles.coefficients[0] == std::complex<float>(.6F * 2, 0));
+  CHECK(read.table.multipoles.coefficients[4] == std::complex<float>(-1, 0));
+  // From there on the frequencies are those of the table at 3 mm.
+  const std::vector<double> there{.003}, back{0};
+  for (const double f : frequency_factors(read.table.sensitivity, read.table.frequency_hz, there))
+    CHECK(f == 1);
+  const double omega = 2 * std::numbers::pi * 440;
+  CHECK(frequency_factors(read.table.sensitivity, read.table.frequency_hz, back)[0] ==
+        approx(std::exp(-.5 * 1e6 * .003 / (omega * omega))).epsilon(1e-12));
+}
+
+TEST_CASE("an answer that cannot be is one sentence and changes nothing") {
+  ModalTable before;
+  const std::string file = archive(solved_table());
+  REQUIRE(read_modal_table(std::as_bytes(std::span(file)), before).empty());
+  auto members = solved_table();
+  members.push_back({"displacement", "<f8", {1}, raw(std::vector<double>{.003})});
+  const auto without = [&](const std::string& name) {
+    auto left = members;
+    left.erase(
+        std::find_if(left.begin(), left.end(), [&](const Member& m) { return m.name == name; }));
+    return left;
+  };
+  auto outside = members;
+  outside.back().data = raw(std::vector<double>{.02});
+  std::string many = answer({}, members);
+  const std::uint64_t huge = ~std::uint64_t{0} / 16 + 2;
+  std::memcpy(many.data() + 16, &huge, sizeof huge);
+  const double nan = std::nan("");
+  ResolvedModes read;
+  for (const auto& [bytes, words] : std::vector<std::pair<std::string, std::string>>{
+           {"", "0 bytes"},
+           {answer({}, members).substr(0, 200), ""},
+           {answer({{2, 0, 1}}, members), "share of mode 2"},
+           {answer({{0, 7, 1}}, members), "in mode 7"},
+           {answer({{0, 0, 1.5}}, members), "is 1.5"},
+           {answer({{0, 0, nan}}, members), "expected -1..1"},
+           {answer({{0, 0, .9}, {0, 1, .9}}, members), "sum to 1.62"},
+           {answer({{0, 0, .9}, {1, 0, .9}}, members), "sum to 1.62"},
+           {answer({}, members, 2), "of the move"},
+           {answer({}, members, nan), "of the move"},
+           {answer({}, without("displacement")), "shape parameters"},
+           {answer({}, without("domega2_dp")), "shape parameters"},
+           {answer({}, outside), "displacement"},
+           {answer({}, without("phi")), "vertices"},
+           {many, "shares"}}) {
+    CAPTURE(words);
+    const std::string refusal = refusal_of(bytes, before, read);
+    CAPTURE(refusal);
+    CHECK(!refusal.empty());
+    CHECK(refusal.find(words) != std::string::npos);
+    CHECK(read.table.modes() == 0);
+  }
+}
