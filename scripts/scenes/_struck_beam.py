@@ -60,14 +60,16 @@ def make(scene):
     at = numpy.searchsorted(times, marks[:, 0])
     at = at[at < len(times)]
     for k in range(MODES):
-        axes[0].plot(times[at], now[at, k], "o", markersize=3, markerfacecolor="none", markeredgecolor="white",
+        axes[0].plot(times[at], now[at, k] / 1000, "o", markersize=3, markerfacecolor="none", markeredgecolor="white",
                      markeredgewidth=0.7, label="solved anew" if k == 0 else None)
-    axes[0].legend(fontsize=8, loc="upper right")
+    axes[0].set_xlabel("")
+    axes[0].legend(fontsize=8, loc="upper right", labelcolor="white", facecolor="#303030")
     for k in range(MODES):
         axes[1].plot(times, 100 * (first[:, k] / now[:, k] - 1), linewidth=0.9, label=f"mode {k + 1}")
     axes[1].plot(times[at], numpy.zeros(len(at)), "k|", markersize=6)
     axes[1].set(xlabel="time, s", ylabel="first derivatives alone\nagainst solved anew, %")
-    axes[1].legend(fontsize=8, ncol=4, frameon=False)
+    axes[1].set_xlim(0, SECONDS)
+    axes[1].legend(fontsize=8, ncol=4, frameon=False, loc="lower right")
     scene.picture("struck_beam", figure, "its spectrogram with the frequencies at each new solution, and how far the "
                   "derivatives of the first shape alone are from them")
     scene.table(["solved anew", "median, ms", "longest, ms", "largest error of the first derivatives alone, %"],

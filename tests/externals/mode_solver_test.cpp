@@ -1,0 +1,179 @@
+// A solver of modes that runs as a child process, and every way in which it can fail. A script
+// stands for modal_fem (fake_modal_fem.py); tests/patches/test_shape_solver.py runs the program
+// itself.
+#include "externals/modal_impact~/mode_solver.hpp"
+#include "tests/core/modal/tables.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sys/wait.h>
+#include <thread>
+
+using namespace tactus;
+using namespace tactus::modal;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<test::Member> reshaped_table() {
+  auto members = test::small_table();
+  members.push_back({"control_points", "<f8", {1, 3}, test::raw(std::vector<double>{.1, 0, 0})});
+  members.push_back({"parameters", "<f8", {1, 4}, test::raw(std::vector<double>{0, 1, -.01, .01})});
+  members.push_back({"trust", "<f8", {}, test::raw(std::vector<double>{.002})});
+  members.push_back({"domega2_dp", "<f8", {1, 2}, test::raw(std::vector<double>{1e6, 2e6})});
+  members.push_back({"mesh", "|u1", {3}, "abc"});
+  return members;
+}
+
+/// A table and a fake program beside it. At its end no child may be left.
+struct Rig {
+  fs::path folder;
+  std::shared_ptr<const LoadedTable> table;
+  std::unique_ptr<ModeSolver> solver;
+  ModeSolver::Request request;
+
+  explicit Rig(const std::string& mode, const ModeSolver::Limits& limits = {}) {
+    static std::atomic<int> count{0};
+    folder = fs::temp_directory_path() /
+             ("mode_solver_test." +
+              std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + "." +
+              std::to_string(count++));
+    fs::create_directories(folder);
+    const std::string bytes = test::archive(reshaped_table());
+    std::ofstream(folder / "body.modal.npz", std::ios::binary) << bytes;
+    ModalTable read;
+    REQUIRE(read_modal_table(std::as_bytes(std::span(bytes)), read) == "");
+    REQUIRE(read.has_mesh);
+    table = std::make_shared<const LoadedTable>(std::move(read));
+    fs::create_symlink(fs::path(TACTUS_FAKE_MODAL_FEM), folder / ("fake." + mode));
+    solver = std::make_unique<ModeSolver>(limits);
+    solver->forget(1);
+    request = {1,
+               (folder / "body.modal.npz").string(),
+               (folder / ("fake." + mode)).string(),
+               table,
+               {.003}};
+  }
+  ~Rig() {
+    solver.reset();
+    CHECK(waitpid(-1, nullptr, WNOHANG) == -1); // no child, ended or not
+    fs::remove_all(folder);
+  }
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
+  /// Up to a minute.
+  [[nodiscard]] ModeSolver::Result solve(bool threaded) const {
+    if (!threaded)
+      return solver->solve(request);
+    std::atomic<bool> ready{false};
+    REQUIRE(solver->request(request, [&] { ready = true; }).empty());
+    for (int i = 0; i < 60000; ++i) {
+      if (auto result = solver->take()) {
+        CHECK(ready);
+        return std::move(*result);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return {};
+  }
+};
+
+} // namespace
+
+TEST_CASE("a child solves shape after shape, each from the modes of the one before") {
+  for (const bool threaded : {false, true}) {
+    CAPTURE(threaded);
+    Rig rig("good");
+    auto result = rig.solve(threaded);
+    REQUIRE(result.refusal == "");
+    REQUIRE(result.table);
+    CHECK(result.before == rig.table);
+    CHECK(result.table->follows(*rig.table));
+    CHECK(result.seconds == 0); // the parameters of the modes before, by the fake
+    CHECK(result.table->table.frequency_hz[0] == doctest::Approx(440 * 1.03).epsilon(1e-12));
+    CHECK(result.table->table.sensitivity.solved_at(0) == .003);
+    CHECK(result.table->table.has_mesh);
+    rig.request.table = result.table;
+    rig.request.displacement_m = {.001};
+    const auto next = rig.solve(threaded);
+    REQUIRE(next.table);
+    CHECK(next.seconds == .003);
+    CHECK(next.table->follows(*result.table));
+    CHECK(!next.table->follows(*rig.table));
+    CHECK(next.table->table.frequency_hz[0] == doctest::Approx(440 * 1.01).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("a program that is not there or cannot run is one sentence") {
+  Rig rig("good");
+  for (const char* program :
+       {"/nowhere/modal_fem", "no_such_program_of_this_name", "/etc/passwd"}) {
+    rig.request.program = program;
+    const auto result = rig.solve(false);
+    CHECK(result.lost);
+    CHECK(result.refusal.find("was not found") != std::string::npos);
+  }
+}
+
+TEST_CASE("a child that fails is lost, with its reason") {
+  for (const bool threaded : {false, true})
+    for (const auto& [name, words] :
+         {std::pair("dies", "the solver ended: modal_fem: a  reason"),
+          std::pair("hangs", "did not answer within 0.3 s"),
+          std::pair("garbage", "answered what is no answer"),
+          std::pair("huge", "answered what is no answer"),
+          std::pair("sizes", "vertices and 1 parameters: expected the table's 4 and 1"),
+          std::pair("killed", "the solver ended: signal 9"),
+          std::pair("mute", "did not answer within 0.4 s"),
+          std::pair("half", "the solver ended: status 0"), std::pair("shares", "expected -1..1"),
+          std::pair("damaged", "the solver's answer cannot be")}) {
+      const std::string mode = name; // a binding cannot be captured
+      CAPTURE(mode);
+      // Only what waits for ever must meet its limit: the others have time on a busy machine.
+      Rig rig(mode, {mode == "hangs" ? 0.3 : 60, mode == "mute" ? 0.4 : 60});
+      const auto result = rig.solve(threaded);
+      CAPTURE(result.refusal);
+      CHECK(result.lost);
+      CHECK(!result.table);
+      CHECK(result.refusal.find(words) != std::string::npos);
+      CHECK(result.refusal.find_first_of("\n\r\a") == std::string::npos);
+    }
+}
+
+TEST_CASE("a solve that is refused is one sentence, and the child goes on") {
+  Rig rig("refuses");
+  for (int i = 0; i < 2; ++i) {
+    const auto result = rig.solve(true);
+    CHECK(!result.lost);
+    CHECK(result.refusal == "the body is singular");
+  }
+}
+
+TEST_CASE("a move that the mesh does not bear is solved as far as it does") {
+  Rig rig("cut");
+  const auto result = rig.solve(false);
+  REQUIRE(result.table);
+  CHECK(result.fraction == .5);
+  CHECK(result.table->table.sensitivity.solved_at(0) == .0015);
+}
+
+TEST_CASE("a solver is ended in the middle of whatever it does, and solves another table after") {
+  for (const char* mode : {"good", "hangs", "mute"}) {
+    Rig rig(mode);
+    REQUIRE(rig.solver->request(rig.request, [] {}).empty());
+    if (std::string(mode) == "mute")
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    rig.solver->forget(2);
+    CHECK(!rig.solver->take());
+    if (std::string(mode) == "good") {
+      rig.request.number = 2;
+      CHECK(rig.solve(true).table);
+    }
+  }
+}
