@@ -6,6 +6,7 @@
 #include "fem/io/mesh_bytes.hpp"
 #include "fem/io/words.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cstdio>
@@ -62,9 +63,11 @@ ServedPart read_served_part(const std::string& path, const std::string& format_n
   table::Json meta;
   if (!table::read_json(text("meta"), meta))
     throw Refusal(path + ": array 'meta' is not JSON");
-  if (meta.text_or("format", "") != format_name)
-    throw Refusal(path + " has the format '" + printable(meta.text_or("format", ""), 40) +
-                  "', expected " + format_name + " of " + program);
+  if (meta.text_or("format", "") != format_name) {
+    std::string words = format_name;
+    std::replace(words.begin(), words.end(), '-', ' ');
+    throw Refusal(path + " is no " + words + ": expected one of " + program);
+  }
   if (const table::Json* command = meta.find("command"))
     for (const table::Json& word : command->list)
       part.command.push_back(word.text);

@@ -8,6 +8,8 @@ import subprocess
 
 import numpy as np
 import pytest
+import serve_client
+from serve_client import QUIT, READY, REFUSED, SOLVE, STRESS
 
 PROGRAM = os.environ["PART_STRESS"]
 QUICK = bool(os.environ.get("TACTUS_QUICK"))
@@ -376,42 +378,13 @@ def test_a_coarser_skin_is_closed_and_of_the_same_body(tmp_path):
 
 # ---- serve
 
-MAGIC, SOLVE, QUIT, READY, STRESS, REFUSED = 0x31525354, 1, 2, 16, 17, 18
-
-
-class Server:
+class Server(serve_client.Server):
     def __init__(self, folder, table, *words):
-        self.process = subprocess.Popen([PROGRAM, "serve", table, *words], cwd=folder, stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-
-    def send(self, kind, payload=b"", magic=MAGIC, size=None):
-        self.process.stdin.write(struct.pack("<IIQ", magic, kind, len(payload) if size is None else size) + payload)
-        self.process.stdin.flush()
-
-    def read(self):
-        header = self.process.stdout.read(16)
-        assert len(header) == 16, self.process.stderr.read()
-        magic, kind, size = struct.unpack("<IIQ", header)
-        assert magic == MAGIC
-        payload = self.process.stdout.read(size)
-        assert len(payload) == size
-        return kind, payload
+        super().__init__(PROGRAM, folder, table, *words)
 
     def solve(self, parameters, method=0, derivatives=0):
         self.send(SOLVE, struct.pack("<II", method, derivatives) + np.asarray(parameters, "<f8").tobytes())
         return self.read()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.kill()
-        self.process.wait()
-        for pipe in (self.process.stdin, self.process.stdout, self.process.stderr):
-            try:
-                pipe.close()
-            except BrokenPipeError:
-                pass
 
 
 def unpack(payload, elements, parameters):
