@@ -43,6 +43,10 @@ void StressHaptic::set(std::size_t parameter, double value) noexcept {
   case kNorm:
     settings.norm = static_cast<Norm>(word);
     break;
+  case kPower:
+    settings.power =
+        static_cast<unsigned>(std::lround(std::clamp(value, 1.0, static_cast<double>(kMaxPower))));
+    break;
   case kResolve:
     request_.resolve = static_cast<Resolve>(word);
     break;
