@@ -51,16 +51,28 @@ class Part:
         a, b, c = (self.skin(parameters)[self.triangles[:, k]] for k in range(3))
         return float((a * numpy.cross(b, c)).sum() / 6)
 
-    def draw(self, axes, parameters, stress, scale):
-        """The side view that the patches show, mm and MPa; the collection of its faces, for a colour bar."""
-        from matplotlib.collections import PolyCollection
+    def seen(self):
+        """Triangles of the side view that the patches show, the furthest first."""
         first = self.nodes[self.triangles]
         normals = numpy.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
         seen = numpy.flatnonzero(normals[:, 2] > 1e-3 * numpy.linalg.norm(normals, axis=1))
-        seen = self.triangles[seen[numpy.argsort(first[seen, :, 2].sum(1), kind="stable")]]
+        return self.triangles[seen[numpy.argsort(first[seen, :, 2].sum(1), kind="stable")]]
+
+    def face_stress(self, stress):
+        """Of the faces that are seen, Pa: means of their corners."""
+        return stress[self.node_element[self.seen()]].mean(1)
+
+    def draw(self, axes, parameters, stress, scale):
+        """The side view, mm and MPa, with the outline of the first shape; the collection of its faces, for a
+        colour bar."""
+        from matplotlib.collections import LineCollection, PolyCollection
+        seen = self.seen()
         colours = PolyCollection(1000 * self.skin(parameters)[seen][:, :, :2], cmap="turbo", edgecolors="face",
-                                 linewidths=0.3, array=1e-6 * stress[self.node_element[seen]].mean(1), clim=(0, 1e-6 * scale))
+                                 linewidths=0.3, array=1e-6 * self.face_stress(stress), clim=(0, 1e-6 * scale))
         axes.add_collection(colours)
+        sides = numpy.sort(numpy.concatenate([seen[:, [0, 1]], seen[:, [1, 2]], seen[:, [2, 0]]]), axis=1)
+        sides, count = numpy.unique(sides, axis=0, return_counts=True)
+        axes.add_collection(LineCollection(1000 * self.nodes[sides[count == 1]][:, :, :2], colors="black", linewidths=0.6))
         axes.set_aspect("equal")
         axes.autoscale()
         return colours

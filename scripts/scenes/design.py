@@ -81,7 +81,7 @@ def draw_shapes(name, part, rows, shapes):
     _, _, handle, _ = PARTS[name]
     far = numpy.abs(rows[:, 1:3]).max(1)
     picks = [0, int(numpy.argmin(rows[:, 2])), int(numpy.argmax(far * (rows[:, 2] > 0)))]
-    scale = max(shapes[pick][1].max() for pick in picks)
+    scale = max(part.face_stress(shapes[pick][1]).max() for pick in picks)
     figure, axes = plt.subplots(len(picks), 1, figsize=(9, 11 if name == "arm" else 5.4), sharex=True, sharey=True,
                                 constrained_layout=True)
     for one, pick in zip(axes, picks):
@@ -96,7 +96,7 @@ def draw_shapes(name, part, rows, shapes):
         one.set_ylabel("y, mm")
         one.margins(0.03, 0.08)
     axes[-1].set_xlabel("x, mm")
-    figure.colorbar(colours, ax=axes, label="von Mises stress, MPa", shrink=0.6)
+    figure.colorbar(colours, ax=axes, label="von Mises stress of the skin's faces, MPa", shrink=0.6)
     return figure
 
 
@@ -109,7 +109,7 @@ def draw_run(part, logs, rows):
             path.plot(rows[:, 0], rows[:, 1 + k], color=AXIS_COLOURS[axis], label=axis)
     path.set_ylabel("control point\nmoved by, mm")
     for feel, log in logs.items():
-        begin = next(i for i, (ms, _) in enumerate(log["gamma"]) if ms >= BEGIN_MS)
+        begin = next(i for i, (ms, _) in enumerate(log["gamma"]) if ms >= BEGIN_MS + 20)
         seconds = numpy.array([t for t, _ in log["gamma"][begin:]]) / 1000
         for k, axis in enumerate("xyz") if "axis" in feel else [(0, "")]:
             if axis and k not in part.axis:
@@ -117,13 +117,14 @@ def draw_run(part, logs, rows):
             gamma.plot(seconds, [g[min(k, len(g) - 1)] for _, g in log["gamma"][begin:]],
                        color=AXIS_COLOURS.get(axis, FEEL_COLOURS[feel]), linestyle="--" if axis or "damper" in feel else "-",
                        linewidth=1.4, label=feel + (f": {axis}" if axis else ""))
-        force = [(t / 1000, numpy.linalg.norm(f)) for t, f in log["force"] if t >= BEGIN_MS]
+        unit = 1000 if "damper" in feel else 1
+        force = [(t / 1000, unit * numpy.linalg.norm(f)) for t, f in log["force"] if t >= BEGIN_MS]
         shown = damper if "damper" in feel else spring
         shown.plot(*numpy.transpose(force), color=FEEL_COLOURS[feel], linewidth=1.4, label=feel,
                    linestyle="--" if "axis" in feel else "-")
     gamma.set_ylabel("gamma")
     spring.set_ylabel("force of\nthe spring, N")
-    damper.set_ylabel("force of\nthe damper, N")
+    damper.set_ylabel("force of\nthe damper, mN")
     for column, what, marker in ((3, "mean stress", "o"), (5, "largest stress", "s")):
         error = 100 * numpy.abs(rows[:, column] / rows[:, column + 1] - 1)
         errors.semilogy(rows[:, 0], numpy.where(error > 1e-3, error, numpy.nan), marker + "-", markersize=3, linewidth=1,
@@ -207,7 +208,7 @@ def make(scene):
             with part.solver() as solver:
                 rows, shapes = compare(name, part, next(iter(logs.values())), solver)
             scene.picture(f"design_{name}_shapes", draw_shapes(name, part, rows, shapes),
-                          f"{name}: von Mises stress along the way, solved anew; white: the control point that is dragged")
+                          f"{name}: von Mises stress along the way, solved anew; white: the control point that is dragged; black: the outline of the first shape")
             scene.picture(f"design_{name}", draw_run(part, logs, rows),
                           f"{name}: the control point that is dragged, gamma, force, and the error of the felt stress "
                           "against a new solution every tenth of a second")
