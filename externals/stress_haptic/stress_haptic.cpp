@@ -88,7 +88,7 @@ void StressHaptic::created(Host& host) {
 
 void StressHaptic::load(const Atom& name, Host& host) {
   if (!name.is_word)
-    return host.error("load: expected the name of a file");
+    return host.error(sentence_of("load", std::span(&name, 1)) + ": expected the name of a file");
   if (!host_) {
     first_name_ = name.word;
     return;
@@ -104,7 +104,8 @@ void StressHaptic::load(const Atom& name, Host& host) {
 
 void StressHaptic::set_solver(const Atom& program, Host& host) {
   if (!program.is_word)
-    return host.error("solver: expected the path of part_stress, or auto");
+    return host.error(sentence_of("solver", std::span(&program, 1)) +
+                      ": expected the path of part_stress, or auto");
   std::string path;
   if (program.word != "auto") {
     path = host.find_file(program.word);

@@ -62,6 +62,18 @@ class Part:
         """Of the faces that are seen, Pa: means of their corners."""
         return stress[self.node_element[self.seen()]].mean(1)
 
+    def outline(self):
+        """Of the first shape in the side view: sides of faces, (n, 2, 2) mm, beyond which there is no face."""
+        corners = 1000 * self.nodes[self.seen()][:, :, :2]
+        begin, end = corners.reshape(-1, 2), numpy.roll(corners, -1, axis=1).reshape(-1, 2)
+        along = (end - begin) / numpy.linalg.norm(end - begin, axis=1)[:, None]
+        beyond = (begin + end) / 2 + 0.2 * along[:, ::-1] * (1, -1)  # faces lie to the left of their sides
+        inside = numpy.ones((len(beyond), len(corners)), bool)
+        for k in range(3):
+            a, b = corners[:, k], corners[:, (k + 1) % 3]
+            inside &= (b - a)[:, 0] * (beyond[:, None, 1] - a[:, 1]) > (b - a)[:, 1] * (beyond[:, None, 0] - a[:, 0])
+        return numpy.stack([begin, end], axis=1)[~inside.any(1)]
+
     def draw(self, axes, parameters, stress, scale):
         """The side view, mm and MPa, with the outline of the first shape; the collection of its faces, for a
         colour bar."""
@@ -70,9 +82,7 @@ class Part:
         colours = PolyCollection(1000 * self.skin(parameters)[seen][:, :, :2], cmap="turbo", edgecolors="face",
                                  linewidths=0.3, array=1e-6 * self.face_stress(stress), clim=(0, 1e-6 * scale))
         axes.add_collection(colours)
-        sides = numpy.sort(numpy.concatenate([seen[:, [0, 1]], seen[:, [1, 2]], seen[:, [2, 0]]]), axis=1)
-        sides, count = numpy.unique(sides, axis=0, return_counts=True)
-        axes.add_collection(LineCollection(1000 * self.nodes[sides[count == 1]][:, :, :2], colors="black", linewidths=0.6))
+        axes.add_collection(LineCollection(self.outline(), colors="black", linewidths=0.6))
         axes.set_aspect("equal")
         axes.autoscale()
         return colours
