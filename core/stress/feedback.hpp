@@ -14,6 +14,8 @@
 ///   (1) g   = (1/N) sum s            mean
 ///   (2) g   = (1/N) sum h s          weighted, with (3) h = (h_x + h_y + h_z)/3
 ///       g_a = (1/N) sum h_a s        axis
+///   (1q) g  = ((1/N) sum s^q)^(1/q) mean with a power q above 1 (ours): between the mean and the
+///       largest stress, near the latter for large q; s below 0 counts as 0
 ///   (4) gamma = (g - min)/(max - min), within 0..1; 0 when max = min
 /// s: stress of an element, Pa. h_a = ds/dp_a: its sensitivity to the control point's coordinate
 /// along axis a, Pa/m. min, max: of s in (1), of h s or h_a s in the others, over all elements. The
@@ -27,6 +29,8 @@ enum class Sensitivity : std::uint8_t { kSigned, kAbsolute };
 enum class State : std::uint8_t { kVonMises, kShear };
 enum class Norm : std::uint8_t { kMean, kSum };
 
+inline constexpr unsigned kMaxPower = 64;
+
 struct FeedbackSettings {
   Mapping mapping = Mapping::kMean;
   Range range = Range::kInitial;
@@ -34,9 +38,13 @@ struct FeedbackSettings {
   Weights weights = Weights::kUniform; ///< volume: uniform where the table has none
   Sensitivity sensitivity = Sensitivity::kAbsolute;
   State state = State::kVonMises;
-  Norm norm = Norm::kMean; ///< kSum: N times the mean
+  Norm norm = Norm::kMean; ///< kSum: N times the mean; with a power N^(1/q) times it
+  unsigned power = 1;      ///< q, 1..kMaxPower; of the mean mapping alone
   friend bool operator==(const FeedbackSettings&, const FeedbackSettings&) = default;
 };
+
+/// s/scale is cut there, so that the sum of powers stays finite.
+inline constexpr double kMaxShare = 1e4;
 
 /// Weighted sum and extremes of a quantity over the elements.
 struct Extremes {
@@ -59,12 +67,15 @@ struct FeedbackTask {
   std::array<const float*, 3> h{}; ///< [N] each; null: 0
   bool absolute = false;           ///< |h| for h
   Mapping mapping = Mapping::kMean;
+  unsigned power = 1;    ///< q; 1: no sum of powers
+  double scale_pa = 1.0; ///< of the stress in the sum of powers
 };
 
 struct FeedbackSums {
   Extremes stress; ///< of s
   std::array<Extremes, 3>
-      product{}; ///< of h s: [0] in the weighted mapping, one an axis in the other
+      product{};  ///< of h s: [0] in the weighted mapping, one an axis in the other
+  Extremes power; ///< of (s/scale)^q, with s/scale within 0..kMaxShare; the mean mapping, q above 1
 };
 
 /// s = stress + sum of terms, tile by tile. Every instruction set gives the same bits.

@@ -120,6 +120,17 @@ class FeedbackLanes final : public FeedbackKernel, simd::Vectors<Set, double, 8>
       std::fill_n(to.value, count, 0.0);
   }
 
+  /// x^q by squaring; x: V or double.
+  template <class X> [[gnu::always_inline]] static X to_power(X x, X one, unsigned q) noexcept {
+    X result = one;
+    for (; q > 1; q >>= 1) {
+      if (q & 1)
+        result = result * x;
+      x = x * x;
+    }
+    return result * x;
+  }
+
   /// Sum of weight times value, and extremes of value: wide(i) in vectors, one(i) after them.
   template <class Wide, class One>
   [[gnu::always_inline]] static void reduce(const Wide& wide, const One& one, const float* weight,
@@ -152,6 +163,21 @@ class FeedbackLanes final : public FeedbackKernel, simd::Vectors<Set, double, 8>
       }
   }
 
+  static void add_powers(const FeedbackTask& task, const Tile& stress, const float* weight,
+                         std::size_t count, Extremes& result) noexcept {
+    const double per_scale = 1 / task.scale_pa;
+    const V factor = all(per_scale), zero = all(0.0), limit = all(kMaxShare), one = all(1.0);
+    reduce(
+        [&](std::size_t i) {
+          const V share = larger(smaller(load(stress.value + i) * factor, limit), zero);
+          return to_power(share, one, task.power);
+        },
+        [&](std::size_t i) {
+          return to_power(std::clamp(stress.value[i] * per_scale, 0.0, kMaxShare), 1.0, task.power);
+        },
+        weight, count, result);
+  }
+
 public:
   [[nodiscard]] FeedbackSums run(const FeedbackTask& task) const noexcept override {
     FeedbackSums result;
@@ -165,8 +191,11 @@ public:
       evaluate(task, first, count, stress);
       reduce([&](std::size_t i) { return load(stress.value + i); },
              [&](std::size_t i) { return stress.value[i]; }, weight, count, result.stress);
-      if (task.mapping == Mapping::kMean)
+      if (task.mapping == Mapping::kMean) {
+        if (task.power > 1)
+          add_powers(task, stress, weight, count, result.power);
         continue;
+      }
       for (std::size_t axis = 0; axis < (weighted ? 1 : 3); ++axis) {
         add_sensitivities(std::span(task.h).subspan(axis, weighted ? 3 : 1), first, task.absolute,
                           count, h);

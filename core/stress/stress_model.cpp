@@ -71,6 +71,7 @@ void StressModel::prepare() {
     weigh(own, first);
   const FeedbackTask at_rest = task(own, base_ ? first : weighting_);
   initial_ = feedback_kernel().run(at_rest);
+  scale_pa_ = initial_.stress.max > 0 ? initial_.stress.max : 1;
   weight_sum_ = static_cast<double>(table_->elements());
   if (at_rest.weight) {
     weight_sum_ = 0;
@@ -135,6 +136,8 @@ const Feedback& StressModel::update(std::span<const double> displacement_m) noex
       terms_.push_back({stress.sensitivity.data() + p * count, move});
   FeedbackTask now = task(stress, weighting_);
   now.terms = terms_;
+  now.power = settings_.power;
+  now.scale_pa = scale_pa_;
   const FeedbackSums found = feedback_kernel().run(now);
   for (int axis = 0; axis < 3; ++axis) {
     const auto of = [&](const FeedbackSums& sums) -> const Extremes& {
@@ -145,6 +148,8 @@ const Feedback& StressModel::update(std::span<const double> displacement_m) noex
     const Extremes& range = of(settings_.range == Range::kInitial ? initial_ : found);
     const bool fixed = settings_.range == Range::kFixed;
     feedback_.raw[axis] = of(found).sum * share();
+    if (settings_.mapping == Mapping::kMean && settings_.power > 1)
+      feedback_.raw[axis] = scale_pa_ * std::pow(found.power.sum * share(), 1.0 / settings_.power);
     feedback_.min[axis] = fixed ? settings_.fixed_min : range.min;
     feedback_.max[axis] = fixed ? settings_.fixed_max : range.max;
     feedback_.gamma[axis] = gamma_of(feedback_.raw[axis], feedback_.min[axis], feedback_.max[axis]);

@@ -62,6 +62,7 @@ private:
   Weighting weighting_;
   FeedbackSums initial_{}; ///< of the table's own base
   double weight_sum_ = 0;
+  double scale_pa_ = 1; ///< of the sum of powers: the largest stress of the table's own base
   std::vector<TaylorTerm> terms_;
   std::vector<haptic::Vec3> moves_m_; ///< [C]
   Feedback feedback_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/declaration.hpp"
+#include "core/stress/feedback.hpp"
 
 #include <array>
 #include <cstddef>
@@ -32,6 +33,9 @@ inline constexpr std::array kParameters{
               "gradients, or a new factor",
               kResolves},
     Parameter{"norm", "", 0, 0, 1, "mean, or sum as the paper prints equations 1 and 2", kNorms},
+    Parameter{"power", "", 1, 1, stress::kMaxPower,
+              "q of mode mean: 1 the mean, above it (mean of s^q)^(1/q), which follows the largest "
+              "stresses; rounded to a whole number"},
     Parameter{"drag", "", 1, 0, 1, "1: the handle moves the grabbed control point"},
     Parameter{"scale", "", 1, 1e-3, 1000, "motion of the control point over that of the handle"},
     Parameter{"nominal", "N/m", 1000, 0, 100000, "nominal stiffness of the device"},
@@ -46,6 +50,7 @@ enum ParameterIndex : std::size_t {
   kState,
   kResolve,
   kNorm,
+  kPower,
   kDrag,
   kScale,
   kNominal,

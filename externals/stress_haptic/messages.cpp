@@ -31,6 +31,13 @@ std::vector<double> numbers_of(std::string_view message, std::span<const Atom> a
 
 } // namespace
 
+std::string sentence_of(std::string_view message, std::span<const Atom> arguments) {
+  std::string sentence(message);
+  for (const Atom& atom : arguments)
+    sentence += " " + (atom.is_word ? std::string(atom.word) : number_text(atom.number));
+  return sentence;
+}
+
 void StressHaptic::message(std::size_t index, std::span<const Atom> arguments, Host& host) {
   switch (index) {
   case kLoad:
@@ -162,6 +169,9 @@ void StressHaptic::grab(Numbers numbers, Host& host) {
   const auto point = control_point("grab", numbers[0], host);
   if (!point)
     return;
+  if (numbers.size() == 2 && numbers[1] != 0 && numbers[1] != 1)
+    return host.error("grab: " + number_text(numbers[1]) +
+                      ": expected 1 to take the control point or 0 to let it go");
   if (numbers.size() == 2 && numbers[1] == 0) {
     if (request_.control_point == static_cast<int>(*point))
       release(host);
@@ -192,14 +202,17 @@ void StressHaptic::set_range(std::span<const Atom> arguments, Host& host) {
     settings.fixed_min = arguments[1].number;
     settings.fixed_max = arguments[2].number;
   } else {
-    return host.error("range: expected current, initial, or fixed a b with a below b");
+    return host.error(sentence_of("range", arguments) +
+                      ": expected current, initial, or fixed a b with a below b");
   }
   submit(host);
 }
 
 void StressHaptic::set_gains(Numbers numbers, Host& host) {
-  if (std::any_of(numbers.begin(), numbers.end(), [](double x) { return x < 0; }))
-    return host.error("gains: expected kmin kmax bmin bmax, each 0 or more (N/m, N s/m)");
+  if (const auto x = std::find_if(numbers.begin(), numbers.end(), [](double g) { return g < 0; });
+      x != numbers.end())
+    return host.error("gains: " + number_text(*x) +
+                      ": expected kmin kmax bmin bmax, each 0 or more (N/m, N s/m)");
   gains_ = {numbers[0], numbers[1], numbers[2], numbers[3]};
   if (const double k = std::max(numbers[0], numbers[1]); k > stiffness_limit())
     host.error("gains: " + number_text(k) + " N/m: expected at most " +
@@ -220,7 +233,7 @@ void StressHaptic::set_anchor(std::span<const Atom> arguments, Host& host) {
       return;
     anchor_m = Vec3{numbers[0], numbers[1], numbers[2]} * kM_per_mm;
   } else if (arguments.size() != 1 || !arguments[0].is_word || arguments[0].word != "here") {
-    return host.error("anchor: expected here, or x y z in mm");
+    return host.error(sentence_of("anchor", arguments) + ": expected here, or x y z in mm");
   } else if (!placed_) {
     anchored_ = false; // the first position that comes
     return;

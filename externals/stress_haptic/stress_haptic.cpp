@@ -43,6 +43,10 @@ void StressHaptic::set(std::size_t parameter, double value) noexcept {
   case kNorm:
     settings.norm = static_cast<Norm>(word);
     break;
+  case kPower:
+    settings.power =
+        static_cast<unsigned>(std::lround(std::clamp(value, 1.0, static_cast<double>(kMaxPower))));
+    break;
   case kResolve:
     request_.resolve = static_cast<Resolve>(word);
     break;
@@ -84,7 +88,7 @@ void StressHaptic::created(Host& host) {
 
 void StressHaptic::load(const Atom& name, Host& host) {
   if (!name.is_word)
-    return host.error("load: expected the name of a file");
+    return host.error(sentence_of("load", std::span(&name, 1)) + ": expected the name of a file");
   if (!host_) {
     first_name_ = name.word;
     return;
@@ -100,7 +104,8 @@ void StressHaptic::load(const Atom& name, Host& host) {
 
 void StressHaptic::set_solver(const Atom& program, Host& host) {
   if (!program.is_word)
-    return host.error("solver: expected the path of part_stress, or auto");
+    return host.error(sentence_of("solver", std::span(&program, 1)) +
+                      ": expected the path of part_stress, or auto");
   std::string path;
   if (program.word != "auto") {
     path = host.find_file(program.word);

@@ -13,6 +13,9 @@
 
 namespace tactus::stress {
 
+/// A message as it was sent, "range fixed 2 1", for the sentence that refuses it.
+[[nodiscard]] std::string sentence_of(std::string_view message, std::span<const Atom> arguments);
+
 /// [stress_haptic]: the stress of a part, felt while it is reshaped. docs/stress_haptic.md.
 class StressHaptic {
 public:

@@ -114,7 +114,7 @@ void check_complete(const PartOrder& order) {
   if (order.list_faces || (!order.step.empty() && order.outputs().size() == 1))
     return;
   if (order.supports.empty())
-    throw Refusal(order.body + " has loads but nothing holds it: expected --fix or --spring");
+    throw Refusal(order.body + ": nothing holds it: expected --fix or --spring");
   if (order.loads.empty() && order.gravity == Vector3{})
     throw Refusal(order.body +
                   " carries no load: expected --force, --bolt, --pressure, --traction, "

@@ -46,6 +46,9 @@ double volume_mean(std::span<const double> values, std::span<const double> volum
          std::accumulate(volumes.begin(), volumes.end(), 0.);
 }
 
+/// Of the part's length: linear elasticity is told to be out of its range beyond.
+constexpr double kSmallDisplacement = 0.1;
+
 void print_state(const char* when, const PictureState& s, std::span<const double> volumes) {
   std::printf("%-7s von Mises: largest %.4g MPa (smoothed) at (%.4g, %.4g, %.4g) mm, %.4g MPa in "
               "an element's middle; mean %.4g MPa, by volume %.4g MPa\n"
@@ -55,6 +58,11 @@ void print_state(const char* when, const PictureState& s, std::span<const double
               1e-6 * *std::max_element(s.at_elements.begin(), s.at_elements.end()),
               1e-6 * mean(s.at_elements), 1e-6 * volume_mean(s.at_elements, volumes),
               1e3 * s.max_displacement, 1e6 * s.volume);
+  const double share = s.max_displacement / bounding_box(s.nodes).largest();
+  if (share > kSmallDisplacement)
+    std::printf("        the largest displacement is %.3g %% of the part's length: the stress is "
+                "that of small displacements, expected at most %g %%\n",
+                100 * share, 100 * kSmallDisplacement);
 }
 
 /// Relative to the largest value: root mean square and largest difference.

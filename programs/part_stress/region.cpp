@@ -5,14 +5,20 @@
 
 namespace tactus::fem {
 
+namespace {
+constexpr double kLargestNumber = 1e15;
+} // namespace
+
 std::vector<double> read_numbers(const std::string& option, const std::string& cells,
                                  std::size_t count, double scale) {
   std::vector<double> out;
   for (const std::string& cell : split(cells, ',')) {
     const auto value = to_number(cell);
-    if (!value || std::abs(*value) > 1e15)
+    if (!value)
       throw Refusal(option + ": " + printable(cell, 40) + " is no number, expected " +
                     std::to_string(count) + " of them between commas");
+    if (std::abs(*value) > kLargestNumber)
+      throw Refusal(option + ": " + printable(cell, 40) + ": expected a number within -1e15..1e15");
     out.push_back(scale * *value);
   }
   if (out.size() != count)

@@ -6,7 +6,7 @@ import numpy
 from harness import stage_folder
 
 MAGIC, SOLVE, READY, STRESS = 0x31525354, 1, 16, 17  # docs/part_stress.md
-PCG = 1
+PCG, NEW_FACTOR = 1, 2
 
 
 class Part:
@@ -51,20 +51,41 @@ class Part:
         a, b, c = (self.skin(parameters)[self.triangles[:, k]] for k in range(3))
         return float((a * numpy.cross(b, c)).sum() / 6)
 
-    def draw(self, axes, parameters, stress, scale):
-        """The side view that the patches show."""
-        from matplotlib.collections import PolyCollection
+    def seen(self):
+        """Triangles of the side view that the patches show, the furthest first."""
         first = self.nodes[self.triangles]
         normals = numpy.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
         seen = numpy.flatnonzero(normals[:, 2] > 1e-3 * numpy.linalg.norm(normals, axis=1))
-        seen = self.triangles[seen[numpy.argsort(first[seen, :, 2].sum(1), kind="stable")]]
-        import matplotlib
-        colours = matplotlib.colormaps["turbo"](stress[self.node_element[seen]].mean(1) / scale)
-        axes.add_collection(PolyCollection(1000 * self.skin(parameters)[seen][:, :, :2], facecolors=colours,
-                                           edgecolors=colours, linewidths=0.3))
+        return self.triangles[seen[numpy.argsort(first[seen, :, 2].sum(1), kind="stable")]]
+
+    def face_stress(self, stress):
+        """Of the faces that are seen, Pa: means of their corners."""
+        return stress[self.node_element[self.seen()]].mean(1)
+
+    def outline(self):
+        """Of the first shape in the side view: sides of faces, (n, 2, 2) mm, beyond which there is no face."""
+        corners = 1000 * self.nodes[self.seen()][:, :, :2]
+        begin, end = corners.reshape(-1, 2), numpy.roll(corners, -1, axis=1).reshape(-1, 2)
+        along = (end - begin) / numpy.linalg.norm(end - begin, axis=1)[:, None]
+        beyond = (begin + end) / 2 + 0.2 * along[:, ::-1] * (1, -1)  # faces lie to the left of their sides
+        inside = numpy.ones((len(beyond), len(corners)), bool)
+        for k in range(3):
+            a, b = corners[:, k], corners[:, (k + 1) % 3]
+            inside &= (b - a)[:, 0] * (beyond[:, None, 1] - a[:, 1]) > (b - a)[:, 1] * (beyond[:, None, 0] - a[:, 0])
+        return numpy.stack([begin, end], axis=1)[~inside.any(1)]
+
+    def draw(self, axes, parameters, stress, scale):
+        """The side view, mm and MPa, with the outline of the first shape; the collection of its faces, for a
+        colour bar."""
+        from matplotlib.collections import LineCollection, PolyCollection
+        seen = self.seen()
+        colours = PolyCollection(1000 * self.skin(parameters)[seen][:, :, :2], cmap="turbo", edgecolors="face",
+                                 linewidths=0.3, array=1e-6 * self.face_stress(stress), clim=(0, 1e-6 * scale))
+        axes.add_collection(colours)
+        axes.add_collection(LineCollection(self.outline(), colors="black", linewidths=0.6))
         axes.set_aspect("equal")
         axes.autoscale()
-        axes.set_axis_off()
+        return colours
 
     def solver(self):
         return Solver(self)
@@ -93,15 +114,33 @@ class Solver:
             raise RuntimeError(f"part_stress serve: {payload[:200]!r}")
         return payload
 
-    def solve(self, parameters):
-        """(stress in Pa, seconds). Refuses a shape that the mesh does not reach."""
-        request = struct.pack("<II", PCG, 0) + numpy.asarray(parameters, "<f8").tobytes()
+    def _ask(self, method, flags, parameters):
+        """Payload of the answer, or None for a shape that the mesh does not reach; and the seconds it took."""
+        request = struct.pack("<II", method, flags) + numpy.asarray(parameters, "<f8").tobytes()
         self.process.stdin.write(struct.pack("<IIQ", MAGIC, SOLVE, len(request)) + request)
         self.process.stdin.flush()
         payload = self._read(STRESS)
         _, _, seconds, fraction, _ = struct.unpack_from("<IIddd", payload)
-        if fraction < 1:
-            raise RuntimeError("the mesh does not reach this shape")
-        begin = 32 + 8 * len(parameters)
+        return (payload if fraction == 1 else None), seconds
+
+    def _floats(self, payload, begin, *shape):
+        """Arrays of the answer, counted in elements' stresses from the first."""
         count = len(self.part.stress)
-        return numpy.frombuffer(payload, "<f4", count, begin).astype(float), seconds
+        offset = 32 + 8 * len(self.part.control) + 4 * count * begin
+        return numpy.frombuffer(payload, "<f4", int(numpy.prod(shape)), offset).reshape(shape).astype(float)
+
+    def solve(self, parameters):
+        """(stress in Pa, seconds) by conjugate gradients. Refuses a shape that the mesh does not reach."""
+        payload, seconds = self._ask(PCG, 0, parameters)
+        if payload is None:
+            raise RuntimeError("the mesh does not reach this shape")
+        return self._floats(payload, 0, len(self.part.stress)), seconds
+
+    def linearised(self, parameters):
+        """(stress in Pa, its derivatives in Pa/m of shape (parameters, elements)) at a shape, by a new factor;
+        None where the mesh does not reach it."""
+        payload, _ = self._ask(NEW_FACTOR, 1, parameters)
+        if payload is None:
+            return None
+        count = len(self.part.stress)
+        return self._floats(payload, 0, count), self._floats(payload, 2, len(parameters), count)

@@ -291,6 +291,13 @@ def test_the_sheet_shows_the_part_before_and_after_and_leaves_nothing_else(tmp_p
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bar.png"]
 
 
+@pytest.mark.parametrize("newton, told", [(1.9e4, False), (2.2e4, True)])
+def test_displacements_that_are_not_small_are_told(newton, told, tmp_path):
+    """F L^3/(3 E I) and 1 % by shear are 10 % of 200 mm at 20.8 kN, for a square of 20 mm and E = 210 GPa."""
+    said = run(*BAR, "--h", 10, "--fix", "x=-100", "--force", f"x=100:0,0,-{newton:g}", folder=tmp_path).stdout
+    assert ("of the part's length: the stress is that of small displacements" in said) == told
+
+
 # ---- refusals
 
 @pytest.mark.parametrize("words, expected", [
@@ -300,6 +307,8 @@ def test_the_sheet_shows_the_part_before_and_after_and_leaves_nothing_else(tmp_p
     ([*BAR, "--fix", "x=-101", "--force", "x=100:0,0,1"], "--fix x=-101"),
     ([*LOADED, "--force", "x=100:1,2"], "2 numbers, expected 3"),
     ([*LOADED, "--force", "x=100:1,2,nan"], "nan is no number"),
+    ([*LOADED, "--force", "x=100:1,2,1e300"], "1e300: expected a number within -1e15..1e15"),
+    ([*LOADED, "--force", "x=100:1,2,inf"], "inf is no number"),
     ([*LOADED, "--force", "ball:1,2,3"], "expected x=LEVEL"),
     ([*LOADED, "--force", "box:1,2,3:1,2,3"], "expected 6"),
     ([*LOADED, "--force", "box:1,2,3,0,0,0:1,2,3"], "box ends before it begins"),

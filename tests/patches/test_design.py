@@ -147,7 +147,7 @@ def test_what_cannot_be_drawn_is_one_sentence(tmp_path):
     patch.at(20, bare, "draw twice")
     patch.at(30, empty, "draw")
     result = patch.render(0.1, expect_errors=[r"stress_haptic: draw: the table has no surface",
-                                              r"stress_haptic: draw: expected nothing or all",
+                                              r"stress_haptic: draw twice: expected nothing or all",
                                               r"stress_haptic: draw: no table is loaded"])
     assert len(result.errors) == 3
 

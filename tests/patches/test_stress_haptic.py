@@ -1,5 +1,6 @@
 """[stress_haptic] in a headless Pd: feedback scalars, force, shapes, swaps, damaged input."""
 import json
+import re
 
 import numpy
 import pytest
@@ -158,8 +159,8 @@ def test_bad_messages_and_files_are_one_sentence_and_the_last_state_goes_on(tabl
                   [(40, "1 2"), (41, [1.0, float("nan"), 2.0])],
                   fails=[r"stress_haptic: cp: control point 9: expected 0\.\.0",
                          r"stress_haptic: cp: 'left'", r"stress_haptic: list: 2 numbers: expected 3",
-                         r"stress_haptic: range: expected current", r"stress_haptic: gains: 9999 N/m: expected at",
-                         r"stress_haptic: grab: control point -1", r"stress_haptic: anchor: expected here",
+                         r"stress_haptic: range fixed 2 1: expected current", r"stress_haptic: gains: 9999 N/m: expected at",
+                         r"stress_haptic: grab: control point -1", r"stress_haptic: anchor up: expected here",
                          r"stress_haptic: mode loud: expected", r"stress_haptic: load .*torn.*: not an \.npz",
                          r"stress_haptic: load .*mpa.*: meta says that stress is in MPa: expected Pa",
                          r"stress_haptic: load missing.*no such file", r"stress_haptic: resolve full: no solver",
@@ -167,6 +168,45 @@ def test_bad_messages_and_files_are_one_sentence_and_the_last_state_goes_on(tabl
                          r"stress_haptic: device: 2 numbers", r"stress_haptic: device: '-?nan'"])
     assert len(result.errors) == 16
     assert last(result, "gamma") == pytest.approx([0.5])
+
+
+# Message, and what its one sentence says after the object's name.
+BAD = {"mode": "mode: expected one word", "weights heavy": "weights heavy: expected uniform or volume",
+       "sens up": "sens up: expected signed or abs", "render gas": "render gas: expected spring, damper, both or off",
+       "norm 9": "norm 9: expected mean or sum", "power 0": "power 0: expected 1..64",
+       "power 65": "power 65: expected 1..64", "resolve now": "resolve now: expected auto, taylor, pcg or full",
+       "drag 3": "drag 3: expected 0..1", "scale 0": "scale 0: expected 0.001..1000",
+       "share 2": "share 2: expected 0..1", "damping -1": "damping -1 N s/m: expected 0..1000",
+       "load": "load: expected 1 argument", "load 5": "load 5: expected the name of a file",
+       "load /etc/passwd": "load /etc/passwd: not an .npz file", "cp 0 1 2": "cp: expected 4 arguments (id x y z), got 3",
+       "cp 0.5 0 0 0": "cp: control point 0.5: expected 0..", "cp 0 1e30 0 0": "cp: '1e+30': expected numbers within",
+       "list a b c": "list: 'a': expected numbers", "grab 77": "grab: control point 77: expected 0..",
+       "grab 0 5": "grab: 5: expected 1 to take the control point or 0", "grab 0 1 2": "grab: expected 1..2 arguments",
+       "release 3": "release: expected no arguments, got 1", "range wide": "range wide: expected current, initial, or fixed a b",
+       "range fixed 1 1": "range fixed 1 1: expected", "range initial 3": "range initial 3: expected",
+       "gains 1 2 3": "gains: expected 4 arguments", "gains 1 -2 0 0": "gains: -2: expected kmin kmax bmin bmax",
+       "gains 0 0 99 99": "gains: 99 N s/m: expected at most 5", "anchor 1 2": "anchor 1 2: expected here, or x y z",
+       "anchor a b c": "anchor: 'a': expected numbers", "solver 5": "solver 5: expected the path of part_stress",
+       "solver /etc/passwd": "solver /etc/passwd: there is no such program", "draw 3": "draw 3: expected nothing or all",
+       "frobnicate 5": "no message 'frobnicate'"}
+
+
+def test_every_bad_message_is_one_sentence_with_its_value(table):
+    result = play(table, [(10 + 2 * i, text) for i, text in enumerate(BAD)] + [(300, "bang")],
+                  fails=[re.escape(f"error: stress_haptic: {sentence}") for sentence in BAD.values()])
+    assert len(result.errors) == len(BAD)
+    for error, sentence in zip(result.errors, BAD.values()):
+        assert error.startswith(f"error: stress_haptic: {sentence}")
+    assert last(result, "gamma") == pytest.approx([0.5])
+
+
+def test_a_power_follows_the_largest_stresses(table):
+    """((10^q + 20^q + 30^q + 40^q)/4)^(1/q) of range 10..40."""
+    for q in (2, 30):
+        result = play(table, [(10, f"power {q}"), (300, "bang")])
+        expected = numpy.mean(numpy.array([10, 20, 30, 40.0]) ** q) ** (1 / q)
+        assert last(result, "info", "raw")[0] == pytest.approx(expected, rel=1e-6)
+        assert last(result, "gamma") == pytest.approx([(expected - 10) / 30], rel=1e-6)
 
 
 def test_the_protocol_outlet_speaks_to_a_haptic_server(table):

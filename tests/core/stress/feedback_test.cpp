@@ -254,7 +254,9 @@ TEST_CASE("the kernels agree with plain sums for any size, and with each other t
         task.h = {rows.data(), nullptr, rows.data() + count};
         task.absolute = terms % 3 == 0;
         task.mapping = mapping;
-        Extremes s;
+        task.power = static_cast<unsigned>(terms + 1);
+        task.scale_pa = 0.75;
+        Extremes s, power;
         std::array<Extremes, 3> product;
         const auto add = [&](Extremes& to, double value, std::size_t i) {
           to.sum += (task.weight ? static_cast<double>(weight[i]) : 1.0) * value;
@@ -266,6 +268,8 @@ TEST_CASE("the kernels agree with plain sums for any size, and with each other t
           for (const TaylorTerm& term : given)
             value += term.displacement_m * static_cast<double>(term.row[i]);
           add(s, value, i);
+          if (mapping == Mapping::kMean && task.power > 1)
+            add(power, std::pow(std::max(value, 0.0) / task.scale_pa, task.power), i);
           double h[3];
           for (std::size_t a = 0; a < 3; ++a) {
             h[a] = task.h[a] ? task.h[a][i] : 0;
@@ -290,6 +294,8 @@ TEST_CASE("the kernels agree with plain sums for any size, and with each other t
           CHECK(std::abs(a.max - plain.max) <= 1e-14);
         };
         check(s, fast.stress, base.stress);
+        CHECK(fast.power.sum == base.power.sum);
+        CHECK(std::abs(fast.power.sum - power.sum) <= scale * std::max(1.0, power.max));
         for (std::size_t a = 0; a < 3; ++a)
           check(product[a], fast.product[a], base.product[a]);
       }
@@ -326,4 +332,55 @@ TEST_CASE("a fade keeps its time although targets that come meanwhile are closer
   CHECK(unseen.at(1.05).x == doctest::Approx(0.5));
   glide.go({0.3, 0, 0}, 6);
   CHECK(glide.at(6.05).x == approx(0.3));
+}
+
+TEST_CASE("a power q turns the mean into the q-th root of the mean of s^q") {
+  const std::vector<double> stress{10, 20, 30, 40};
+  const auto expected = [&](unsigned q, const std::vector<double>& weights) {
+    double sum = 0, all = 0;
+    for (std::size_t i = 0; i < stress.size(); ++i) {
+      sum += weights[i] * std::pow(stress[i], q);
+      all += weights[i];
+    }
+    return std::pow(sum / all, 1.0 / q);
+  };
+  FeedbackSettings settings;
+  for (const unsigned q : {2U, 3U, 7U, 12U, 30U, 31U, kMaxPower}) {
+    CAPTURE(q);
+    settings = {};
+    settings.power = q;
+    CHECK(feedback_of(test::four_elements(), settings).raw.x ==
+          approx(expected(q, {1, 1, 1, 1})).epsilon(1e-13));
+    CHECK(feedback_of(test::four_elements(), settings).mean_pa == 25);
+    settings.norm = Norm::kSum; // (sum s^q)^(1/q)
+    CHECK(feedback_of(test::four_elements(), settings).raw.x ==
+          approx(std::pow(4.0, 1.0 / q) * expected(q, {1, 1, 1, 1})).epsilon(1e-13));
+    settings.norm = Norm::kMean;
+    settings.weights = Weights::kVolume;
+    StressTable table = test::four_elements();
+    table.weight = {3, 1, 2, 0.5F};
+    CHECK(feedback_of(table, settings).raw.x == approx(expected(q, {3, 1, 2, 0.5})).epsilon(1e-13));
+  }
+  settings = {};
+  settings.power = kMaxPower; // the largest alone counts, but for (3/4)^64/64 = 1.6e-10
+  CHECK(feedback_of(test::four_elements(), settings).raw.x / 40 ==
+        approx(std::pow(4.0, -1.0 / kMaxPower)).epsilon(1e-9));
+  settings.mapping = Mapping::kWeighted; // the others have none
+  near(feedback_of(test::four_elements(), settings).raw.x, 15);
+}
+
+TEST_CASE("a sum of powers stays finite, and stresses below 0 do not count") {
+  StressTable table = test::four_elements();
+  FeedbackSettings settings;
+  settings.power = 2;
+  table.base.von_mises.stress = {-30, 0, 0, 40};
+  near(feedback_of(table, settings).raw.x, 20); // sqrt(40^2/4)
+  settings.power = kMaxPower;
+  table.base.von_mises.sensitivity.assign(12, 1e30F);
+  const Feedback far = feedback_of(table, settings, 0, {1e6, 0, 0});
+  CHECK(std::isfinite(far.raw.x));
+  CHECK(far.gamma.x == 1);
+  table.base.von_mises.stress.assign(4, 0);
+  table.base.von_mises.sensitivity.assign(12, 0);
+  CHECK(feedback_of(table, settings).raw.x == 0);
 }

@@ -66,7 +66,8 @@ def run_pd(patches, rate=48000, timeout=60, path=(), preload="", environment=Non
     time, so that a busy machine fails no test; or ten times as long by the clock, for a Pd that
     waits for ever. preload names a library to load into Pd, TACTUS_PD_SLOW multiplies the time
     limit (for runs under sanitizers)."""
-    command = ["pd", "-nogui", "-batch", "-nosound", "-noprefs",
+    # -nrt: no watchdog, which writes into the middle of a line when an object makes Pd wait.
+    command = ["pd", "-nogui", "-batch", "-nosound", "-noprefs", "-nrt",
                "-stderr", "-r", str(rate)]
     for folder in path:
         command += ["-path", str(folder)]
@@ -222,6 +223,8 @@ def words_and_numbers(lines, exact):
                 atoms.append(word)
                 continue
             atoms.append(float(numbers[i]) if i < len(numbers) and length == len(words) else value)
+        if not atoms or isinstance(atoms[0], str):
+            raise PdFailure(f"a log has a line without its time: {line!r} after {lines[:len(entries)][-2:]}")
         entries.append((atoms[0], atoms[1:]))
     return entries
 
