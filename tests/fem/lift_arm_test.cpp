@@ -24,6 +24,19 @@ int genus(const Mesh& mesh) {
   return (2 - euler) / 2;
 }
 
+/// Elements of one size everywhere, which a volume does not mind.
+LoadChoice even(double h) {
+  LoadChoice choice;
+  choice.h = h;
+  choice.grade_concave = false;
+  return choice;
+}
+
+const Mesh& mesh_of_the_arm() {
+  static const Mesh mesh = mesh_lift_arm(LiftArm{}, even(.016));
+  return mesh;
+}
+
 std::string refusal(const LiftArm& arm) {
   try {
     check(arm);
@@ -40,16 +53,13 @@ TEST_CASE(
   // Curved tet10 with 12 sides a turn: a parabola follows an arc of 30 degrees within 1e-4 of its
   // radius, with both signs.
   LiftArm arm;
-  LoadChoice choice;
-  choice.h = .016;
-  choice.grade_concave = false;
-  const Mesh with = mesh_lift_arm(arm, choice);
+  const Mesh& with = mesh_of_the_arm();
   CHECK(volume(with) == doctest::Approx(volume(arm)).epsilon(6e-5));
   CHECK(genus(with) == 5); // three pins, two lightening holes
   CHECK(connected_parts(with).count == 1);
 
   arm.slot_width = 0;
-  const Mesh solid = mesh_lift_arm(arm, choice);
+  const Mesh solid = mesh_lift_arm(arm, even(.016));
   CHECK(volume(solid) == doctest::Approx(volume(arm)).epsilon(6e-5));
   CHECK(genus(solid) == 3);
   CHECK(volume(solid) - volume(with) ==
@@ -59,10 +69,7 @@ TEST_CASE(
 TEST_CASE("fillets and rounded edges have the volume that Pappus and Guldin give them") {
   LiftArm sharp, rounded;
   rounded.edge_radius = .004;
-  LoadChoice choice;
-  choice.h = .02;
-  choice.grade_concave = false;
-  const double made = volume(mesh_lift_arm(rounded, choice));
+  const double made = volume(mesh_lift_arm(rounded, even(.02)));
   CHECK(made == doctest::Approx(volume(rounded)).epsilon(6e-5));
   // Without the term the difference would be this large:
   CHECK(volume(sharp) / volume(rounded) - 1 > 2e-3);
@@ -73,10 +80,7 @@ TEST_CASE("fillets and rounded edges have the volume that Pappus and Guldin give
 
 TEST_CASE("the walls of the three holes are named, round, and where the pins are") {
   const LiftArm arm;
-  LoadChoice choice;
-  choice.h = .02;
-  choice.grade_concave = false;
-  const Mesh mesh = mesh_lift_arm(arm, choice);
+  const Mesh& mesh = mesh_of_the_arm();
   for (const Pin& pin : pins(arm)) {
     CAPTURE(pin.name);
     const auto& nodes = mesh.node_sets.at(pin.name);
@@ -107,9 +111,7 @@ TEST_CASE("the STEP file is one solid that is read back whole") {
   std::string first;
   std::getline(file, first);
   CHECK(first.starts_with("ISO-10303-21;"));
-  LoadChoice choice;
-  choice.h = .02;
-  const Mesh mesh = load_body(path.string(), choice); // in mm, as STEP files say
+  const Mesh mesh = load_body(path.string(), even(.02)); // in mm, as STEP files say
   CHECK(volume(mesh) == doctest::Approx(volume(arm)).epsilon(1e-3));
   std::filesystem::remove(path);
   CHECK_THROWS_AS(write_step("/nowhere/arm.step", arm), Refusal);

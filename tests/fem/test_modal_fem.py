@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 PROGRAM = os.environ["MODAL_FEM"]
-# Larger bodies: left out of ./test --quick and under sanitizers.
+# Larger bodies, and what measures instead of reading: left out under sanitizers.
 slow = pytest.mark.skipif(bool(os.environ.get("TACTUS_QUICK")), reason="slow")
 COARSE_DISK = ["disk", "--diameter", "100", "--thickness", "12", "--h", "20", "--modes", "6"]
 
@@ -152,6 +152,7 @@ def test_a_bad_order_of_raw_is_refused_by_name(words, expected, sounding):
     assert expected in refusal("raw", *words, folder=sounding[0])
 
 
+@slow
 def test_equal_orders_write_equal_bytes(tmp_path):
     sums = []
     for name in ("a.modal.npz", "b.modal.npz"):
@@ -230,6 +231,7 @@ def test_doubled_and_turned_triangles_are_put_right(tmp_path):
         assert table["mass"] == pytest.approx(2700 * 0.02**3, rel=1e-6)
 
 
+@slow
 def test_a_bar_of_slivers_rings_as_the_bar(tmp_path):
     # 40 long wedges a side: no mesh of these triangles would do.
     corners = np.array([(x, y, z) for z in (0, 6) for y in (0, 15) for x in (0, 120)], float)
@@ -319,6 +321,7 @@ def test_every_mode_of_a_bar_is_within_the_tolerance_by_default(tmp_path):
     assert abs(fine["freq"] / torsion - 1).min() < 0.01  # Saint-Venant: warping makes short waves a little stiffer
 
 
+@slow
 def test_a_mesh_that_is_given_stays_and_its_errors_are_told(tmp_path):
     said = run("bar", "--length", 400, "--width", 30, "--thickness", 10, "--modes", 20, "--h", 25, "-o", "b.modal.npz",
                folder=tmp_path).stderr
@@ -330,6 +333,7 @@ def test_a_mesh_that_is_given_stays_and_its_errors_are_told(tmp_path):
     assert "--tolerance -1" in refusal("disk", "--tolerance", -1, folder=tmp_path)
 
 
+@slow
 def test_the_estimate_is_near_the_error_against_the_axisymmetric_solution(tmp_path):
     run("disk", "--diameter", 100, "--thickness", 12, "--h", 14, "--modes", 6, "-o", "d.modal.npz", folder=tmp_path)
     table = np.load(tmp_path / "d.modal.npz")
@@ -475,6 +479,7 @@ def test_concave_edges_of_a_step_file_are_rounded_on_request(tmp_path):
     assert ".step" in refusal("cube.stl", "--fillet", 2, "-o", "x.modal.npz", folder=tmp_path)
 
 
+@slow
 def test_a_step_file_tells_its_own_unit_of_length(tmp_path):
     text = write_step(tmp_path, "Cylinder(1) = {0,0,0, 0,0,12, 50};")
     (tmp_path / "metres.step").write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
@@ -521,6 +526,7 @@ def test_springs_and_supports_are_written_into_the_table(tmp_path):
     assert abs(table["freq"] / bounce - 1).min() < 0.05
 
 
+@slow
 def test_what_the_skin_yields_beyond_the_modes_is_written_on_request(tmp_path):
     plate = ["plate", "--length", 200, "--width", 160, "--thickness", 4, "--material", "steel", "--modes", 6, "--quiet"]
     run(*plate, "-o", "plain.modal.npz", folder=tmp_path)

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 MODAL_FEM = os.environ["MODAL_FEM"]
+QUICK = bool(os.environ.get("TACTUS_QUICK"))  # under sanitizers: what is read counts, not what is solved
+slow = pytest.mark.skipif(QUICK, reason="slow")
 
 
 def run(*words, folder, expect=0):
@@ -43,7 +45,8 @@ def write_stl(path, solids, head="solid", line="\n"):
 
 
 def modes(name, *words, folder):
-    done = run(name, "--modes", 4, "--h", 4, "-o", "out.modal.npz", *words, folder=folder)
+    count, h = (1, 8) if QUICK else (4, 4)
+    done = run(name, "--modes", count, "--h", h, "-o", "out.modal.npz", *words, folder=folder)
     return np.load(folder / "out.modal.npz"), done.stdout + done.stderr
 
 
@@ -111,6 +114,7 @@ def test_overlapping_boxes_are_one_body_of_their_union(tmp_path):
     assert table["mass"] == pytest.approx(mass((30, 10, 10), (20, 20, 4)) - mass((7.7, 6.9, 4)), rel=.01)
 
 
+@slow
 def test_touching_boxes_are_one_body_and_ring_as_such(tmp_path):
     write_stl(tmp_path / "glued.stl", {"a": box(size=(30, 10, 10)), "b": box((30, 0, 0), (30, 10, 10))})
     write_stl(tmp_path / "whole.stl", {"a": box(size=(60, 10, 10))})
@@ -182,6 +186,7 @@ def test_a_missing_bottom_is_closed_and_a_sheet_is_refused(tmp_path):
     assert "sheet" in words and "(200, 200, 0) mm" in words and "--shrink-wrap" in words
 
 
+@slow
 def test_a_surface_of_300_000_triangles_is_meshed_in_few(tmp_path):
     """As a scanner writes a block: 160 x 160 squares on each face, binary."""
     n, faces = 160, []
@@ -301,7 +306,7 @@ def test_a_body_whose_curved_elements_cannot_be_mended_gets_straight_ones(tmp_pa
     if not part.exists():
         pytest.skip("Open CASCADE's example data (occt-misc) is not installed")
     # 2 % refines it once, straight.
-    tolerance = 30 if os.environ.get("TACTUS_QUICK") else 2
+    tolerance = 30 if QUICK else 2
     run(part, "--modes", 3, "--tolerance", tolerance, "-o", "out.modal.npz", folder=tmp_path)
     assert np.load(tmp_path / "out.modal.npz")["freq"][0] > 100
 
@@ -332,6 +337,7 @@ def test_parts_of_a_step_file_with_a_small_gap_are_one_body(tmp_path):
     assert "2 separate parts" in refusal("body.step", folder=tmp_path)
 
 
+@slow
 def test_small_fillets_do_not_take_minutes(tmp_path):
     """Fillets a fifth of an element turn curved sides inside out, which gmsh's own repair takes minutes for."""
     write_step(tmp_path, "Box(1) = {0,0,0, 60,40,8}; f[] = Fillet{1}{1:12}{0.4};")

@@ -34,41 +34,45 @@ def has_scroll_bar(picture):
     return grey.mean() > 0.5
 
 
-def take(patch, *options):
+def take(patch, played):
+    """Of one Pd: pictures before the click that makes it sound and after it, or one without a click."""
     folder = BUILD / "photographs"
     folder.mkdir(exist_ok=True)
-    out = folder / f"{patch.stem}{'-played' if options else ''}.png"
-    return out, subprocess.run([str(ROOT / "scripts" / "photograph"), str(patch), str(out), "--stage",
-                                str(STAGE), *options], capture_output=True, text=True, timeout=120)
+    out = folder / f"{patch.stem}.png"
+    after = folder / f"{patch.stem}-played.png"
+    pictures = [str(after), "--before", str(out), "--play"] if played else [str(out)]
+    return ([out, after] if played else [out]), subprocess.run(
+        [str(ROOT / "scripts" / "photograph"), str(patch), *pictures, "--stage", str(STAGE)],
+        capture_output=True, text=True, timeout=240)
 
 
 @pytest.fixture(scope="module")
 def pictures():
-    """What is still being photographed, by patch and options: four at once, since most of the time
-    goes by waiting for windows."""
-    wanted = [(p, *options) for p in HELP for options in ((), ("--play",))] + [(p,) for p in INSTRUMENTS]
+    """What is still being photographed, by patch: four at once, since most of the time goes by waiting
+    for windows."""
     with ThreadPoolExecutor(4) as photographers:
-        yield {want: photographers.submit(take, *want) for want in wanted}
+        yield {patch: photographers.submit(take, patch, patch in HELP) for patch in HELP + INSTRUMENTS}
         photographers.shutdown(cancel_futures=True)
 
 
-def seen_in(picture):
-    """The picture's path, once it is sure that it shows the patch as it should be."""
-    out, done = picture.result()
+def seen_in(future):
+    """The pictures' paths, once it is sure that they show the patch as it should be."""
+    paths, done = future.result()
     assert done.returncode == 0, done.stderr
-    seen = json.loads(done.stdout)
-    assert not BAD.search(seen["pd_said"]), seen["pd_said"]
-    width, height = seen["declared"]
-    assert seen["window"][0] == width and height <= seen["window"][1] <= height + 60, seen
-    assert not has_scroll_bar(out), "something lies outside the window: Pd shows scroll bars"
-    assert seen["colours"] > 12 and seen["commonest"] < 0.98, f"hardly anything drawn: {seen}"
-    return out
+    found = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(found) == len(paths)
+    for path, seen in zip(paths, found):
+        assert not BAD.search(seen["pd_said"]), seen["pd_said"]
+        width, height = seen["declared"]
+        assert seen["window"][0] == width and height <= seen["window"][1] <= height + 60, seen
+        assert not has_scroll_bar(path), "something lies outside the window: Pd shows scroll bars"
+        assert seen["colours"] > 12 and seen["commonest"] < 0.98, f"hardly anything drawn: {seen}"
+    return paths
 
 
 @pytest.mark.parametrize("patch", HELP, ids=lambda p: p.stem)
 def test_a_help_patch_looks_right_and_changes_with_the_click(patch, pictures):
-    before = seen_in(pictures[(patch,)])
-    after = seen_in(pictures[(patch, "--play")])
+    before, after = seen_in(pictures[patch])
     differing = subprocess.run(["compare", "-metric", "AE", str(before), str(after), "null:"],
                                capture_output=True, text=True).stderr
     assert float(differing.split()[0]) > 20, "nothing moves on the screen after the click"
@@ -76,4 +80,4 @@ def test_a_help_patch_looks_right_and_changes_with_the_click(patch, pictures):
 
 @pytest.mark.parametrize("patch", INSTRUMENTS, ids=lambda p: p.stem)
 def test_an_instrument_looks_right(patch, pictures):
-    seen_in(pictures[(patch,)])
+    seen_in(pictures[patch])

@@ -11,7 +11,7 @@ class Relay:
 
     delay_s, jitter_s: of every piece; loss: share of pieces that come late by retry_s, as a
     retransmission does; stalled: nothing passes and nobody is told (a half-open peer); dribble:
-    bytes a second at most; cut(): both ends are closed.
+    bytes a second at most; cut(): both ends are closed. passed_s: when the target got its last piece.
     """
 
     def __init__(self, target, seed=1):
@@ -20,7 +20,7 @@ class Relay:
         self.retry_s, self.stalled, self.dribble = 0.2, False, None
         self.door = socket.create_server(("127.0.0.1", 0))
         self.port = self.door.getsockname()[1]
-        self.pairs, self.ended = [], False
+        self.pairs, self.ended, self.passed_s = [], False, 0.0
         threading.Thread(target=self.accept, daemon=True).start()
 
     def accept(self):
@@ -39,9 +39,9 @@ class Relay:
                 one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self.pairs.append((client, server))
             for source, sink in ((client, server), (server, client)):
-                threading.Thread(target=self.pump, args=(source, sink), daemon=True).start()
+                threading.Thread(target=self.pump, args=(source, sink, sink is server), daemon=True).start()
 
-    def pump(self, source, sink):
+    def pump(self, source, sink, to_target):
         waiting, due_last = [], 0.0  # (time, bytes) in order
         poll = selectors.DefaultSelector()
         poll.register(source, selectors.EVENT_READ)
@@ -69,6 +69,8 @@ class Relay:
                                 break
                     else:
                         sink.sendall(data)
+                    if to_target:
+                        self.passed_s = time.monotonic()
         except OSError:
             pass
         for one in (source, sink):

@@ -56,20 +56,20 @@ def test_delay_and_loss(line, delay_s, jitter_s, loss):
     peer = start(relay.port, 3)
     silent = time.monotonic()
     time.sleep(1.5 + delay_s)
+    passed = relay.passed_s  # not from the delays: on a busy machine a relay is late, too
     peer.hold(1, "force", 2.0, 0.0, 0.0)  # and back again
     rows = server.end()
-    late = delay_s + jitter_s + relay.retry_s + STALL_S
     assert size(near(rows, silent - 0.1)) > 1
     quiet = [row for row in rows if row[0] < silent + 1.5]
-    assert last_force(quiet) <= silent + late + SILENCE_S
+    assert last_force(quiet) <= passed + SILENCE_S + STALL_S
     assert last_force(rows, after=silent + 1.5) is not None
 
 
 def test_a_cut_line(line):
     server, relay = line
     start(relay.port)
-    cut = time.monotonic()
     relay.cut()
+    cut = time.monotonic()
     time.sleep(0.5)
     again(relay.port)
     rows = server.end()
@@ -80,8 +80,8 @@ def test_a_cut_line(line):
 def test_a_half_open_peer_and_what_was_held_back(line):
     server, relay = line
     peer = start(relay.port)
-    stalled = time.monotonic()
     relay.stalled = True
+    stalled = time.monotonic()
     peer.hold(2, "force", 2.0, 0.0, 0.0)
     passed = time.monotonic()
     relay.stalled = False  # a hundred old forces at once
@@ -220,8 +220,9 @@ def test_a_pulled_cable_between_two_computers(namespaces, tmp_path):
     try:
         assert first.stdout.readline() == "started\n"
         time.sleep(1)
-        pulled = time.monotonic()
+        before = time.monotonic()
         ip("-n", NAMES[1], "link", "set", "far", "down")
+        pulled = time.monotonic()
         time.sleep(1.5)
         plugged = time.monotonic()
         ip("-n", NAMES[1], "link", "set", "far", "up")
@@ -237,6 +238,6 @@ def test_a_pulled_cable_between_two_computers(namespaces, tmp_path):
                 one.wait()
     time.sleep(0.3)
     rows = server.end()
-    assert size(near(rows, pulled - 0.1)) > 1
+    assert size(near(rows, before - 0.1)) > 1
     assert last_force([row for row in rows if row[0] < plugged]) <= pulled + SILENCE_S + STALL_S
     assert last_force(rows, after=plugged) is not None

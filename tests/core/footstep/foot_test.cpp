@@ -75,12 +75,14 @@ TEST_CASE("all fifteen grounds sound when walked on, stay bounded and end in sil
     gait.walk(true);
     std::array<SoleState, Gait::kFeet> feet{};
     double loudest = 0;
-    for (int n = 0; n < 48000 * 4; ++n) {
+    bool finite = true;
+    for (int n = 0; n < 48000 * (kSanitized ? 2 : 4); ++n) {
       gait.next(feet);
       const Foot::Out out = foot->next(feet[0]);
-      REQUIRE(std::isfinite(out.heard + out.heel_drive + out.ball_drive));
+      finite &= std::isfinite(out.heard + out.heel_drive + out.ball_drive);
       loudest = std::max(loudest, std::abs(out.heard));
     }
+    REQUIRE(finite);
     CHECK(loudest > 0.01);
     CHECK(loudest < 30);
     gait.walk(false);
@@ -104,10 +106,11 @@ TEST_CASE("a ground's level over many steps is the same at every sample rate" *
           doctest::skip(kSanitized)) {
   for (const char* name : {"wood", "sand"}) {
     const Recipe recipe = recipe_of(name);
-    const double reference = rms(walk(recipe, 48000, 120));
+    constexpr double kSeconds = 30;
+    const double reference = rms(walk(recipe, 48000, kSeconds));
     // Steps vary by chance: the random numbers of one rate fall otherwise at another.
     for (const double rate : {22050.0, 96000.0})
-      CHECK(20 * std::log10(rms(walk(recipe, rate, 120)) / reference) ==
+      CHECK(20 * std::log10(rms(walk(recipe, rate, kSeconds)) / reference) ==
             doctest::Approx(0).scale(1).epsilon(1.2));
   }
 }

@@ -1,6 +1,7 @@
 #include "core/dsp/random.hpp"
 #include "core/footstep/gait.hpp"
 #include "core/footstep/sole_sensor.hpp"
+#include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
 
@@ -67,7 +68,7 @@ TEST_CASE("a thousand steps on noisy, drifting sensors with hysteresis are each 
   bool stood = false;
   for (int n = 0; n < 0.1 * kRate; ++n) // in the air
     static_cast<void>(sensor.next(heel.read(0, 0), ball.read(0, 0)));
-  for (int n = 0; true_off.size() < 1000; ++n) {
+  for (int n = 0; true_off.size() < (kSanitized ? 100 : 1000); ++n) {
     const double t = n / kRate;
     gait.next(feet);
     if (feet[0].heel_landing > 0)

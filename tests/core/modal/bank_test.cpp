@@ -1,4 +1,5 @@
 #include "core/modal/mode_bank.hpp"
+#include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
 
@@ -76,6 +77,8 @@ TEST_CASE("pitch is within 0.01 cent and error below -60 dB, 20 Hz to 0.45 fs, T
     CAPTURE(static_cast<int>(set));
     for (const double frequency : {20.0, 30.0, 100.0, 440.0, 2000.0, 7919.0, 12000.0, 21600.0})
       for (const double t60 : {0.05, 0.3, 1.0, 5.0, 20.0}) {
+        if (kSanitized && t60 != 0.05 && t60 != 1)
+          continue;
         CAPTURE(frequency);
         CAPTURE(t60);
         const Complex rate = mode(frequency, t60);

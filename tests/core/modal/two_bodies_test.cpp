@@ -1,5 +1,6 @@
 // A body that lies on a board, in one table and one object.
 #include "tests/core/modal/rig.hpp"
+#include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
 
@@ -216,6 +217,8 @@ TEST_CASE("a body at rest on its board is silent, and costs nothing") {
 
 TEST_CASE("a bar struck on its board never holds more energy than the blow gave, and settles") {
   for (const double stiffness : {1e5, 4e8, 1e12}) {
+    if (kSanitized && stiffness != 4e8)
+      continue;
     CAPTURE(stiffness);
     Lying rig;
     rig.settings.rest.law = {stiffness, 1.5, 1};

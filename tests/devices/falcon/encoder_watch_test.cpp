@@ -3,6 +3,7 @@
 #include "core/dsp/random.hpp"
 #include "core/haptic/hand.hpp"
 #include "devices/falcon/kinematics.hpp"
+#include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>
 
@@ -74,7 +75,8 @@ public:
 private:
   bool count() {
     const auto angles = devices::falcon::inverse(devices::falcon::kCentre + position_);
-    REQUIRE(angles);
+    if (!angles) // an assertion in each tick would take longer than the tick
+      FAIL("the grip has left the workspace");
     bool changed = false;
     for (std::size_t arm = 0; arm < 3; ++arm) {
       const double exact =
@@ -137,7 +139,7 @@ Outcome run(const Holder& holder, double friction_n, const Force& force, std::ui
 
 double minutes() {
   const char* text = std::getenv("ENCODER_WATCH_MINUTES");
-  return text ? std::atof(text) : 1;
+  return text ? std::atof(text) : kSanitized ? .25 : 1;
 }
 
 } // namespace
@@ -155,7 +157,7 @@ TEST_CASE("encoders that freeze at any instant are found under any force above t
   for (const Holder& holder : {kPerson, kStill, kBraced})
     for (const Row& row : rows) {
       double sum_s = 0, longest_s = 0;
-      constexpr int kRuns = 12;
+      constexpr int kRuns = kSanitized ? 2 : 12;
       Random random(7);
       for (int i = 0; i < kRuns; ++i) {
         const double frozen_at_s = 5 + 25 * random.uniform();
