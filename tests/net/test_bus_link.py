@@ -86,7 +86,7 @@ def play(pds, tmp_path, seed, delay_s=0.0, jitter_s=0.0, meanwhile=lambda far, r
     return hits(near, "ref"), hits(near, "far"), late
 
 
-LATE_MS = 1500  # what is late is told within half a second, and the delay before it was too short
+LATE_MS = 700  # what is late is told within half a second
 
 
 def compare(local, networked, late):
@@ -104,7 +104,7 @@ def test_p23_over_30_ms_and_20_ms_of_jitter_each_way_the_hits_are_the_same(pds, 
     # Translated times stay right when messages are late; without a stall of the machine all of them.
     median_ms = sorted(abs(t - other) for (t, _), (other, _) in zip(local, networked))[len(local) // 2]
     assert median_ms <= 2
-    print(f"{len(local)} hits, {compared} compared, largest difference {worst_ms:.3f} ms")
+    print(f"{len(late)} times late, {len(local)} hits, {compared} compared, largest difference {worst_ms:.3f} ms")
     assert worst_ms <= 2
 
 
