@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """How long a contact takes to the force and to the sound: in one Pd, over a network, over the bus.
 
-    bench/latency_chain.py [--build build] [--seconds 24] [--out out/latency_chain]
+    bench/latency_chain.py [--build build] [--seconds 60] [--out out/latency_chain]
 
-Chains, each on one computer and over lines of 10 and 50 ms each way between two network namespaces:
+Chains, each on one computer and over lines of 1, 10 and 50 ms each way between two network namespaces:
 
     contact -> force, phantom net   the device's handle crosses the disk's face at a haptic_server; the
                                     scene in the Pd of the other computer meets it, its spring's force
@@ -15,7 +15,9 @@ Chains, each on one computer and over lines of 10 and 50 ms each way between two
 
 and one Pd alone, in its logical time. Prints a table (median, 99 %, largest; how many of how many taps
 were found), writes every tap to latencies.csv and a picture. Times are one clock's (CLOCK_MONOTONIC).
-Sound cards add their buffer; the largest of 96 taps is what 99 % can tell. Needs root for namespaces.
+Sound cards add their buffer; the largest of 60 taps is what 99 % can tell. A tap a second: no effect comes
+after the next tap, since the bus lets nothing out later than 0.4 s after it was sent. Needs root for
+namespaces.
 """
 import argparse
 import bisect
@@ -36,15 +38,15 @@ from emulated_network import EmulatedNetwork, NoNamespaces  # noqa: E402
 from live_session import STAGE, LivePatch, Session  # noqa: E402
 
 PAPER_FORCE_MS, PAPER_SOUND_MS = 1.0, 1000 / 16  # periods of the paper's loops: 1 kHz, 16 Hz
-LINES_MS = (None, 10, 50)  # None: one computer
-PERIOD_MS, FACE_MM, HIGH_MM, DEEP_MM, SPEED_MM_PER_MS, HOLD_MS = 250, 6.0, 9.0, 4.0, 0.25, 80
+LINES_MS = (None, 1, 10, 50)  # None: one computer
+PERIOD_MS, FACE_MM, HIGH_MM, DEEP_MM, SPEED_MM_PER_MS, HOLD_MS = 1000, 6.0, 9.0, 4.0, 0.25, 80
 TABLE = "disk.modal.npz" if (STAGE / "disk.modal.npz").is_file() else "plate.modal.npz"
 FEEL_PORT, TOUCH_PORT = 7771, 7772
 NICE = -10  # other programs of this machine are not what is measured
 
 
 def taps(path, seconds, start_ms=0.0):
-    """Rows of a hand that presses the face of the disk 2 mm deep four times a second, at x = 25 mm."""
+    """Rows of a hand that presses the face of the disk 2 mm deep once a second, at x = 25 mm."""
     rows, down_ms = [], (HIGH_MM - DEEP_MM) / SPEED_MM_PER_MS
     for begin in numpy.arange(start_ms, start_ms + 1e3 * seconds, PERIOD_MS):
         rows += [(begin, HIGH_MM), (begin + down_ms, DEEP_MM), (begin + down_ms + HOLD_MS, DEEP_MM),
@@ -221,7 +223,7 @@ def picture(results, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
-    parser.add_argument("--seconds", type=float, default=24, help="of taps, four a second, in each run")
+    parser.add_argument("--seconds", type=float, default=60, help="of taps, one a second, in each run")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "latency_chain")
     words = parser.parse_args()
     words.out.mkdir(parents=True, exist_ok=True)

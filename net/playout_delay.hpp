@@ -8,15 +8,26 @@ namespace tactus::net {
 
 /// How long after its time a message is let out, so that what comes unevenly goes out evenly.
 ///
-/// Automatic: the delay within which kShare of the messages of the last kGeneration_s to
-/// 2 kGeneration_s came, in steps of 1 ms, and a margin (percentile playout with fast attack after
-/// Moon, Kurose and Towsley, Multimedia Systems 6, 1998). It rises at once with a message that is
-/// later, since those behind it are as late; it falls by kFall_rate, so that messages are let out
-/// closer together by that share and never out of order. kMax_s at most: who is later is late.
+/// Automatic: each slot of kSlot_s in which messages arrive gives one sample, the longest way among
+/// them. Of the n samples of the last kWindow_s the delay settles at the m-th smallest and a
+/// margin,
+///
+///     d = w_(m) + kMargin_s,   m = 1 + floor(kShare (n - 1)),
+///
+/// a percentile playout (Moon, Kurose and Towsley, Multimedia Systems 6, 1998). What a stalled
+/// computer or line has held back arrives together, in a slot or two however many messages it is,
+/// and stays above the percentile; a line that has become slower fills all slots, and counts
+/// after 1 - kShare of kWindow_s.
+///
+/// A message that is later than the delay raises it to its own way at once, since those behind it
+/// are as late, and the delay falls back to d by kFall_rate: the spike mode of Ramjee, Kurose,
+/// Towsley and Schulzrinne (INFOCOM 1994), which leaves a spike out of the estimate. While it
+/// falls, messages are let out closer together by that share and never out of order. kMax_s at
+/// most: who is later is late.
 class PlayoutDelay {
 public:
-  static constexpr double kMax_s = 0.4, kMargin_s = 2e-3, kShare = 0.995;
-  static constexpr double kGeneration_s = 5, kFall_rate = 0.1, kBin_s = 1e-3;
+  static constexpr double kMax_s = 0.4, kMargin_s = 2e-3, kShare = 0.97;
+  static constexpr double kSlot_s = 0.05, kWindow_s = 5, kFall_rate = 0.25;
 
   /// s, 0 to kMax_s; nothing: automatic.
   void fix(std::optional<double> delay_s) noexcept { fixed_s_ = delay_s; }
@@ -25,18 +36,19 @@ public:
   [[nodiscard]] double value(double now_s) noexcept;
 
 private:
-  static constexpr std::size_t kBins = static_cast<std::size_t>(kMax_s / kBin_s + 0.5);
-  using Histogram = std::array<std::uint32_t, kBins + 1>; ///< the last: later than kMax_s
+  static constexpr std::size_t kSlots = static_cast<std::size_t>(kWindow_s / kSlot_s + 0.5);
+  struct Slot {
+    std::int64_t number = -1;
+    double longest_s = 0;
+  };
 
-  void age(double now_s) noexcept;
   void follow(double now_s) noexcept;
-  [[nodiscard]] double quantile_s() const noexcept;
+  [[nodiscard]] std::optional<double> percentile_s() const noexcept;
 
   std::optional<double> fixed_s_{};
-  std::array<Histogram, 2> counts_{};
-  std::array<std::uint64_t, 2> totals_{};
-  std::size_t current_ = 0;
-  double began_s_ = -1e18, last_s_ = -1e18, looked_s_ = -1e18, value_s_ = 0, target_s_ = 0;
+  std::array<Slot, kSlots> slots_{}; ///< by number modulo kSlots
+  std::int64_t looked_ = 0;          ///< the slot of the last look
+  double last_s_ = -1e18, value_s_ = 0, target_s_ = 0;
 };
 
 } // namespace tactus::net

@@ -271,12 +271,13 @@ struct TcpServer::Parts {
     });
   }
 
-  /// Tells everybody and waits a moment for what is on its way.
-  void say_goodbye() {
+  /// Tells everybody and waits so long for sockets that are full.
+  void say_goodbye(Clock::duration patience) {
+    acceptors.clear();
     service.close("closing");
     tick();
     context.restart();
-    const auto until = Clock::now() + kLastWords;
+    const auto until = Clock::now() + patience;
     const auto busy = [this] {
       return std::any_of(connections.begin(), connections.end(),
                          [](const ConnectionPtr& one) { return one != nullptr; });
@@ -355,7 +356,7 @@ void TcpServer::run() {
   p.timer.expires_after(kTick);
   p.keep_ticking();
   p.context.run();
-  close();
+  p.say_goodbye(kLastWords);
 }
 
 void TcpServer::stop() noexcept { parts_->stopping = true; }
@@ -366,9 +367,6 @@ void TcpServer::poll() {
   parts_->tick();
 }
 
-void TcpServer::close() {
-  parts_->acceptors.clear();
-  parts_->say_goodbye();
-}
+void TcpServer::close() { parts_->say_goodbye({}); }
 
 } // namespace tactus::net

@@ -40,12 +40,13 @@ public:
   [[nodiscard]] std::string addresses() const;
 
   /// Serves until stop(), which any thread and the handler of a signal may call; then every client
-  /// is told and the force ends.
+  /// is told, for which it waits 200 ms at most, and the force ends.
   void run();
   void stop() noexcept;
   /// Instead of run(): what is due now, without waiting.
   void poll();
-  /// After the last poll(): every client is told.
+  /// After the last poll(), without waiting: every client is told, but for those whose sockets are
+  /// full, since they do not read.
   void close();
 
 private:

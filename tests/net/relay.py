@@ -9,7 +9,8 @@ import time
 class Relay:
     """Between clients of its own port and 127.0.0.1:target. Settings may change at any time.
 
-    delay_s, jitter_s: of every piece; loss: share of pieces that come late by retry_s, as a
+    delay_s, jitter_s: of every piece, the jitter uniform up to jitter_s or, with `exponential`, of
+    that mean; loss: share of pieces that come late by retry_s, as a
     retransmission does; stalled: nothing passes and nobody is told (a half-open peer); dribble:
     bytes a second at most; cut(): both ends are closed. passed_s: when the target got its last piece.
     """
@@ -17,7 +18,7 @@ class Relay:
     def __init__(self, target, seed=1):
         self.target, self.chance = target, random.Random(seed)
         self.delay_s = self.jitter_s = self.loss = 0.0
-        self.retry_s, self.stalled, self.dribble = 0.2, False, None
+        self.retry_s, self.stalled, self.dribble, self.exponential = 0.2, False, None, False
         self.door = socket.create_server(("127.0.0.1", 0))
         self.port = self.door.getsockname()[1]
         self.pairs, self.ended, self.passed_s = [], False, 0.0
@@ -53,7 +54,8 @@ class Relay:
                     data = source.recv(65536)
                     if not data:
                         break
-                    late = self.delay_s + self.jitter_s * self.chance.random()
+                    drawn = self.chance.expovariate(1) if self.exponential else self.chance.random()
+                    late = self.delay_s + self.jitter_s * drawn
                     if self.chance.random() < self.loss:
                         late += self.retry_s
                     due_last = max(due_last, time.monotonic() + late)

@@ -106,3 +106,48 @@ def test_the_second_takes_over_when_the_first_is_deleted(module, more, tmp_path)
     assert len([t for t in begun if t < 1000]) == 2
     assert len([t for t in begun if 2000 < t < 3900]) >= 9  # one in 187 ms
     assert loudest(result, 2000) > 1e-3
+
+
+def struck(result, begin=0.0):
+    return [atoms[:2] for t, atoms in result.logs["lab.excite"] if t > begin]
+
+
+@pytest.mark.parametrize("second", ["ioa_cs_modal", "ioa_cs_physics"])
+def test_a_second_contents_server_of_a_body_says_so_and_waits(second, tmp_path):
+    path = taps(tmp_path / "taps.txt", (0, 0), (10, 0), (20, 0), (30, 0))
+    patch = Patch()
+    system = System(patch, sdd=["ioa_sdd_script", path], cs=["ioa_cs_modal", "disk", "disk.modal.npz"])
+    # Of its own table nothing is said, nor of its striker; a body that nobody else has is its own.
+    other = patch.obj(second, "lab", "disk", "plate.modal.npz", 7, "plate.modal.npz")
+    patch.log("table", patch.obj("ioa_bus", "lab", "table") >> patch.obj("route", "table"))
+    patch.log("model", patch.obj("ioa_bus", "lab", "model") >> patch.obj("route", "model"))
+    patch.at(500, other, "choke 0.8")
+    patch.at(550, system.bus, "publish")
+    patch.at(600, system.box["sdd"], "bang")
+    patch.at(580, system.bus, "hit 580 7 0 0 0 0 0 1 0.5 0")
+    result = patch.render(1.6, expect_errors=["disk expected to be the only contents server"])
+    assert len(result.errors) == 1
+    assert len(hits(result)) == 5
+    assert [row for row in struck(result) if row[1] == "disk"] == [list(hit) for hit in hits(result) if hit[1] == "disk"]
+    assert [row[1] for row in struck(result) if row[1] != "disk"][0] == 7
+    told = [atoms for _, atoms in result.logs["table"]]
+    assert ["disk", "plate.modal.npz"] not in told and ["disk", "disk.modal.npz"] in told
+    assert [7, "plate.modal.npz"] in told
+    settings = [atoms for _, atoms in result.logs["model"] if "choke" in atoms]
+    assert settings and all(atoms[1] == 7 for atoms in settings)
+
+
+def test_the_second_contents_server_takes_over_when_the_first_is_deleted(tmp_path):
+    path = taps(tmp_path / "taps.txt", *[(x, 0) for x in range(0, 40, 2)])
+    patch = Patch()
+    first = patch.sub("first")
+    first.obj("ioa_cs_modal", "lab", "disk", "disk.modal.npz")
+    system = System(patch, sdd=["ioa_sdd_script", path], cs=["ioa_cs_modal", "disk", "plate.modal.npz"])
+    patch.log("table", patch.obj("ioa_bus", "lab", "table") >> patch.obj("route", "table"))
+    patch.at(600, system.box["sdd"], "bang")
+    patch.send(1010, "pd-first", "clear")
+    result = patch.render(4, expect_errors=["expected to be the only contents server"])
+    assert len(result.errors) == 1
+    assert struck(result) == [list(hit) for hit in hits(result)]
+    taken = [t for t, atoms in result.logs["table"] if atoms == ["disk", "plate.modal.npz"]]
+    assert len(taken) == 1 and 1010 < taken[0] <= 1510

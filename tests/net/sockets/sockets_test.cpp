@@ -5,8 +5,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <arpa/inet.h>
 #include <chrono>
+#include <sys/socket.h>
 #include <thread>
+#include <unistd.h>
 
 /// Sockets and threads: a remote device and a server in one process, each in its threads. Waits are
 /// for states; how long they take is the machine's affair.
@@ -297,4 +301,74 @@ TEST_CASE("settings that are not understood are refused with what there is") {
   CHECK(refusal({"token", "/nowhere"}).find("token") != std::string::npos);
   CHECK(refusal({"dance"}).find("host HOST PORT") != std::string::npos);
   CHECK(refusal({}).find("host HOST PORT") != std::string::npos);
+}
+
+namespace {
+
+/// Two clients: what they say is of no account, what they are told is what the test puts there.
+class Speaking final : public Service {
+public:
+  std::optional<ClientId> connect(std::string_view, double, int) override {
+    return count < out_.size() ? std::optional(count++) : std::nullopt;
+  }
+  void receive(ClientId, std::span<const std::uint8_t>, double) override {}
+  void disconnect(ClientId) override { ++left; }
+  void close(std::string_view reason) override {
+    closed = true;
+    for (OutQueue& queue : out_)
+      static_cast<void>(
+          queue.add_event({reinterpret_cast<const std::uint8_t*>(reason.data()), reason.size()}));
+  }
+  OutQueue& out(ClientId client) noexcept override { return out_[client]; }
+  [[nodiscard]] bool closing(ClientId) const noexcept override { return closed; }
+  [[nodiscard]] bool guarded() const noexcept override { return false; }
+
+  std::size_t count = 0, left = 0;
+  bool closed = false;
+
+private:
+  std::array<OutQueue, 2> out_{OutQueue{}, OutQueue{}};
+};
+
+/// A connected socket of the system's, since asio's headers are compiled once, in net/.
+int call(int port) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  REQUIRE(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  return socket;
+}
+
+} // namespace
+
+TEST_CASE("a server in a patch closes without waiting for a client that does not read") {
+  // Each closing would take 200 ms with a wait, and takes longer without where the machine is busy:
+  // the shortest of five tells.
+  double shortest_s = 1e9;
+  for (int i = 0; i < 5; ++i) {
+    Speaking service;
+    TcpServer server(service, {});
+    REQUIRE(server.open({0, ""}).empty());
+    const int deaf = call(server.port());
+    REQUIRE(becomes([&] { return server.poll(), service.count == 1; }));
+    const int listening = call(server.port());
+    REQUIRE(becomes([&] { return server.poll(), service.count == 2; }));
+    const std::vector<std::uint8_t> much(1u << 18, 'x');
+    while (service.out(0).add_event(much)) // until the system's buffers are full, and ours
+      server.poll();
+    const auto began = std::chrono::steady_clock::now();
+    server.close();
+    const std::chrono::duration<double> lasted = std::chrono::steady_clock::now() - began;
+    shortest_s = std::min(shortest_s, lasted.count());
+    CHECK(service.left == 2);
+    char word[16] = {};
+    CHECK(::recv(listening, word, sizeof word, 0) == 7);
+    CHECK(std::string_view(word) == "closing");
+    CHECK(::recv(listening, word, sizeof word, 0) == 0);
+    ::close(listening);
+    ::close(deaf);
+  }
+  CHECK(shortest_s < 0.1);
 }
