@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <poll.h>
 #include <unistd.h>
 
 namespace tactus::fem {
@@ -116,8 +117,9 @@ void refuse(const std::string& sentence) {
   message.send();
 }
 
-/// One request: moves the nodes, solves there, answers. Refuses by exception.
-void answer(Reanalysis& part, std::span<const char> request, std::size_t parameters) {
+/// One request: moves the nodes, solves there, answers. Whether a new factor would pay before the
+/// next one. Refuses by exception.
+bool answer(Reanalysis& part, std::span<const char> request, std::size_t parameters) {
   const std::size_t expected = 2 * sizeof(std::uint32_t) + parameters * sizeof(double);
   if (request.size() != expected)
     throw Refusal(format("a request to solve has %zu bytes, expected %zu: method, flag and %zu "
@@ -148,12 +150,6 @@ void answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
              : method == static_cast<std::uint32_t>(ServeMethod::pcg)
                  ? part.solve(Method::pcg)
                  : part.solve(Method::refactor);
-    // Between two requests nobody waits: the next one is preconditioned from here.
-    if (update.wants_factor && (flags & stress::kKeepFactor) == 0) {
-      Refactorisation job = part.refactorisation();
-      job.run();
-      part.adopt(std::move(job));
-    }
   }
   StressAnswer fixed;
   fixed.method = update.method == Method::pcg ? static_cast<std::uint32_t>(ServeMethod::pcg)
@@ -172,6 +168,20 @@ void answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
     message.add(std::span<const float>(part.sensitivity().max_shear));
   }
   message.send();
+  return update.wants_factor && (flags & stress::kKeepFactor) == 0;
+}
+
+/// Whether the next request has begun to arrive, or stdin has ended.
+bool request_waits() {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  return ::poll(&input, 1, 0) != 0;
+}
+
+/// Between two requests nobody waits: the next one is preconditioned from this shape.
+void refactor(Reanalysis& part) {
+  Refactorisation job = part.refactorisation();
+  job.run();
+  part.adopt(std::move(job));
 }
 
 constexpr std::uint64_t kMaxRequestBytes = 1 << 20;
@@ -183,6 +193,7 @@ int serve(const std::vector<std::string>& words) {
     throw Refusal("serve: expected one file, NAME.stress.npz, and perhaps --tolerance T");
   const double tolerance =
       words.size() == 3 ? number("serve --tolerance", words[2], 1e-14, 0.1) : 1e-6;
+  set_solver_threads(1); // its dense blocks are small: threads would wait for each other
   Source source = read_source(words[0]);
   const StaticModel model = model_of(source.order, source.mesh);
   const DesignSpace space = design_space_of(source.order.design, source.mesh);
@@ -224,7 +235,8 @@ int serve(const std::vector<std::string>& words) {
     try {
       if (header.kind != static_cast<std::uint32_t>(ServeKind::solve))
         throw Refusal(format("a message of kind %u, expected 1 (solve) or 2 (quit)", header.kind));
-      answer(part, request, parameters);
+      if (answer(part, request, parameters) && !request_waits())
+        refactor(part);
     } catch (const Refusal& refusal) {
       refuse(refusal.what());
     }
