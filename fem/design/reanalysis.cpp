@@ -2,6 +2,7 @@
 
 #include "fem/design/conjugate_gradients.hpp"
 #include "fem/design/moving_system.hpp"
+#include "fem/design/past_solutions.hpp"
 #include "fem/statics/gradient.hpp"
 
 #include <algorithm>
@@ -54,6 +55,7 @@ Refactorisation::~Refactorisation() = default;
 
 void Refactorisation::run() {
   own_->factor->factorise();
+  own_->factor->prepare();
   own_->done = true;
 }
 
@@ -65,6 +67,7 @@ struct Reanalysis::Implementation {
   std::vector<Vector3> original; ///< nodes at parameters 0
   StaticAnalysis analysis;
   MovingSystem moving;
+  PastSolutions past;
   std::vector<double> parameters, base_parameters;
   std::vector<Vector3> factor_nodes; ///< the shape of analysis.factor
   std::vector<double> base_von_mises, base_max_shear;
@@ -77,8 +80,19 @@ struct Reanalysis::Implementation {
                  const ReanalysisSettings& own_settings)
       : mesh(std::move(given)), model(std::move(own_model)), velocities(std::move(own_velocities)),
         settings(own_settings), original(mesh.nodes), analysis(solve_static(mesh, model)),
-        moving(mesh, model, analysis.system), parameters(velocities.size(), 0.0),
-        base_parameters(parameters), factor_nodes(mesh.nodes) {}
+        moving(mesh, model, analysis.system), past(settings.max_past_solutions),
+        parameters(velocities.size(), 0.0), base_parameters(parameters), factor_nodes(mesh.nodes) {
+    past.add(free_displacement());
+  }
+
+  /// The last solution with zeros in held directions.
+  [[nodiscard]] std::vector<double> free_displacement() const {
+    std::vector<double> u = analysis.solution.displacement;
+    for (std::size_t i = 0; i < u.size(); ++i)
+      if (analysis.system.matrices.held[i])
+        u[i] = 0;
+    return u;
+  }
 
   /// Largest displacement gradient at the centroids between the factor's shape and the present one.
   [[nodiscard]] double stretch() const {
@@ -134,6 +148,11 @@ struct Reanalysis::Implementation {
     take_factor(std::move(factor), mesh.nodes);
     std::vector<double> u = analysis.system.right_side();
     analysis.factor->solve(u, u, 1);
+    accept(std::move(u));
+  }
+
+  void accept(std::vector<double> u) {
+    past.add(u);
     analysis.solution = completed(analysis.system, std::move(u));
   }
 
@@ -215,14 +234,12 @@ StressUpdate Reanalysis::solve(Method method) {
   own_->moving.update(own_->mesh, own_->model, analysis.system);
   if (method != Method::refactor) {
     const std::vector<double> right = analysis.system.right_side();
-    std::vector<double> u = analysis.solution.displacement;
-    for (std::size_t i = 0; i < u.size(); ++i)
-      if (analysis.system.matrices.held[i])
-        u[i] = 0;
+    std::vector<double> u(right.size());
     if (method == Method::combined) {
       update.residual =
           combined_approximations(analysis.system.matrices, *analysis.factor, right, u);
     } else {
+      own_->past.start(analysis.system.matrices, right, u);
       const CgReport report =
           conjugate_gradients(analysis.system.matrices, *analysis.factor, right, u,
                               own_->settings.tolerance, own_->settings.max_iterations);
@@ -236,7 +253,7 @@ StressUpdate Reanalysis::solve(Method method) {
         update.method = Method::refactor;
     }
     if (update.method != Method::refactor)
-      analysis.solution = completed(analysis.system, std::move(u));
+      own_->accept(std::move(u));
   }
   if (update.method == Method::refactor) {
     own_->solve_directly();
@@ -299,7 +316,7 @@ MemoryUse Reanalysis::memory() const {
   use.factor = own_->analysis.factor->memory_bytes();
   use.matrix = static_cast<double>(8 * system.matrices.stiffness.size() + 8 * graph.row.size() +
                                    8 * graph.start.size()) +
-               own_->moving.bytes();
+               own_->moving.bytes() + own_->past.bytes();
   use.sensitivities = 4. * static_cast<double>(own_->sensitivity.von_mises.size() +
                                                own_->sensitivity.max_shear.size());
   use.mesh = static_cast<double>(2 * sizeof(Vector3) * own_->mesh.nodes.size() +

@@ -25,10 +25,11 @@ struct MemoryUse {
 };
 
 struct ReanalysisSettings {
-  double tolerance = 1e-6;      ///< of PCG: ||f - K u|| / ||f||
-  int max_iterations = 60;      ///< of PCG, after which it refuses and asks for a new factor
-  int refactor_iterations = 15; ///< more than this asks for a new factor
-  bool sensitivities = true;    ///< S for the Taylor update: one back-substitution a parameter
+  double tolerance = 1e-6;            ///< of PCG: ||f - K u|| / ||f||
+  int max_iterations = 60;            ///< of PCG, after which it refuses and asks for a new factor
+  int refactor_iterations = 15;       ///< more than this asks for a new factor
+  std::size_t max_past_solutions = 5; ///< whose best combination PCG starts from; 0: from zero
+  bool sensitivities = true; ///< S for the Taylor update: one back-substitution a parameter
 };
 
 /// What one update gave.

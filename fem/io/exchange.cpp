@@ -153,6 +153,8 @@ void write_petsc(const std::string& path, const Matrices& m) {
     std::sort(row.begin(), row.end(),
               [](const Pair& a, const Pair& b) { return a.column < b.column; });
   for (const bool mass : {false, true}) {
+    if (mass && m.mass.empty())
+      break;
     std::string counts, columns, values;
     std::uint64_t entries = 0;
     for (std::size_t r = 0; r < nodes; ++r)
@@ -231,6 +233,15 @@ std::vector<std::vector<double>> read_vectors(const std::string& path) {
 }
 
 } // namespace
+
+std::vector<double> read_petsc_vector(const std::string& path, std::size_t size) {
+  auto vectors = read_vectors(path);
+  if (vectors.size() != 1 || vectors[0].size() != size)
+    throw Refusal(path + " holds " + std::to_string(vectors.size()) + " vectors of " +
+                  std::to_string(vectors.empty() ? 0 : vectors[0].size()) +
+                  " numbers, expected 1 of " + std::to_string(size));
+  return std::move(vectors[0]);
+}
 
 Modes import_modes(const std::string& values_path, const std::string& vectors_path,
                    const Mesh& mesh, const Matrices& m, bool rigid_among_them) {

@@ -15,13 +15,16 @@ void write_inp(const std::string& path, const Mesh&, std::span<const Material>,
 /// and integration points (.dat). Refuses springs.
 void write_static_inp(const std::string& path, const Mesh&, const StaticModel&);
 
-/// K, then M, as PETSc binary matrices (big-endian, both triangles, 32-bit indices). Held
-/// directions have a unit diagonal in K and none in M.
+/// K, then M unless it is empty, as PETSc binary matrices (big-endian, both triangles, 32-bit
+/// indices). Held directions have a unit diagonal in K and none in M.
 void write_petsc(const std::string& path, const Matrices&);
 
 /// Vectors of `size` numbers, one after the other, as PETSc binary vectors.
 void write_petsc_vectors(const std::string& path, std::span<const double> vectors,
                          std::size_t size);
+
+/// The one vector of `size` numbers in a file of PETSc's binary form. Refuses anything else.
+[[nodiscard]] std::vector<double> read_petsc_vector(const std::string& path, std::size_t size);
 
 /// Modes from a SLEPc run: eigenvalues (lambda = omega^2) and vectors as PETSc binary vectors
 /// (`-eps_view_values binary:FILE -eps_view_vectors binary:FILE`). Values of rigid motions are left

@@ -1,9 +1,8 @@
 #include "fem/modes/shifted_factor.hpp"
 
-#include <algorithm>
-#include <cblas.h>
+#include "fem/modes/single_factor.hpp"
+
 #include <cholmod.h>
-#include <cmath>
 #include <cstring>
 
 extern "C" void openblas_set_num_threads(int);
@@ -18,7 +17,7 @@ struct ShiftedFactor::Implementation {
   std::vector<SuiteSparse_long> start, row;
   std::vector<double> value;
   cholmod_factor *symbolic = nullptr, *factor = nullptr;
-  std::vector<float> single, vector, rows; ///< copy of the factor; work space
+  std::unique_ptr<SingleFactor> single; ///< copy of the factor
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;
 
   Implementation() {
@@ -42,7 +41,6 @@ struct ShiftedFactor::Implementation {
   Implementation& operator=(const Implementation&) = delete;
 
   void fill(const Matrices& m, double shift);
-  void solve_single();
   std::vector<SuiteSparse_long> order(const NodeGraph&);
   /// What the numeric phase fills; the original stays for factors of other numbers.
   void copy_symbolic(cholmod_factor* from) {
@@ -166,90 +164,28 @@ void ShiftedFactor::solve(std::span<const double> b, std::span<double> x, std::s
   std::memcpy(x.data(), own_->solution->x, n * columns * sizeof(double));
 }
 
-namespace {
-
-template <class T> std::span<const T> part(const void* all, std::size_t count) {
-  return {static_cast<const T*>(all), count};
-}
-
-} // namespace
-
-/// L L' vector = vector by supernodes: of each, a dense triangle and the rows below it.
-void ShiftedFactor::Implementation::solve_single() {
-  const auto supernodes = static_cast<std::size_t>(factor->nsuper);
-  const auto first = part<SuiteSparse_long>(factor->super, supernodes + 1);
-  const auto first_row = part<SuiteSparse_long>(factor->pi, supernodes + 1);
-  const auto first_value = part<SuiteSparse_long>(factor->px, supernodes + 1);
-  const auto* row_of = static_cast<const SuiteSparse_long*>(factor->s);
-  struct Supernode {
-    int columns, below, all;
-    const float* triangle;
-    const SuiteSparse_long* row;
-    float* own;
+void ShiftedFactor::prepare() {
+  if (own_->single)
+    return;
+  const cholmod_factor& f = *own_->factor;
+  const auto numbers = [](const void* all, std::size_t count) {
+    static_assert(sizeof(SuiteSparse_long) == sizeof(std::int64_t));
+    return std::span(static_cast<const std::int64_t*>(all), count);
   };
-  const auto at = [&](std::size_t s) {
-    const auto columns = static_cast<int>(first[s + 1] - first[s]);
-    const auto all = static_cast<int>(first_row[s + 1] - first_row[s]);
-    return Supernode{columns,
-                     all - columns,
-                     all,
-                     &single[static_cast<std::size_t>(first_value[s])],
-                     row_of + first_row[s] + columns,
-                     &vector[static_cast<std::size_t>(first[s])]};
-  };
-  for (std::size_t s = 0; s < supernodes; ++s) {
-    const Supernode n = at(s);
-    cblas_strsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, n.columns, n.triangle, n.all,
-                n.own, 1);
-    if (n.below == 0)
-      continue;
-    cblas_sgemv(CblasColMajor, CblasNoTrans, n.below, n.columns, 1, n.triangle + n.columns, n.all,
-                n.own, 1, 0, rows.data(), 1);
-    for (int i = 0; i < n.below; ++i)
-      vector[static_cast<std::size_t>(n.row[i])] -= rows[static_cast<std::size_t>(i)];
-  }
-  for (std::size_t s = supernodes; s-- > 0;) {
-    const Supernode n = at(s);
-    if (n.below > 0) {
-      for (int i = 0; i < n.below; ++i)
-        rows[static_cast<std::size_t>(i)] = vector[static_cast<std::size_t>(n.row[i])];
-      cblas_sgemv(CblasColMajor, CblasTrans, n.below, n.columns, -1, n.triangle + n.columns, n.all,
-                  rows.data(), 1, 1, n.own, 1);
-    }
-    cblas_strsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n.columns, n.triangle, n.all,
-                n.own, 1);
-  }
+  own_->single = std::make_unique<SingleFactor>(
+      SupernodalFactor{numbers(f.super, f.nsuper + 1), numbers(f.pi, f.nsuper + 1),
+                       numbers(f.px, f.nsuper + 1), numbers(f.s, f.ssize), numbers(f.Perm, f.n),
+                       std::span(static_cast<const double*>(f.x), f.xsize)});
 }
 
 void ShiftedFactor::precondition(std::span<const double> b, std::span<double> x) {
-  const cholmod_factor& f = *own_->factor;
-  if (own_->single.empty()) {
-    const auto values = part<double>(f.x, f.xsize);
-    own_->single.resize(values.size());
-    std::transform(values.begin(), values.end(), own_->single.begin(),
-                   [](double v) { return static_cast<float>(v); });
-    own_->vector.resize(f.n);
-    own_->rows.resize(f.maxesize + 1);
-  }
-  // Forces and stiffnesses may lie beyond single precision's range: of unit size they do not.
-  double largest = 0;
-  for (const double v : b)
-    largest = std::max(largest, std::abs(v));
-  if (!(largest > 0)) {
-    std::fill(x.begin(), x.end(), 0.0);
-    return;
-  }
-  const auto order = part<SuiteSparse_long>(f.Perm, f.n);
-  for (std::size_t i = 0; i < f.n; ++i)
-    own_->vector[i] = static_cast<float>(b[static_cast<std::size_t>(order[i])] / largest);
-  own_->solve_single();
-  for (std::size_t i = 0; i < f.n; ++i)
-    x[static_cast<std::size_t>(order[i])] = largest * static_cast<double>(own_->vector[i]);
+  prepare();
+  own_->single->solve(b, x);
 }
 
 double ShiftedFactor::memory_bytes() const noexcept {
   return 8. * static_cast<double>(own_->factor->xsize) +
-         4. * static_cast<double>(own_->single.size()) +
+         (own_->single ? own_->single->memory_bytes() : 0) +
          8. * static_cast<double>(own_->factor->ssize);
 }
 

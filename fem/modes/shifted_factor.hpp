@@ -32,7 +32,8 @@ public:
   void solve(std::span<const double> b, std::span<double> x, std::size_t columns);
   /// The same for one vector with a copy of the factor in single precision, right to some 1e-6: a
   /// preconditioner. A solve waits for the memory that it reads, and this is half of it. The copy
-  /// is made at the first call and costs half the factor's memory.
+  /// is made by prepare() or at the first call and costs half the factor's memory.
+  void prepare();
   void precondition(std::span<const double> b, std::span<double> x);
   /// Of the factor and its copy, as they stand.
   [[nodiscard]] double memory_bytes() const noexcept;

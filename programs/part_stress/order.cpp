@@ -189,6 +189,13 @@ PartOrder read_order(const std::vector<std::string>& words) {
       order.inp = reader.value();
     } else if (option == "--step") {
       order.step = reader.value();
+    } else if (option == "--engine") {
+      const std::string& word = reader.value();
+      if (word != "cholmod" && word != "petsc")
+        throw Refusal("--engine " + printable(word, 20) + ": expected cholmod or petsc");
+      order.petsc = word == "petsc";
+    } else if (option == "--ranks") {
+      order.ranks = static_cast<int>(reader.number(1, 4096));
     } else if (option == "--list-faces") {
       order.list_faces = true;
     } else if (option == "--fix" || option == "--spring") {
@@ -215,6 +222,13 @@ PartOrder read_order(const std::vector<std::string>& words) {
       reader.take();
     }
   }
+  if (order.ranks > 0 && !order.petsc)
+    throw Refusal("--ranks is the number of processes of --engine petsc, which is not chosen");
+  if (order.petsc && !order.output.empty())
+    throw Refusal("-o: the table holds derivatives by every parameter, which --engine petsc does "
+                  "not find; expected --vtu, --sheet or --export-inp");
+  if (order.ranks == 0)
+    order.ranks = 2;
   if (!order.step.empty() && !order.is_lift_arm())
     throw Refusal("--step writes the shape lift_arm, " + order.body + " is none");
   if (order.list_faces && !order.is_file && !order.is_lift_arm())
@@ -249,6 +263,7 @@ Loads         --force WHERE:FX,FY,FZ        a force spread evenly, N (--load is 
 )" + usage_of_lattice() +
          R"(              --move ID DX DY DZ    the picture after control point ID moved; may be repeated
 Work          --threads N (1)  --memory SIZE  refuse work that takes more, such as 800M or 4G
+              --engine petsc --ranks N  (2)  the equations on N processes of mpirun; no derivatives
 Output        -o NAME.stress.npz  --skin LENGTH (the mesh's)  edges of the skin drawn from it
               --sheet FILE.png  --vtu FILE
               --export-inp FILE  mesh, supports and nodal loads for CalculiX

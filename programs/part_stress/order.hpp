@@ -39,6 +39,9 @@ struct PartOrder : BodyOrder {
   double skin_edge = 0; ///< m; 0: the skin in the table is the mesh's
   std::vector<Move> moves;
 
+  bool petsc = false; ///< solve with PETSc on `ranks` processes
+  int ranks = 0;      ///< 2 unless given
+
   bool list_faces = false;
   std::string output, vtu, sheet, inp, step;
 

@@ -4,7 +4,8 @@
 //
 //   1. mesh      a swept shape, the lift arm, a file, or gmsh's curved tetrahedra of a CAD model
 //   2. model     supports, loads, a lattice of control points around the part
-//   3. solve     one factor for the displacement and for every parameter's derivative
+//   3. solve     one factor for the displacement and for every parameter's derivative, or PETSc on
+//                several processes for the displacement
 //   4. move      control points, where asked: Taylor's series beside a new solution
 //   5. write     NAME.stress.npz, VTU, CalculiX, a picture sheet
 #include "fem/io/exchange.hpp"
@@ -12,6 +13,8 @@
 #include "fem/io/vtu.hpp"
 #include "fem/io/words.hpp"
 #include "fem/modes/body.hpp"
+#include "programs/body/budget.hpp"
+#include "programs/part_stress/petsc_engine.hpp"
 #include "programs/part_stress/picture.hpp"
 #include "programs/part_stress/serve.hpp"
 
@@ -103,12 +106,12 @@ void write_fields(const std::string& path, const Mesh& mesh, const StaticModel& 
 }
 
 StressNotes notes_of(const PartOrder& order, const std::vector<std::string>& words,
-                     const Reanalysis& part, const PictureState& state, double mass) {
+                     const Reanalysis& part, const PictureState& state) {
   StressNotes notes{.body_name = order.name(),
                     .created = std::getenv("SOURCE_DATE_EPOCH") ? "" : now(),
                     .supports = {},
                     .loads = {},
-                    .mass = mass,
+                    .mass = mass_properties(part.mesh(), part.model().materials).mass,
                     .volume = state.volume,
                     .max_displacement = state.max_displacement,
                     .product_s = part.cost().product,
@@ -125,8 +128,118 @@ StressNotes notes_of(const PartOrder& order, const std::vector<std::string>& wor
   return notes;
 }
 
+/// What is solved: a part, its model, and how its shape moves.
+struct Problem {
+  const PartOrder& order;
+  const std::vector<std::string>& words;
+  const Mesh& mesh;
+  const StaticModel& model;
+  const DesignSpace& space;
+  std::vector<double> wanted; ///< parameters of the moved shape
+};
+
+/// What was found, of the last shape.
+struct Outcome {
+  std::vector<PictureState> states;
+  Mesh mesh;
+  StaticSolution solution;
+  std::vector<double> parameters;
+  std::vector<double> taylor; ///< at the centroids of the moved shape, or empty
+  std::string memory;
+};
+
+void print_part(const Problem& problem, const StaticSolution& solution) {
+  const DesignSpace& space = problem.space;
+  const Vector3 reaction = support_force(problem.mesh, problem.model, solution);
+  std::printf("mass %.6g kg; %zu control points of %zu may move, %zu parameters; supports take "
+              "(%.5g, %.5g, %.5g) N\n",
+              mass_properties(problem.mesh, problem.model.materials).mass, space.controls.size(),
+              space.weights.control_points.size(), space.parameters.size(), reaction.x, reaction.y,
+              reaction.z);
+}
+
+void print_cut(const ValidStep& step) {
+  if (step.fraction < 1)
+    std::printf("the move stops at %.1f %%: element %zu would be too distorted beyond\n",
+                100 * step.fraction, step.element + 1);
+}
+
+/// By a factor in this process, which serves the derivatives too.
+Outcome solve_here(const Problem& problem, ProgressLine& progress) {
+  const auto& [order, words, mesh, model, space, wanted] = problem;
+  const bool derivatives = !order.output.empty() || !order.moves.empty();
+  progress.stage("solving", 0);
+  Reanalysis part(mesh, model, space.velocities, {.tolerance = 1e-8, .sensitivities = derivatives},
+                  [&](double share) { progress.stage("solving", share); });
+  const auto volumes = element_volumes(mesh);
+  Outcome out;
+  out.states.push_back(picture_of(mesh, model, part.solution(),
+                                  {part.base_von_mises().begin(), part.base_von_mises().end()}));
+  print_part(problem, part.solution());
+  print_state("before", out.states[0], volumes);
+  if (!order.output.empty()) {
+    progress.stage("writing " + order.output, 0);
+    write_stress_table(order.output,
+                       {mesh, model.materials, part.base_von_mises(), part.base_max_shear(),
+                        part.sensitivity(), volumes, space.parameters, space.weights,
+                        space.lattice.points, space.trust, order.skin_edge,
+                        notes_of(order, words, part, out.states[0])});
+  }
+  if (!order.moves.empty()) {
+    progress.stage("moving control points", 0);
+    print_cut(part.move_to(wanted));
+    out.taylor = part.taylor().von_mises;
+    const StressUpdate solved = part.solve();
+    out.states.push_back(picture_of(part.mesh(), model, part.solution(), solved.von_mises));
+    print_state("after", out.states[1], element_volumes(part.mesh()));
+    const auto error = difference(out.taylor, solved.von_mises);
+    std::printf("        Taylor's series differs by %.3g %% (root mean square), %.3g %% of the "
+                "largest; solved anew by %s in %.3g s, %d iterations\n",
+                100 * error[0], 100 * error[1], name(solved.method), solved.seconds,
+                solved.iterations);
+  }
+  out.mesh = part.mesh();
+  out.solution = part.solution();
+  out.parameters.assign(part.parameters().begin(), part.parameters().end());
+  out.memory = words_of_bytes(part.memory().total());
+  return out;
+}
+
+/// By several processes; each shape is solved from the displacement of the one before.
+Outcome solve_on_processes(const Problem& problem, ProgressLine& progress) {
+  const auto& [order, words, mesh, model, space, wanted] = problem;
+  Outcome out{
+      .states = {}, .mesh = mesh, .solution = {}, .parameters = wanted, .taylor = {}, .memory = {}};
+  const auto solve = [&](const char* when) {
+    const StaticSystem system(out.mesh, model);
+    out.solution =
+        petsc_solution(out.mesh, system, out.solution.displacement, order.ranks, progress);
+    if (out.states.empty())
+      print_part(problem, out.solution);
+    out.states.push_back(
+        picture_of(out.mesh, model, out.solution,
+                   measured(element_stress(out.mesh, model.materials, out.solution.displacement),
+                            StressMeasure::von_mises)));
+    print_state(when, out.states.back(), element_volumes(out.mesh));
+    out.memory = format("mpirun -n %d", order.ranks);
+  };
+  solve("before");
+  if (!order.moves.empty()) {
+    const ValidStep step =
+        valid_step(mesh, moved_nodes(mesh.nodes, space.velocities, out.parameters));
+    print_cut(step);
+    for (double& p : out.parameters)
+      p *= step.fraction;
+    out.mesh.nodes = moved_nodes(mesh.nodes, space.velocities, out.parameters);
+    solve("after");
+  }
+  return out;
+}
+
 int run(const std::vector<std::string>& words) {
   const PartOrder order = read_order(words);
+  if (order.petsc)
+    check_petsc();
   check_outputs(order.outputs(), order);
   if (!order.sheet.empty())
     check_sheet("stress_sheet.py");
@@ -138,7 +251,7 @@ int run(const std::vector<std::string>& words) {
       return 0;
   }
   set_solver_threads(order.threads);
-  Mesh mesh = mesh_of(order, progress);
+  const Mesh mesh = mesh_of(order, progress);
   if (order.list_faces)
     return 0;
   const StaticModel model = model_of(order, mesh);
@@ -147,63 +260,27 @@ int run(const std::vector<std::string>& words) {
     write_static_inp(order.inp, mesh, model);
   }
   progress.stage("embedding the control lattice", 0);
-  DesignSpace space = design_space_of(order.design, mesh);
-  const std::vector<double> wanted = parameters_of(order.moves, space);
-  const bool derivatives = !order.output.empty() || !order.moves.empty();
-  progress.stage("solving", 0);
-  Reanalysis part(mesh, model, space.velocities, {.tolerance = 1e-8, .sensitivities = derivatives},
-                  [&](double share) { progress.stage("solving", share); });
-  const auto volumes = element_volumes(mesh);
-  const std::vector<double> base(part.base_von_mises().begin(), part.base_von_mises().end());
-  std::vector<PictureState> states{picture_of(mesh, model, part.solution(), base)};
-  const double mass = mass_properties(mesh, model.materials).mass;
-  const Vector3 reaction = support_force(mesh, model, part.solution());
-  const StressNotes notes = notes_of(order, words, part, states[0], mass);
-  std::printf("mass %.6g kg; %zu control points of %zu may move, %zu parameters; supports take "
-              "(%.5g, %.5g, %.5g) N\n",
-              mass, space.controls.size(), space.weights.control_points.size(),
-              space.parameters.size(), reaction.x, reaction.y, reaction.z);
-  print_state("before", states[0], volumes);
-  if (!order.output.empty()) {
-    progress.stage("writing " + order.output, 0);
-    write_stress_table(order.output,
-                       {mesh, model.materials, part.base_von_mises(), part.base_max_shear(),
-                        part.sensitivity(), volumes, space.parameters, space.weights,
-                        space.lattice.points, space.trust, order.skin_edge, notes});
-  }
-  PictureNotes beside;
-  if (!order.moves.empty()) {
-    progress.stage("moving control points", 0);
-    if (const ValidStep step = part.move_to(wanted); step.fraction < 1)
-      std::printf("the move stops at %.1f %%: element %zu would be too distorted beyond\n",
-                  100 * step.fraction, step.element + 1);
-    beside.taylor = part.taylor().von_mises;
-    const StressUpdate solved = part.solve();
-    states.push_back(picture_of(part.mesh(), model, part.solution(), solved.von_mises));
-    print_state("after", states[1], element_volumes(part.mesh()));
-    const auto error = difference(beside.taylor, solved.von_mises);
-    std::printf("        Taylor's series differs by %.3g %% (root mean square), %.3g %% of the "
-                "largest; solved anew by %s in %.3g s, %d iterations\n",
-                100 * error[0], 100 * error[1], name(solved.method), solved.seconds,
-                solved.iterations);
-  }
+  const DesignSpace space = design_space_of(order.design, mesh);
+  const Problem problem{order, words, mesh, model, space, parameters_of(order.moves, space)};
+  const Outcome out =
+      order.petsc ? solve_on_processes(problem, progress) : solve_here(problem, progress);
   const double seconds = seconds_since(begun);
-  const std::string memory = words_of_bytes(part.memory().total());
   std::printf("        %zu elements (%s), %zu unknowns, %s, %.3g s\n", mesh.elements.size(),
-              mesh.element_names().c_str(), mesh.dofs(), memory.c_str(), seconds);
+              mesh.element_names().c_str(), mesh.dofs(), out.memory.c_str(), seconds);
   std::fflush(stdout);
   if (!order.vtu.empty()) {
     progress.stage("writing " + order.vtu, 0);
-    write_fields(order.vtu, part.mesh(), model, part.solution());
+    write_fields(order.vtu, out.mesh, model, out.solution);
   }
   if (!order.sheet.empty()) {
     progress.stage("writing " + order.sheet, 0);
-    beside.title = order.name();
+    PictureNotes beside{.title = order.name(), .subtitle = {}, .taylor = out.taylor};
+    const double mass = mass_properties(mesh, model.materials).mass;
     beside.subtitle =
         model.materials[0].name + format(", %.4g kg; %zu %s, %zu unknowns; %s, %.2g s", mass,
                                          mesh.elements.size(), mesh.element_names().c_str(),
-                                         mesh.dofs(), memory.c_str(), seconds);
-    draw_part(order.sheet, model, space, mesh, states, part.parameters(), beside);
+                                         mesh.dofs(), out.memory.c_str(), seconds);
+    draw_part(order.sheet, model, space, mesh, out.states, out.parameters, beside);
   }
   return 0;
 }

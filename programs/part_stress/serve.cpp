@@ -9,6 +9,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <poll.h>
+#include <unistd.h>
 
 namespace tactus::fem {
 
@@ -23,8 +25,9 @@ std::vector<float> singles(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
-/// One request: moves the nodes, solves there, answers. Refuses by exception.
-void answer(Reanalysis& part, std::span<const char> request, std::size_t parameters) {
+/// One request: moves the nodes, solves there, answers. Whether a new factor would pay before the
+/// next one. Refuses by exception.
+bool answer(Reanalysis& part, std::span<const char> request, std::size_t parameters) {
   const std::size_t expected = 2 * sizeof(std::uint32_t) + parameters * sizeof(double);
   if (request.size() != expected)
     throw Refusal(format("a request to solve has %zu bytes, expected %zu: method, flag and %zu "
@@ -55,12 +58,6 @@ void answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
              : method == static_cast<std::uint32_t>(ServeMethod::pcg)
                  ? part.solve(Method::pcg)
                  : part.solve(Method::refactor);
-    // Between two requests nobody waits: the next one is preconditioned from here.
-    if (update.wants_factor && (flags & stress::kKeepFactor) == 0) {
-      Refactorisation job = part.refactorisation();
-      job.run();
-      part.adopt(std::move(job));
-    }
   }
   StressAnswer fixed;
   fixed.method = update.method == Method::pcg ? static_cast<std::uint32_t>(ServeMethod::pcg)
@@ -79,6 +76,23 @@ void answer(Reanalysis& part, std::span<const char> request, std::size_t paramet
     message.add(std::span<const float>(part.sensitivity().max_shear));
   }
   message.send();
+  return update.wants_factor && (flags & stress::kKeepFactor) == 0;
+}
+
+/// Whether the next request has begun to arrive, or stdin has ended.
+bool request_waits() {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  return ::poll(&input, 1, 0) != 0;
+}
+
+/// Between two requests nobody waits: the next one is preconditioned from this shape.
+void refactor(Reanalysis& part) {
+  try {
+    Refactorisation job = part.refactorisation();
+    job.run();
+    part.adopt(std::move(job));
+  } catch (const Refusal&) { // the old factor serves on; the request has its answer
+  }
 }
 
 } // namespace
@@ -88,6 +102,7 @@ int serve(const std::vector<std::string>& words) {
     throw Refusal("serve: expected one file, NAME.stress.npz, and perhaps --tolerance T");
   const double tolerance =
       words.size() == 3 ? number("serve --tolerance", words[2], 1e-14, 0.1) : 1e-6;
+  set_solver_threads(1); // its dense blocks are small: threads would wait for each other
   const ServedPart source = read_served_part(words[0], "stress-table", "part_stress");
   const PartOrder order = read_served_order(words[0], source.command, read_order);
   const StaticModel model = model_of(order, source.mesh);
@@ -101,8 +116,10 @@ int serve(const std::vector<std::string>& words) {
                          cost.assembly + cost.factor});
     ready.send();
   }
-  return serve_requests("part_stress",
-                        [&](std::span<const char> request) { answer(part, request, parameters); });
+  return serve_requests("part_stress", [&](std::span<const char> request) {
+    if (answer(part, request, parameters) && !request_waits())
+      refactor(part);
+  });
 }
 
 } // namespace tactus::fem

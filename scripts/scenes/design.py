@@ -229,5 +229,4 @@ def make(scene):
                     update_rows, "times on this machine: one evaluation of the series, and one solution by conjugate "
                     "gradients on the old factor")
         search(scene, parts["arm"], descent)
-    scene.progress("design: a beam is struck while it is reshaped")
     _struck_beam.make(scene)

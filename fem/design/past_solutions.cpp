@@ -1,0 +1,81 @@
+#include "fem/design/past_solutions.hpp"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::fem {
+namespace {
+
+/// Of what is left of a solution without the newer ones: below that it is their rounding.
+constexpr double kMinRemainder = 1e-9;
+
+double dot(std::span<const double> a, std::span<const double> b) {
+  return Eigen::Map<const Eigen::VectorXd>(a.data(), static_cast<Eigen::Index>(a.size()))
+      .dot(Eigen::Map<const Eigen::VectorXd>(b.data(), static_cast<Eigen::Index>(b.size())));
+}
+
+} // namespace
+
+void PastSolutions::add(std::span<const double> u) {
+  // Solved again at the same shape, it tells nothing new and would drive out one that does.
+  if (!kept_.empty() && kept_[0].size() == u.size()) {
+    double change = 0;
+    for (std::size_t i = 0; i < u.size(); ++i)
+      change += (u[i] - kept_[0][i]) * (u[i] - kept_[0][i]);
+    if (!(std::sqrt(change) > kMinRemainder * std::sqrt(dot(u, u))))
+      kept_.erase(kept_.begin());
+  }
+  kept_.insert(kept_.begin(), std::vector(u.begin(), u.end()));
+  if (kept_.size() > max_count_)
+    kept_.pop_back();
+}
+
+void PastSolutions::start(const Matrices& m, std::span<const double> b, std::span<double> x) const {
+  std::fill(x.begin(), x.end(), 0.0);
+  // An orthonormal basis by Gram and Schmidt, twice; what neighbours in a drag differ in is small.
+  const std::size_t n = b.size();
+  std::vector<double> basis;
+  std::size_t count = 0;
+  for (const std::vector<double>& u : kept_) {
+    if (u.size() != n)
+      continue;
+    std::vector<double> own = u;
+    const double size = std::sqrt(dot(own, own));
+    for (int pass = 0; pass < 2; ++pass)
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto other = std::span(basis).subspan(k * n, n);
+        const double share = dot(other, own);
+        for (std::size_t i = 0; i < n; ++i)
+          own[i] -= share * other[i];
+      }
+    const double left = std::sqrt(dot(own, own));
+    if (!(left > kMinRemainder * size))
+      continue;
+    for (double& value : own)
+      value /= left;
+    basis.insert(basis.end(), own.begin(), own.end());
+    ++count;
+  }
+  if (count == 0)
+    return;
+  std::vector<double> image(basis.size());
+  m.multiply_stiffness(basis, image, count);
+  const auto rows = static_cast<Eigen::Index>(n), columns = static_cast<Eigen::Index>(count);
+  const Eigen::Map<const Eigen::MatrixXd> v(basis.data(), rows, columns),
+      kv(image.data(), rows, columns);
+  const Eigen::Map<const Eigen::VectorXd> right(b.data(), rows);
+  const Eigen::VectorXd weight = (v.transpose() * kv).ldlt().solve(v.transpose() * right);
+  if (weight.allFinite())
+    Eigen::Map<Eigen::VectorXd>(x.data(), rows) = v * weight;
+}
+
+double PastSolutions::bytes() const noexcept {
+  double sum = 0;
+  for (const std::vector<double>& u : kept_)
+    sum += 8. * static_cast<double>(u.size());
+  return sum;
+}
+
+} // namespace tactus::fem

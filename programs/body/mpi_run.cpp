@@ -1,0 +1,177 @@
+#include "programs/body/mpi_run.hpp"
+
+#include "fem/io/safe_file.hpp"
+#include "fem/io/words.hpp"
+#include "programs/body/budget.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <sys/statvfs.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace tactus::fem {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string solver_path(const MpiEngine& engine) {
+  return (fs::read_symlink("/proc/self/exe").parent_path() / engine.program).string();
+}
+
+std::string mpirun_path() {
+  const char* path = std::getenv("PATH");
+  for (const std::string& folder : split(path ? path : "/usr/bin", ':'))
+    if (const std::string file = folder + "/mpirun"; ::access(file.c_str(), X_OK) == 0)
+      return file;
+  return {};
+}
+
+constexpr const char* kErrors = "errors"; ///< what the processes write to their standard error
+
+// What an interrupt has to end and remove, within what a signal handler may do.
+std::array<std::array<char, 512>, 8> g_files;
+std::array<char, 512> g_folder;
+std::atomic<pid_t> g_child{0};
+
+void remove_on_interrupt() {
+  if (const pid_t child = g_child.load())
+    ::kill(-child, SIGTERM);
+  for (const auto& file : g_files)
+    if (file[0] != '\0')
+      ::unlink(file.data());
+  ::rmdir(g_folder.data());
+}
+
+/// Starts mpirun in a process group of its own; its standard output comes back.
+pid_t start(const MpiEngine& engine, const std::vector<std::string>& words,
+            const std::string& errors, int& output) {
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
+    throw Refusal(std::string(engine.option) + ": no pipe: " + std::strerror(errno));
+  std::vector<char*> arguments;
+  for (const std::string& word : words)
+    arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setpgid(0, 0);
+    ::dup2(pipe[1], STDOUT_FILENO);
+    const int nothing = ::open("/dev/null", O_RDONLY);
+    ::dup2(nothing, STDIN_FILENO);
+    const int log = ::open(errors.c_str(), O_WRONLY | O_CREAT, 0600);
+    ::dup2(log, STDERR_FILENO);
+    ::setenv("OPENBLAS_NUM_THREADS", "1", 0);
+    ::setenv("OMP_NUM_THREADS", "1", 0);
+    ::setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0); // who waits does not keep a core from others
+    if (::geteuid() == 0) { // Open MPI refuses root unless told twice
+      ::setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+      ::setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    }
+    ::execv(arguments[0], arguments.data());
+    ::_exit(127);
+  }
+  ::close(pipe[1]);
+  output = pipe[0];
+  if (child < 0) {
+    ::close(output);
+    throw Refusal(std::string(engine.option) + ": cannot start mpirun: " + std::strerror(errno));
+  }
+  g_child = child;
+  return child;
+}
+
+/// The solver's own sentence, else the last line that is no ornament.
+std::string last_complaint(const MpiEngine& engine, const std::string& path) {
+  const std::string own = std::string(engine.program) + ": ";
+  std::ifstream file(path);
+  std::string last = "no reason given";
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with(own))
+      return line.substr(own.size());
+    if (line.find_first_of("abcdefghijklmnopqrstuvwxyz") != std::string::npos)
+      last = line;
+  }
+  return last;
+}
+
+} // namespace
+
+void check_engine(const MpiEngine& engine) {
+  const std::string option = engine.option;
+  if (::access(solver_path(engine).c_str(), X_OK) != 0)
+    throw Refusal(option + ": this program was built without " + engine.library +
+                  "; install Debian's " + engine.packages + " and openmpi-bin and build again");
+  if (mpirun_path().empty())
+    throw Refusal(option + ": there is no mpirun; install Debian's openmpi-bin");
+}
+
+MpiRun::MpiRun(const MpiEngine& engine, std::span<const char* const> files) : engine_(engine) {
+  const char* temporary = std::getenv("TMPDIR");
+  std::string pattern =
+      std::string(temporary && *temporary ? temporary : "/tmp") + "/" + engine.program + ".XXXXXX";
+  constexpr std::size_t kLongestName = 16;
+  if (files.size() + 1 > g_files.size() || pattern.size() + kLongestName > g_folder.size() ||
+      !::mkdtemp(pattern.data()))
+    throw Refusal(std::string(engine.option) + ": cannot make a folder " + pattern + ": " +
+                  std::strerror(errno));
+  folder_ = pattern;
+  std::copy_n(folder_.c_str(), folder_.size() + 1, g_folder.data());
+  for (auto& path : g_files)
+    path[0] = '\0';
+  for (std::size_t i = 0; i <= files.size(); ++i) {
+    const std::string path = file(i < files.size() ? files[i] : kErrors);
+    std::copy_n(path.c_str(), std::min(path.size() + 1, g_files[i].size()), g_files[i].data());
+  }
+  also_on_interrupt(remove_on_interrupt);
+}
+
+MpiRun::~MpiRun() {
+  also_on_interrupt(nullptr);
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+void MpiRun::need_room(double bytes) const {
+  struct statvfs disk {};
+  const double room = ::statvfs(folder_.c_str(), &disk) == 0
+                          ? static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize)
+                          : bytes;
+  if (room < bytes)
+    throw Refusal(std::string(engine_.option) + ": " + folder_ + " has room for " +
+                  words_of_bytes(room) + ", expected " + words_of_bytes(bytes) +
+                  ": set TMPDIR to a larger disk");
+}
+
+void MpiRun::run(int ranks, const std::vector<std::string>& arguments,
+                 const std::function<void(const char* line)>& tell) const {
+  std::vector<std::string> words{mpirun_path(), "--oversubscribe",     "--bind-to",         "none",
+                                 "-n",          std::to_string(ranks), solver_path(engine_)};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  int output = -1;
+  const pid_t child = start(engine_, words, file(kErrors), output);
+  {
+    std::FILE* lines = ::fdopen(output, "r");
+    char line[256];
+    while (std::fgets(line, sizeof line, lines))
+      tell(line);
+    std::fclose(lines);
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
+    ;
+  g_child = 0;
+  if (status != 0)
+    throw Refusal(std::string(engine_.option) +
+                  " failed: " + last_complaint(engine_, file(kErrors)));
+}
+
+} // namespace tactus::fem

@@ -1,0 +1,46 @@
+#pragma once
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactus::fem {
+
+/// A solver program that lies beside the running one and is started by mpirun.
+struct MpiEngine {
+  const char* option;   ///< how the user chose it, "--engine slepc"
+  const char* program;  ///< its file, "slepc_solve"
+  const char* library;  ///< what it is built with, "SLEPc"
+  const char* packages; ///< Debian's, "libslepc-real-dev"
+};
+
+/// Refuses, naming the Debian packages, when mpirun or the solver program is missing.
+void check_engine(const MpiEngine&);
+
+/// One run of a solver under mpirun: a private folder in $TMPDIR (or /tmp) for the files that go in
+/// and out, which is removed whatever happens, interrupts included. mpirun's own settings
+/// (OMPI_MCA_...) choose the machines; $TMPDIR must then lie on a disk they share. One at a time.
+class MpiRun {
+public:
+  /// `files` names all files that may come to lie in the folder.
+  MpiRun(const MpiEngine&, std::span<const char* const> files);
+  ~MpiRun();
+  MpiRun(const MpiRun&) = delete;
+  MpiRun& operator=(const MpiRun&) = delete;
+
+  /// The path of a file in the folder.
+  [[nodiscard]] std::string file(const char* name) const { return folder_ + "/" + name; }
+  /// Refuses when the folder's disk has less room.
+  void need_room(double bytes) const;
+  /// Runs the program on `ranks` processes with these arguments; `tell` gets each line of its
+  /// standard output. Refuses when it fails or a process dies, with the program's own sentence
+  /// ("PROGRAM: ..." on its standard error) or mpirun's.
+  void run(int ranks, const std::vector<std::string>& arguments,
+           const std::function<void(const char* line)>& tell) const;
+
+private:
+  MpiEngine engine_;
+  std::string folder_;
+};
+
+} // namespace tactus::fem

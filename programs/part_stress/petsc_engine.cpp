@@ -1,0 +1,113 @@
+#include "programs/part_stress/petsc_engine.hpp"
+
+#include "fem/io/exchange.hpp"
+#include "fem/io/words.hpp"
+#include "programs/body/budget.hpp"
+#include "programs/body/mpi_run.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tactus::fem {
+namespace {
+
+constexpr MpiEngine kPetsc{"--engine petsc", "petsc_solve", "PETSc", "libpetsc-real-dev"};
+constexpr std::array kFiles{"matrix", "vectors", "solution"};
+constexpr std::size_t kMaxProcessesSaid = 8;
+
+struct Process {
+  double bytes = 0, seconds = 0;
+};
+
+/// "2 processes: 142 MB and 1.9 s, 139 MB and 1.8 s"
+std::string words_of(std::span<const Process> processes) {
+  std::string text =
+      format(processes.size() == 1 ? "%zu process: " : "%zu processes: ", processes.size());
+  for (std::size_t k = 0; k < std::min(processes.size(), kMaxProcessesSaid); ++k)
+    text += (k > 0 ? ", " : "") + words_of_bytes(processes[k].bytes) +
+            format(" and %.2g s", processes[k].seconds);
+  if (processes.size() > kMaxProcessesSaid) {
+    const auto most =
+        std::max_element(processes.begin(), processes.end(),
+                         [](const Process& a, const Process& b) { return a.bytes < b.bytes; });
+    text += " ..., at most " + words_of_bytes(most->bytes);
+  }
+  return text;
+}
+
+double norm(std::span<const double> x) {
+  double sum = 0;
+  for (const double v : x)
+    sum += v * v;
+  return std::sqrt(sum);
+}
+
+} // namespace
+
+void check_petsc() { check_engine(kPetsc); }
+
+StaticSolution petsc_solution(const Mesh& mesh, const StaticSystem& system,
+                              std::span<const double> start, int ranks, ProgressLine& progress) {
+  const Matrices& m = system.matrices;
+  const std::size_t n = m.dofs(), nodes = m.graph.node_count();
+  const std::size_t most = std::max<std::size_t>(1, nodes / kMinNodesPerProcess);
+  if (static_cast<std::size_t>(ranks) > most)
+    throw Refusal(format("--ranks %d: expected at most %zu processes for %zu nodes, %zu each",
+                         ranks, most, nodes, kMinNodesPerProcess));
+  const MpiRun petsc(kPetsc, kFiles);
+  // Both triangles, 9 entries of 12 bytes a pair of nodes, and the vectors.
+  petsc.need_room(2 * 9 * 12. * static_cast<double>(m.graph.row.size()) +
+                  8. * 4 * static_cast<double>(n));
+  progress.stage("exporting the equations", 0);
+  write_petsc(petsc.file("matrix"), m);
+  const std::vector<double> right = system.right_side();
+  std::vector<double> vectors(3 * n, 0.0); // f, the start, the nodes
+  std::copy(right.begin(), right.end(), vectors.begin());
+  for (std::size_t i = 0; i < start.size(); ++i)
+    vectors[n + i] = m.held[i] ? 0 : start[i];
+  for (std::size_t k = 0; k < nodes; ++k)
+    for (int i = 0; i < 3; ++i)
+      vectors[2 * n + 3 * k + static_cast<std::size_t>(i)] = mesh.nodes[k][i];
+  write_petsc_vectors(petsc.file("vectors"), vectors, n);
+
+  progress.stage("starting PETSc", 0);
+  std::vector<Process> processes(static_cast<std::size_t>(ranks));
+  int iterations = 0;
+  petsc.run(ranks,
+            {petsc.file("matrix"), petsc.file("vectors"), petsc.file("solution"),
+             format("%.17g", kPetscTolerance)},
+            [&](const char* line) {
+              char stage[128];
+              double share = 0;
+              std::size_t rank = 0;
+              Process process;
+              if (std::sscanf(line, "stage %lf %127[^\n]", &share, stage) == 2)
+                progress.stage("PETSc: " + std::string(stage), share);
+              else if (std::sscanf(line, "process %zu %lf %lf", &rank, &process.bytes,
+                                   &process.seconds) == 3 &&
+                       rank < processes.size())
+                processes[rank] = process;
+              else
+                std::sscanf(line, "iterations %d", &iterations);
+            });
+  std::vector<double> u = read_petsc_vector(petsc.file("solution"), n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (m.held[i])
+      u[i] = 0;
+  // What comes back is checked, not believed.
+  std::vector<double> left(n);
+  m.multiply_stiffness(u, left, 1);
+  for (std::size_t i = 0; i < n; ++i)
+    left[i] = right[i] - left[i];
+  const double size = norm(right), residual = size > 0 ? norm(left) / size : norm(left);
+  if (!(residual <= 10 * kPetscTolerance))
+    throw Refusal(format("--engine petsc failed: its solution leaves a residual of %.1e of the "
+                         "load, expected %.0e",
+                         residual, kPetscTolerance));
+  progress.say(format("PETSc: %d iterations to %.1e; ", iterations, residual) +
+               words_of(processes));
+  return completed(system, std::move(u));
+}
+
+} // namespace tactus::fem
