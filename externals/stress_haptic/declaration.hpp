@@ -107,10 +107,12 @@ inline constexpr std::array kInlets{
 inline constexpr std::array kOutlets{
     Port{Port::Kind::kControl, "gamma", "", "0..1; three numbers in mode axis"},
     Port{Port::Kind::kControl, "force", "N", "list fx fy fz"},
+    Port{Port::Kind::kControl, kInfoOutlet, "",
+         "gmin gmax raw err method iters ms and more; answers"},
     Port{Port::Kind::kControl, "protocol", "",
          "`hap feedback sequence gamma` and `hap cp ...`, for a haptic_server"},
 };
-enum OutletIndex : std::size_t { kGammaOutlet, kForceOutlet, kProtocolOutlet };
+enum OutletIndex : std::size_t { kGammaOutlet, kForceOutlet, kProtocolOutlet = 3 };
 inline constexpr std::array kArguments{CreationArgument{"load"}};
 
 } // namespace tactus::stress_haptic

@@ -112,7 +112,7 @@ def felt_forces(part, setup, hands):
     box = patch.obj("stress_haptic", str(part.path), "-resolve", "taylor", *setup.words.split())
     patch.at(1, box, f"gains {GAINS}, anchor 0 0 0")
     # On `centre` the range goes about the value of gamma's number that the object reports.
-    raw = box[3] >> patch.obj("route", "raw") >> patch.obj("t", "f", "f")
+    raw = box[2] >> patch.obj("route", "raw") >> patch.obj("t", "f", "f")
     limits = patch.obj("pack", 0, 0)
     raw[1] >> patch.obj("*", 1 + setup.band) >> limits[1]
     raw[0] >> patch.obj("*", 1 - setup.band) >> limits

@@ -7,7 +7,7 @@ import pytest
 
 from harness import Patch, stage_folder
 
-OUTLETS = ("gamma", "force", "protocol", "info")
+OUTLETS = ("gamma", "force", "info", "protocol")
 P20 = dict(s0=[10, 20, 30, 40], S=[[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 1]])
 
 

@@ -76,7 +76,7 @@ def render(beam, resolve, seconds=1.0, solver=None, fails=()):
         patch.at(4, box, f"solver {solver}")
     patch.at(250, box[1], "40 0 0 0 0 0")
     patch.at(900, box, "bang")
-    for i, name in enumerate(("gamma", "force", "protocol", "info")):
+    for i, name in enumerate(("gamma", "force", "info", "protocol")):
         patch.log(name, box[i])
     return patch.render(seconds, expect_errors=fails) if fails else patch.render(seconds)
 
@@ -163,7 +163,7 @@ class Live:
 #X obj 200 80 print info;
 #X connect 0 0 1 0;
 #X connect 1 0 2 0;
-#X connect 1 3 3 0;
+#X connect 1 2 3 0;
 #X restore 10 10 pd part;
 #X obj 10 100 netreceive {port};
 #X obj 10 130 route object canvas;
