@@ -96,6 +96,8 @@ private:
   [[nodiscard]] std::vector<Vec3> from_solved_m(const std::vector<double>& displacement_m) const;
   /// The largest of them over the table's trust.
   [[nodiscard]] double trust_ratio() const;
+  [[nodiscard]] bool waits_still() const;
+  void wait_for_rest(double ms, Host& host); ///< below 0: no more
   void shape_moved(bool beyond_trust, Host& host);
   void start_solve(Host& host);
   void take_solution(ModeSolver::Result result, Host& host);
@@ -139,6 +141,7 @@ private:
   std::uint64_t solves_ = 0;
   double solve_s_ = 0; ///< the last one's duration
   bool solving_ = false, solver_lost_ = false, solve_failed_ = false;
+  std::optional<std::vector<double>> rest_displacement_m_; ///< when the wait for rest began
   std::optional<ModeSolver::Request> solver_request_; ///< in a render: the answer's time is set
   ModeSolver solver_; // last: their threads end before what they use
   TableWorker worker_;

@@ -14,14 +14,23 @@ namespace {
 
 constexpr double kRest_ms = 150;       // without a move, as [stress_haptic] has it
 constexpr double kBatchAnswer_ms = 10; // a render's logical time from request to answer
-constexpr double kSamePlace = 1e-9;    // of the trust size
+// Of the trust size: a hand or a device that holds still trembles by less, and the derivatives,
+// whose error goes as the square, are right to some 1e-6 within it.
+constexpr double kStill = 0.01;
+
+double farthest(const std::vector<Vec3>& ways) {
+  double most = 0;
+  for (const Vec3& way : ways)
+    most = std::max(most, norm(way));
+  return most;
+}
 
 } // namespace
 
 bool ModalImpact::wants_solve() const {
   if (!table_ || !table_->body().table.has_mesh || value_[kResolve] >= 0.5)
     return false;
-  return trust_ratio() > kSamePlace;
+  return trust_ratio() > kStill;
 }
 
 std::vector<Vec3> ModalImpact::from_solved_m(const std::vector<double>& displacement_m) const {
@@ -36,24 +45,40 @@ std::vector<Vec3> ModalImpact::from_solved_m(const std::vector<double>& displace
 }
 
 double ModalImpact::trust_ratio() const {
-  double farthest = 0;
-  for (const Vec3& way : from_solved_m(settings_.shape_displacement_m))
-    farthest = std::max(farthest, norm(way));
-  return farthest / table_->table.sensitivity.shape.trust_m;
+  return farthest(from_solved_m(settings_.shape_displacement_m)) /
+         table_->table.sensitivity.shape.trust_m;
+}
+
+/// The shape is where it was when the wait for its rest began, but for trembling.
+bool ModalImpact::waits_still() const {
+  if (!rest_displacement_m_)
+    return false;
+  std::vector<Vec3> way = from_solved_m(settings_.shape_displacement_m);
+  const std::vector<Vec3> then = from_solved_m(*rest_displacement_m_);
+  for (std::size_t c = 0; c < way.size(); ++c)
+    way[c] = way[c] - then[c];
+  return farthest(way) <= kStill * table_->table.sensitivity.shape.trust_m;
+}
+
+void ModalImpact::wait_for_rest(double ms, Host& host) {
+  rest_displacement_m_.reset();
+  if (ms >= 0)
+    rest_displacement_m_ = settings_.shape_displacement_m;
+  host.wake_in(kRestTimer, ms);
 }
 
 void ModalImpact::shape_moved(bool beyond_trust, Host& host) {
   solve_failed_ = false;
   if (solver_lost_ || !wants_solve())
-    return host.wake_in(kRestTimer, -1);
+    return wait_for_rest(-1, host);
   if (beyond_trust && !solving_)
     start_solve(host);
-  else
-    host.wake_in(kRestTimer, kRest_ms);
+  else if (!waits_still())
+    wait_for_rest(kRest_ms, host);
 }
 
 void ModalImpact::start_solve(Host& host) {
-  host.wake_in(kRestTimer, -1);
+  wait_for_rest(-1, host);
   if (solving_ || solve_failed_ || solver_lost_ || !wants_solve())
     return;
   std::vector<double> displacement = settings_.shape_displacement_m;
@@ -98,7 +123,7 @@ void ModalImpact::take_solution(ModeSolver::Result result, Host& host) {
   if (value_[kResolve] >= 0.5)
     return;
   if (result.before != table_) // another board came meanwhile
-    return host.wake_in(kRestTimer, 0);
+    return wait_for_rest(0, host);
   if (result.fraction < 1) {
     solve_failed_ = true;
     host.error("resolve: elements would turn inside out before this shape: the modes are solved "
@@ -119,12 +144,13 @@ void ModalImpact::resolved(Host& host) {
   warned_of_trust_ = false;
   host.info({"resolved", static_cast<double>(solves_), solve_s_});
   if (wants_solve() && !solve_failed_)
-    shape_moved(trust_ratio() > 1 + kSamePlace, host);
+    shape_moved(trust_ratio() > 1 + 1e-9, host);
 }
 
 void ModalImpact::forget_solver(Host* host) {
   solver_.forget(++loads_);
   solver_request_.reset();
+  rest_displacement_m_.reset();
   solving_ = solver_lost_ = solve_failed_ = false;
   if (!host)
     return;
@@ -146,7 +172,7 @@ void ModalImpact::set_solver(const Atom& program, Host& host) {
   solver_program_ = std::move(path);
   forget_solver(&host);
   if (wants_solve())
-    host.wake_in(kRestTimer, 0);
+    wait_for_rest(0, host);
 }
 
 } // namespace tactus::modal

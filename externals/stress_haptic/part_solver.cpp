@@ -163,7 +163,7 @@ void PartSolver::take_ready(std::span<const std::byte> payload) {
       return lose("the solver says that an operation takes " + number_text(cost) +
                   " s: expected 0..100000 s");
   costs_ = {ready.product_s, ready.solve_s, ready.factor_s};
-  state_ = State::kChecking; // within the limit of loading
+  state_ = State::kChecking;
   ask(std::vector<double>(table.parameters.size()), ServeMethod::pcg, kKeepFactor, limits_.start_s);
 }
 

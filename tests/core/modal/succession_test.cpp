@@ -182,6 +182,23 @@ TEST_CASE("a mode without a successor fades within 1024 samples, the others soun
   CHECK(rest < .12F * sound); // 1 - (1 + cos(pi 200/1024))/2 = 0.09
 }
 
+TEST_CASE("where a mode's sound changes sign at the exchange it glides from what it was") {
+  const Plate plate = simply_supported(.32, .2, 1);
+  Rig rig(kRate, plate.table);
+  rig.hit({.06, .03, 0}, 1);
+  auto heard = rig.run(9600).left;
+  const double steady = largest_step(heard, 4800, 9600);
+  succeed(rig, plate.table, {{0, 0, -1}}); // the same shape, said to be the opposite motion
+  const auto after = rig.run(4800).left;
+  CHECK(std::abs(after[0] - heard.back()) < 1.2 * steady);
+  CHECK(largest_step(after, 0, 4800) < 1.2 * steady);
+  Rig same(kRate, plate.table); // in the end it is heard with the new sign
+  same.hit({.06, .03, 0}, 1);
+  static_cast<void>(same.run(9600));
+  const auto whole = same.run(4800).left;
+  CHECK(std::abs(after[4700] + whole[4700]) < 1e-3F * std::abs(whole[4700]) + 1e-7F);
+}
+
 TEST_CASE("two modes that mix are rotated into each other with their energy and their sound") {
   Plate plate = simply_supported(.32, .2, 4);
   plate.table.frequency_hz = {400, 401, 900, 1500};
