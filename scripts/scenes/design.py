@@ -12,6 +12,7 @@ Beside it: random directions, and steepest descent of the largest stress with al
 and derivatives are solved anew at every move. No coordinate goes further than 8 mm.
 """
 import concurrent.futures
+import os
 import pathlib
 import sys
 
@@ -196,10 +197,13 @@ def descended(part):
 
 
 def make(scene):
+    # Of the children: Pd and solvers run side by side here, and idle threads of OpenBLAS wait by spinning.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     parts = {name: Part(table, layer) for name, (table, layer, *_) in PARTS.items()}
     update_rows, error_rows = [], []
     with concurrent.futures.ThreadPoolExecutor(1) as aside, concurrent.futures.ThreadPoolExecutor(2) as pool:
-        descent = aside.submit(descended, parts["arm"])  # a minute of one processor beside the rest
+        descent = aside.submit(descended, parts["arm"])  # one processor, half a minute
         renders = {name: {feel: pool.submit(render, name, words) for feel, words in FEELS.items()} for name in parts}
         for name, part in parts.items():
             scene.progress(f"design: the {name} along a path, felt in {len(FEELS)} ways")
