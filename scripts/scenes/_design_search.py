@@ -24,6 +24,7 @@ PULL_MM = 10  # of the handle; a scale of 0.2
 SETTLE_MS, RANGE_MS = 60, 120  # gamma follows a shape within 50 ms, a range within 100 ms
 GAINS = "100 500 0 0"
 DESCENT_NORM, SHORTEST = 30, 0.1e-3
+PATIENCE, CONVERGED = 5, 0.005  # moves that lower the norm by less than this share are the last
 
 
 class Shapes:
@@ -198,7 +199,8 @@ def at_random(shapes, seeds):
 def descend(shapes, solver):
     """Steepest descent of the peak, all coordinates at once, solved anew with its derivatives at every shape: the
     DESCENT_NORM-norm's gradient, tangent to the volume. A step that does not lower the norm, or that the mesh does
-    not reach, is halved, and is no move. (peaks, last coordinates); at the end the last peak is repeated."""
+    not reach, is halved, and is no move. It ends after ROUNDS moves, when the last PATIENCE of them gained less than
+    CONVERGED, or the step is SHORTEST. (peaks, last coordinates); at the end the last peak is repeated."""
     part, x, step = shapes.part, numpy.zeros(shapes.size), STEP
 
     def evaluate(x):
@@ -211,8 +213,10 @@ def descend(shapes, solver):
         return stress.max(), norm, part.spread.T @ slope @ (part.weights * share ** (DESCENT_NORM - 1))
 
     peak, norm, gradient = evaluate(x)
-    peaks = [peak]
+    peaks, norms = [peak], [norm]
     while len(peaks) <= ROUNDS and step > SHORTEST:
+        if len(norms) > PATIENCE and norms[-1] > (1 - CONVERGED) * norms[-1 - PATIENCE]:
+            break
         volume = shapes.volume_slope(x)
         # Coordinates at their limit that would go beyond it do not count for the length of the step.
         free = numpy.ones(shapes.size, bool)
@@ -231,6 +235,7 @@ def descend(shapes, solver):
             continue
         x, (peak, norm, gradient) = there, found
         peaks.append(peak)
+        norms.append(norm)
     return numpy.array([peaks + [peaks[-1]] * (ROUNDS + 1 - len(peaks))]), [x]
 
 
@@ -261,6 +266,20 @@ def main():
                 _, last, moves, differences = by_feel(shapes, setup, JUDGED, noticed)
                 tell(f"{name}, noticed {100 * noticed:.0f} %", last, f", {moves.mean():.1f} moves, differences "
                      f"{100 * numpy.median(differences):.1f} % (median)")
+        # How much the points tried bring, and a hand without a threshold whose forces are uncertain: normal, with the
+        # just noticeable difference as the standard deviation of each (d' = 1 between forces that far apart).
+        single = dataclasses.replace(CHOSEN, points=1)
+        _, last, moves, _ = by_feel(shapes, single, JUDGED, NOTICED)
+        tell("power 30, both sides, 1 %, one point, noticed 7 %", last, f", {moves.mean():.1f} moves")
+        for share in (0.07, 0.15, 0.23):
+            draw = numpy.random.default_rng(1)
+
+            def uncertain(part, setup, hands, draw=draw, share=share):
+                force = felt_forces(part, setup, hands)
+                return force * (1 + share * draw.normal(size=force.shape)).clip(0.1)
+
+            _, last, moves, _ = by_feel(shapes, CHOSEN, JUDGED, 0, uncertain)
+            tell(f"power 30, both sides, 1 %, clearest of 3, every force uncertain by {100 * share:.0f} %", last)
         tell("descent", descend(shapes, solver)[1])
 
 

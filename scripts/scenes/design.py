@@ -15,6 +15,7 @@ At the end the beam is struck each half second while it is reshaped: its frequen
 modal_fem solves its modes anew beside the sound (`patches/design/struck_beam.pd`).
 """
 import concurrent.futures
+import os
 import pathlib
 import sys
 
@@ -200,10 +201,13 @@ def descended(part):
 
 
 def make(scene):
+    # Of the children: Pd and solvers run side by side here, and idle threads of OpenBLAS wait by spinning.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     parts = {name: Part(table, layer) for name, (table, layer, *_) in PARTS.items()}
     update_rows, error_rows = [], []
     with concurrent.futures.ThreadPoolExecutor(1) as aside, concurrent.futures.ThreadPoolExecutor(2) as pool:
-        descent = aside.submit(descended, parts["arm"])  # a minute of one processor beside the rest
+        descent = aside.submit(descended, parts["arm"])  # one processor, half a minute
         renders = {name: {feel: pool.submit(render, name, words) for feel, words in FEELS.items()} for name in parts}
         for name, part in parts.items():
             scene.progress(f"design: the {name} along a path, felt in {len(FEELS)} ways")

@@ -83,6 +83,29 @@ def test_the_point_and_its_direction_come_from_the_forces(shapes, monkeypatch):
     assert moves == 0 and not x.any()
 
 
+def test_a_point_at_its_limit_leaves_the_move_to_the_next(shapes, monkeypatch):
+    """The third point is the clearest each time; when it cannot go on towards +y, the second goes towards +x."""
+    monkeypatch.setattr(search, "ROUNDS", 12)
+    first, second, third = shapes.part.handles[:3]
+
+    class Same:
+        def choice(self, *_, **__):
+            return [first, second, third]
+
+    monkeypatch.setattr(numpy.random, "default_rng", lambda seed: Same())
+
+    def forces(part, setup, hands):
+        newton = numpy.full((len(hands), setup.points * 4), 3.0)
+        newton[:, 4] -= 0.4
+        newton[:, 10] -= 0.5
+        return newton
+
+    _, x, moves, _ = search.by_feel(shapes, search.CHOSEN, [1], 0.07, forces)
+    where = dict(zip(shapes.part.coordinates, x[0]))
+    assert where[third, 1] > search.LIMIT - 1.5e-3
+    assert where[second, 0] > 2e-3
+
+
 def test_a_random_walk_keeps_volume_and_limits_and_its_seed(shapes):
     peaks, last = search.at_random(shapes, [3, 4, 3])
     assert peaks.shape == (3, search.ROUNDS + 1)
@@ -119,6 +142,14 @@ def test_descent_ends_near_the_optimum_of_a_linear_program(shapes):
     assert shapes.volume(last[0]) == pytest.approx(shapes.first_volume, rel=1e-9)
     assert program.fun <= peaks[0, -1] / scale < program.fun + 0.03
     print(f"linear program {program.fun * scale / 1e6:.2f} MPa, descent {peaks[0, -1] / 1e6:.2f} MPa")
+
+
+def test_descent_halves_steps_that_gain_nothing(shapes, monkeypatch):
+    """Steps of 40 mm go from limit to limit."""
+    fine, _ = search.descend(shapes, Series(shapes.part, 1))
+    monkeypatch.setattr(search, "STEP", 40e-3)
+    coarse, _ = search.descend(shapes, Series(shapes.part, 1))
+    assert coarse[0, -1] == pytest.approx(fine[0, -1], rel=0.01)
 
 
 def test_descent_stays_where_the_mesh_is_valid(shapes):
