@@ -185,6 +185,13 @@ class Program:
         words = lines[-1].split(",") if lines else []
         return size([float(word) for word in words[8:11]]) if len(words) == 13 else 0.0
 
+    def wait_for_force(self, at_least, seconds=60):
+        """Until the trace holds a force of at least so many N."""
+        end = time.monotonic() + seconds
+        while self.force() < at_least:
+            assert time.monotonic() < end, f"no force of {at_least} N came"
+            time.sleep(0.02)
+
     def end(self):
         """Ends it and returns the ticks: (s, force in N as a triple)."""
         self.signal(signal.SIGTERM)

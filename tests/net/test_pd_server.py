@@ -97,7 +97,7 @@ def test_vanilla_netsend_in_text(pd, program):
                  "#X connect 3 1 6 0;")
     running.wait_for(r"^heard: hap welcome 1 simulated - 3 3 1000$")
     running.wait_for(r"^heard: hap status started force vanilla$")
-    time.sleep(1.5)
+    program.wait_for_force(2.28)  # of 2.29 N: Pd may take its time to start
     now = time.monotonic()
     time.sleep(0.2)
     os.kill(running.process.pid, signal.SIGSTOP)
@@ -123,7 +123,7 @@ def test_vanilla_oscformat_through_slip(pd, program):
                  "#X connect 5 0 6 0;", "#X connect 6 0 12 0;", "#X connect 7 0 8 0;", "#X connect 8 0 12 0;",
                  "#X connect 9 0 10 0;", "#X connect 10 0 11 0;", "#X connect 11 0 12 0;",
                  "#X connect 12 0 13 0;", "#X connect 13 0 14 0;", "#X connect 14 0 3 0;")
-    time.sleep(3)
+    program.wait_for_force(2.28)
     now = time.monotonic()
     time.sleep(0.2)
     running.close()

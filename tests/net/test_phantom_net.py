@@ -74,8 +74,8 @@ def test_positions_come_and_forces_go(world):
 def test_the_fault_of_a_lost_connection_and_the_way_back(world):
     world.open()
     world.push()
-    cut = time.monotonic()
     world.relay.cut()
+    cut = time.monotonic()
     for _ in range(40):  # the patch goes on
         world.pd.tell_phantom("list 1 0 0")
         time.sleep(0.05)
@@ -103,8 +103,8 @@ def test_a_pd_that_hangs_or_dies_leaves_no_force(world, end):
 def test_a_line_that_stalls_both_ways(world):
     world.open()
     world.push()
-    stalled = time.monotonic()
     world.relay.stalled = True
+    stalled = time.monotonic()
     for _ in range(20):
         world.pd.tell_phantom("list 1 0 0")
         time.sleep(0.05)
@@ -118,8 +118,8 @@ def test_a_line_that_stalls_both_ways(world):
 def test_the_server_stops_the_motors_and_pd_says_so(world):
     world.open()
     world.push()
-    stopped = time.monotonic()
     world.server.signal(signal.SIGUSR1)
+    stopped = time.monotonic()
     world.pd.wait_for("estop")
     for _ in range(10):
         world.pd.tell_phantom("list 1 0 0")
