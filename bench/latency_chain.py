@@ -210,7 +210,7 @@ def picture(results, path):
     for at, text in ((PAPER_FORCE_MS, "paper's haptic loop\n1 kHz"), (PAPER_SOUND_MS, "paper's audio loop\n16 Hz")):
         axes.axvline(at, color="#888888", lw=1, ls="--")
         axes.text(at, -0.75, text, ha="center", va="bottom", fontsize=8, color="#555555")
-    axes.set(xscale="log", xlim=(0.008, 400), ylim=(len(shown) - 0.4, -0.6), xlabel="ms (0 is drawn at 0.01)",
+    axes.set(xscale="log", xlim=(0.008, 1000), ylim=(len(shown) - 0.4, -0.6), xlabel="ms (0 is drawn at 0.01)",
              yticks=range(len(shown)), yticklabels=[f"{chain}\n{line}" for (chain, line), _ in shown])
     axes.tick_params(axis="y", labelsize=7)
     axes.set_xticks([0.01, 0.1, 1, 10, 100], ["0", "0.1", "1", "10", "100"])

@@ -26,7 +26,7 @@ namespace tactus::net {
 /// most: who is later is late.
 class PlayoutDelay {
 public:
-  static constexpr double kMax_s = 0.4, kMargin_s = 2e-3, kShare = 0.97;
+  static constexpr double kMax_s = 0.4, kMargin_s = 2e-3, kShare = 0.9;
   static constexpr double kSlot_s = 0.05, kWindow_s = 5, kFall_rate = 0.25;
 
   /// s, 0 to kMax_s; nothing: automatic.

@@ -249,7 +249,7 @@ TEST_CASE("the delay over exponential jitter is the percentile of the slots' lon
   // small. The m-th of n samples of such a tail lies at ln(N + mean/1 ms) + 1/n + ... + 1/(n - m +
   // 1) means (Renyi 1953).
   constexpr double kMean_s = 0.01;
-  constexpr int kSamples = 100, kLeftOut = 3; // 97 %
+  constexpr int kSamples = 100, kLeftOut = 10; // 90 %
   double expected_s = 0.03 + PlayoutDelay::kMargin_s + kMean_s * std::log(50 + kMean_s / 1e-3);
   for (int i = kLeftOut + 1; i <= kSamples; ++i)
     expected_s += kMean_s / i;
@@ -267,11 +267,11 @@ TEST_CASE("the delay over exponential jitter is the percentile of the slots' lon
   double mean_s = 0;
   for (const double median_s : medians)
     mean_s += median_s / static_cast<double>(medians.size());
-  // The sample's standard deviation is the root of 1/4^2 + 1/5^2 + ..., 0.53 means, over 40 runs
-  // 0.8 ms; three of it.
+  // The sample's standard deviation is the root of 1/11^2 + 1/12^2 + ..., 0.29 means, over 40 runs
+  // 0.5 ms; three of it, and 1 ms for slots that share a message.
   CHECK(std::abs(mean_s - expected_s) < 2.5e-3);
   // A late message raises the delay for those behind it: one or two of a slot's 50 are late.
-  CHECK(late < count * 0.03 * 2 / 50);
+  CHECK(late < count * 0.1 * 2 / 50);
 }
 
 TEST_CASE("a line whose delay jumps is followed at once upwards, and held") {
