@@ -13,7 +13,8 @@ enum class Method : std::uint8_t {
 };
 [[nodiscard]] const char* name(Method) noexcept;
 
-/// Seconds of one operation, measured on this machine when the part was loaded.
+/// Seconds of one operation, measured on this machine when the part was loaded. `factor` is the
+/// first factorisation with its solution.
 struct CostModel {
   double product = 0, solve = 0, assembly = 0, factor = 0;
 };
