@@ -272,6 +272,8 @@ StressUpdate Reanalysis::solve() {
   return solve(iterative < cost.factor + cost.solve ? Method::pcg : Method::refactor);
 }
 
+void Reanalysis::set_tolerance(double tolerance) noexcept { own_->settings.tolerance = tolerance; }
+
 Refactorisation Reanalysis::refactorisation() {
   own_->moving.update(own_->mesh, own_->model, own_->analysis.system);
   Refactorisation job;

@@ -90,6 +90,9 @@ public:
   /// By the cheaper of PCG and a new factor, as the cost model expects.
   StressUpdate solve();
 
+  /// Of further solutions by PCG: coarser while a control point is dragged, finer at rest.
+  void set_tolerance(double) noexcept;
+
   /// The job of factorising the present shape.
   [[nodiscard]] Refactorisation refactorisation();
   /// Takes a factor that has run; it preconditions from now on.
