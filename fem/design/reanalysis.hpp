@@ -13,7 +13,8 @@ enum class Method : std::uint8_t {
 };
 [[nodiscard]] const char* name(Method) noexcept;
 
-/// Seconds of one operation, measured on this machine when the part was loaded.
+/// Seconds of one operation, measured on this machine when the part was loaded. `factor` is the
+/// first factorisation with its solution.
 struct CostModel {
   double product = 0, solve = 0, assembly = 0, factor = 0;
 };
@@ -88,6 +89,9 @@ public:
   StressUpdate solve(Method);
   /// By the cheaper of PCG and a new factor, as the cost model expects.
   StressUpdate solve();
+
+  /// Of further solutions by PCG: coarser while a control point is dragged, finer at rest.
+  void set_tolerance(double) noexcept;
 
   /// The job of factorising the present shape.
   [[nodiscard]] Refactorisation refactorisation();

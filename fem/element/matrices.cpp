@@ -7,49 +7,36 @@
 namespace tactus::fem {
 namespace {
 
-using Slopes = std::array<Vector3, kMostNodes>;
+/// sum over the quadrature points of w dV (grad N_a)_i (grad N_b)_j: all that an element's
+/// stiffness takes of its shape. Of one node a, with the nodes b side by side: [3 i + j][b].
+using OuterProducts = std::array<std::array<double, kMostNodes>, 9>;
 
-void add_isotropic(const Slopes& g, std::size_t n, double lambda, double mu, StiffnessBlocks& out) {
-  for (std::size_t a = 0; a < n; ++a) {
-    const Vector3 la = lambda * g[a], ma = mu * g[a];
-    for (std::size_t b = 0; b <= a; ++b) {
-      double* k = &out[9 * (a * n + b)];
-      const Vector3& gb = g[b];
-      const double d = dot(ma, gb);
-      k[0] += la.x * gb.x + ma.x * gb.x + d;
-      k[1] += la.x * gb.y + ma.y * gb.x;
-      k[2] += la.x * gb.z + ma.z * gb.x;
-      k[3] += la.y * gb.x + ma.x * gb.y;
-      k[4] += la.y * gb.y + ma.y * gb.y + d;
-      k[5] += la.y * gb.z + ma.z * gb.y;
-      k[6] += la.z * gb.x + ma.x * gb.z;
-      k[7] += la.z * gb.y + ma.y * gb.z;
-      k[8] += la.z * gb.z + ma.z * gb.z + d;
-    }
-  }
+constexpr std::size_t kMaxStiffnessPoints = 27; ///< hex20's
+
+/// Slopes of all nodes at a point, by direction.
+using Slopes = std::array<std::array<double, kMostNodes>, 3>;
+
+/// K_ab = lambda D + mu (D' + tr D), D = sum w grad N_a (grad N_b)'.
+void isotropic_block(const std::array<double, 9>& d, double lambda, double mu, double* k) {
+  const double trace = mu * (d[0] + d[4] + d[8]);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      k[3 * i + j] = lambda * d[3 * i + j] + mu * d[3 * j + i] + (i == j ? trace : 0);
 }
 
 /// Rows of B' for the displacement component i: where the slopes x, y, z stand in Voigt's order.
-constexpr std::array<std::array<std::array<int, 2>, 3>, 3> kStrain{
-    {{{{0, 0}, {5, 1}, {4, 2}}}, {{{1, 1}, {5, 0}, {3, 2}}}, {{{2, 2}, {4, 0}, {3, 1}}}}};
+constexpr std::array<std::array<std::size_t, 3>, 3> kStrain{{{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}};
 
-void add_general(const Slopes& g, std::size_t n, double weight, const ElasticMatrix& c,
-                 StiffnessBlocks& out) {
-  for (std::size_t b = 0; b < n; ++b) {
-    std::array<std::array<double, 6>, 3> stress{}; // C B_b, a column for each component
-    for (std::size_t j = 0; j < 3; ++j)
-      for (const auto& [row, slope] : kStrain[j])
-        for (std::size_t v = 0; v < 6; ++v)
-          stress[j][v] += weight * c[v][static_cast<std::size_t>(row)] * g[b][slope];
-    for (std::size_t a = b; a < n; ++a)
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-          double sum = 0;
-          for (const auto& [row, slope] : kStrain[i])
-            sum += g[a][slope] * stress[j][static_cast<std::size_t>(row)];
-          out[9 * (a * n + b) + 3 * i + j] += sum;
-        }
-  }
+/// (K_ab)_ij = sum over k, l of C_(ik)(jl) D_kl.
+void general_block(const std::array<double, 9>& d, const ElasticMatrix& c, double* out) {
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      double sum = 0;
+      for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t l = 0; l < 3; ++l)
+          sum += c[kStrain[i][k]][kStrain[j][l]] * d[3 * k + l];
+      out[3 * i + j] = sum;
+    }
 }
 
 } // namespace
@@ -66,16 +53,40 @@ ElasticLaw::ElasticLaw(const Material& m)
 void element_stiffness(const Mesh& mesh, const Element& e, const ElasticLaw& law,
                        StiffnessBlocks& out) {
   const auto n = static_cast<std::size_t>(node_count(e.shape));
-  std::fill_n(out.begin(), 9 * n * n, 0.0);
   const Tabulated& table = at_stiffness_points(e.shape);
+  std::array<Slopes, kMaxStiffnessPoints> slopes, weighted;
   PointGradients at;
-  for (std::size_t q = 0; q < table.weights.size(); ++q) {
+  const std::size_t points = table.weights.size();
+  for (std::size_t q = 0; q < points; ++q) {
     gradients(mesh, e, table.values[q], at);
     const double weight = table.weights[q] * at.determinant;
-    if (law.isotropic)
-      add_isotropic(at.slope, n, weight * law.lame_lambda, weight * law.lame_mu, out);
-    else
-      add_general(at.slope, n, weight, law.matrix, out);
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t i = 0; i < 3; ++i) {
+        slopes[q][i][a] = at.slope[a][static_cast<int>(i)];
+        weighted[q][i][a] = weight * slopes[q][i][a];
+      }
+  }
+  OuterProducts d;
+  std::array<double, 9> own;
+  for (std::size_t a = 0; a < n; ++a) {
+    for (auto& row : d)
+      std::fill_n(row.begin(), a + 1, 0.0);
+    for (std::size_t q = 0; q < points; ++q)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double slope = weighted[q][i][a];
+        for (std::size_t j = 0; j < 3; ++j)
+          for (std::size_t b = 0; b <= a; ++b)
+            d[3 * i + j][b] += slope * slopes[q][j][b];
+      }
+    for (std::size_t b = 0; b <= a; ++b) {
+      for (std::size_t k = 0; k < 9; ++k)
+        own[k] = d[k][b];
+      double* to = &out[9 * (a * n + b)];
+      if (law.isotropic)
+        isotropic_block(own, law.lame_lambda, law.lame_mu, to);
+      else
+        general_block(own, law.matrix, to);
+    }
   }
 }
 

@@ -15,8 +15,14 @@ constexpr double kUsualElements =
 constexpr double kTetrahedronShare = .118; ///< volume of a regular tetrahedron of edge 1
 constexpr int kElementsPerTurn = 6;        ///< around curved faces; their sides are curved too
 
+/// Of K here while it is exported, and of K, its levels and the vectors in PETSc's processes
+/// (measured, docs/part_stress.md); and of the libraries of one process.
+constexpr double kPetscPairBytes = 900, kPetscProcessBytes = 7e7;
+
 /// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
 double bytes_of(const MeshSize& size, const PartOrder& order) {
+  if (order.petsc)
+    return size.node_pairs * kPetscPairBytes + order.ranks * kPetscProcessBytes + 5e7;
   const double controls = order.design.points[0] * order.design.points[1] * order.design.points[2];
   const double parameters = order.output.empty() && order.moves.empty() ? 0 : 3 * controls;
   return foretell_factor(size).memory_bytes + size.node_pairs * (9 + 1 + 1) * 8 +
@@ -32,12 +38,13 @@ void hold(const PartOrder& order, const Budget& budget, const MeshSize& size,
   double h = 1e-4 * largest;
   while (h < largest && bytes_of(resized(h), order) > budget.bytes())
     h *= 1.1;
-  throw TooLarge(order.name() +
-                 format(": %.0f elements with %.0f unknowns", size.elements, size.dofs()) +
-                 " would take " + words_of_bytes(bytes) + ", expected at most " +
-                 words_of_bytes(budget.bytes()) +
-                 (order.memory_bytes > 0 ? " (--memory)" : ", half of what is free (--memory)") +
-                 (h < largest ? format(": take --h %.2g", h / order.unit) : ""));
+  throw TooLarge(
+      order.name() + format(": %.0f elements with %.0f unknowns", size.elements, size.dofs()) +
+      " would take " + words_of_bytes(bytes) + ", expected at most " +
+      words_of_bytes(budget.bytes()) +
+      (order.memory_bytes > 0 ? " (--memory)" : ", half of what is free (--memory)") +
+      (h < largest ? format(": take --h %.2g", h / order.unit) : "") +
+      (order.petsc || !order.output.empty() ? "" : ", or --engine petsc over several processes"));
 }
 
 Mesh mesh_of_shape(const PartOrder& order, const Budget& budget, ProgressLine& progress) {

@@ -108,6 +108,14 @@ def test_what_makes_no_sense_is_refused_before_work(tmp_path):
         assert expected in refusal(*LOADED, *words, folder=tmp_path)
 
 
+def test_a_large_part_is_refused_before_meshing_with_what_would_fit(tmp_path):
+    large = [*BAR, "--h", 1.5, "--fix", "x=-100", "--force", "x=100:0,0,-100", "--memory", "300M"]
+    said = refusal(*large, folder=tmp_path)
+    unknowns, need = re.search(r"with (\d+) unknowns would take ([\d.]+) GB, expected at most 300 MB", said).groups()
+    assert int(unknowns) > 2e5 and float(need) > 1 and "take --h" in said and "--engine petsc" in said
+    assert "--engine petsc" not in refusal(*large, "-o", "t.stress.npz", folder=tmp_path)
+
+
 @needs_petsc
 def test_more_processes_than_there_is_work_for_are_refused(tmp_path):
     said = refusal(*LOADED, *PETSC, "--ranks", 4000, folder=tmp_path)
