@@ -362,7 +362,7 @@ TEST_CASE("an answer that cannot be is one sentence and changes nothing") {
   std::memcpy(many.data() + 16, &huge, sizeof huge);
   const double nan = std::nan("");
   ResolvedModes read;
-  for (const auto& [bytes, words] : std::vector<std::pair<std::string, std::string>>{
+  for (const auto& one : std::vector<std::pair<std::string, std::string>>{
            {"", "0 bytes"},
            {answer({}, members).substr(0, 200), ""},
            {answer({{2, 0, 1}}, members), "share of mode 2"},
@@ -378,6 +378,8 @@ TEST_CASE("an answer that cannot be is one sentence and changes nothing") {
            {answer({}, outside), "displacement"},
            {answer({}, without("phi")), "vertices"},
            {many, "shares"}}) {
+    const auto& bytes = one.first;
+    const auto& words = one.second; // a binding cannot be captured
     CAPTURE(words);
     const std::string refusal = refusal_of(bytes, before, read);
     CAPTURE(refusal);
