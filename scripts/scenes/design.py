@@ -212,7 +212,8 @@ def make(scene):
             with part.solver() as solver:
                 rows, shapes = compare(name, part, next(iter(logs.values())), solver)
             scene.picture(f"design_{name}_shapes", draw_shapes(name, part, rows, shapes),
-                          f"{name}: von Mises stress along the way, solved anew; white: the control point that is dragged; black: the outline of the first shape")
+                          f"{name}: von Mises stress along the way, solved anew; white: the control point that is dragged; "
+                          "black: the outline of the first shape")
             scene.picture(f"design_{name}", draw_run(part, logs, rows),
                           f"{name}: the control point that is dragged, gamma, force, and the error of the felt stress "
                           "against a new solution every tenth of a second")
