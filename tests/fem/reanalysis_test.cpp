@@ -173,6 +173,15 @@ TEST_CASE("conjugate gradients solve from any start and stop where they are told
   CHECK(report.condition == doctest::Approx(1).epsilon(1e-4));
   CHECK(combined_approximations(truth.system.matrices, *truth.factor, b, x, 3) < 1e-9);
   CHECK(relative_difference(x, truth.solution.displacement) < 1e-9);
+  // A force on held directions is the support's affair.
+  std::vector<double> pushed = b;
+  for (std::size_t i = 0; i < b.size(); ++i)
+    if (truth.system.matrices.held[i])
+      pushed[i] = 10;
+  std::fill(x.begin(), x.end(), 0.0);
+  report = conjugate_gradients(truth.system.matrices, *old.factor, pushed, x, 1e-11, 60);
+  CHECK(report.converged);
+  CHECK(relative_difference(x, truth.solution.displacement) < 1e-9);
   // With n vectors, combined approximations are n steps of conjugate gradients from zero (Kirsch,
   // Kocvara & Zowe 2002).
   std::vector<double> y(b.size());
