@@ -207,9 +207,15 @@ Outcome solve_here(const Problem& problem, ProgressLine& progress) {
 
 /// By several processes; each shape is solved from the displacement of the one before.
 Outcome solve_on_processes(const Problem& problem, ProgressLine& progress) {
-  const auto& [order, words, mesh, model, space, wanted] = problem;
-  Outcome out{
-      .states = {}, .mesh = mesh, .solution = {}, .parameters = wanted, .taylor = {}, .memory = {}};
+  const PartOrder& order = problem.order;
+  const Mesh& mesh = problem.mesh;
+  const StaticModel& model = problem.model;
+  Outcome out{.states = {},
+              .mesh = mesh,
+              .solution = {},
+              .parameters = problem.wanted,
+              .taylor = {},
+              .memory = {}};
   const auto solve = [&](const char* when) {
     const StaticSystem system(out.mesh, model);
     out.solution =
@@ -226,11 +232,11 @@ Outcome solve_on_processes(const Problem& problem, ProgressLine& progress) {
   solve("before");
   if (!order.moves.empty()) {
     const ValidStep step =
-        valid_step(mesh, moved_nodes(mesh.nodes, space.velocities, out.parameters));
+        valid_step(mesh, moved_nodes(mesh.nodes, problem.space.velocities, out.parameters));
     print_cut(step);
     for (double& p : out.parameters)
       p *= step.fraction;
-    out.mesh.nodes = moved_nodes(mesh.nodes, space.velocities, out.parameters);
+    out.mesh.nodes = moved_nodes(mesh.nodes, problem.space.velocities, out.parameters);
     solve("after");
   }
   return out;

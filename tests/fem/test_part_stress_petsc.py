@@ -45,11 +45,11 @@ def test_petsc_gives_the_displacement_and_stress_of_the_factor(body, ranks, tmp_
     own_says = run(*body, "--vtu", "own.vtu", folder=tmp_path).stdout
     done = run(*body, *PETSC, "--ranks", ranks, "--vtu", "petsc.vtu", folder=tmp_path)
     own, other = (read_vtu(tmp_path / f"{name}.vtu") for name in ("own", "petsc"))
-    # A residual of 1e-8 leaves 1e-9 in these displacements; the file has nine digits.
+    # The file has seven digits: the last one of the largest value may round the other way.
     assert np.array_equal(own["points"], other["points"])
     for name in own:
         if "displacement" in str(name) or "Pa" in str(name):
-            assert np.abs(own[name] - other[name]).max() < 2e-7 * np.abs(own[name]).max(), name
+            assert np.abs(own[name] - other[name]).max() < 1.1e-6 * np.abs(own[name]).max(), name
     moves = 2 if "--move" in body else 1
     reports = re.findall(r"PETSc: (\d+) iterations to (\S+); (\d+) process(?:es)?: (.*)", done.stderr)
     assert len(reports) == moves and ("after" in done.stdout) == (moves == 2)
