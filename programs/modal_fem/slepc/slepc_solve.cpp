@@ -11,6 +11,8 @@
 // eigenvalues below sigma (Sylvester). Missing ones are sought beside those found.
 //
 // On stdout "stage SHARE NAME" while it works; at the end "peak BYTES" of the largest process.
+#include "programs/body/petsc_program.hpp"
+
 #include <algorithm>
 #include <cstdio>
 #include <slepceps.h>
@@ -20,24 +22,8 @@
 
 namespace {
 
-void tell(double share, const char* stage) {
-  PetscPrintf(PETSC_COMM_WORLD, "stage %.3f %s\n", share, stage);
-  std::fflush(stdout);
-}
-
-/// Keeps what PETSc first complained of.
-std::string g_complaint;
-PetscErrorCode keep_complaint(MPI_Comm, int, const char*, const char*, PetscErrorCode status,
-                              PetscErrorType type, const char* text, void*) {
-  if (type == PETSC_ERROR_INITIAL && text)
-    g_complaint = text;
-  return status;
-}
-
-PetscErrorCode fail(const std::string& sentence) {
-  PetscFPrintf(PETSC_COMM_WORLD, stderr, "slepc_solve: %s\n", sentence.c_str());
-  return PETSC_ERR_USER;
-}
+using tactus::petsc::fail;
+using tactus::petsc::tell;
 
 struct Counted {
   double found_before = 0, wanted = 1;
@@ -268,21 +254,14 @@ PetscErrorCode run(char** words) {
 } // namespace
 
 int main(int argc, char** argv) {
+  tactus::petsc::g_program = "slepc_solve";
   if (argc < 8) {
     std::fputs("slepc_solve: run by modal_fem --engine slepc\n", stderr);
     return 2;
   }
   if (SlepcInitialize(&argc, &argv, nullptr, nullptr) != 0)
     return 1;
-  PetscPushErrorHandler(keep_complaint, nullptr);
-  const PetscErrorCode status = run(argv);
-  if (status != 0 && status != PETSC_ERR_USER) {
-    std::replace(g_complaint.begin(), g_complaint.end(), '\n', ' ');
-    fail("SLEPc failed: " + (g_complaint.empty() ? "no reason given" : g_complaint));
-  }
-  if (status != 0) {
-    MPI_Abort(PETSC_COMM_WORLD, 1);
+  if (!tactus::petsc::runs(run, argv, "SLEPc"))
     return 1;
-  }
   return SlepcFinalize() != 0;
 }

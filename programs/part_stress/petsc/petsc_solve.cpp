@@ -10,6 +10,8 @@
 //
 // On stdout "stage SHARE NAME" while it works; at the end "iterations N" and for each process
 // "process RANK BYTES CPU_SECONDS".
+#include "programs/body/petsc_program.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,24 +22,8 @@
 
 namespace {
 
-void tell(double share, const char* stage) {
-  PetscPrintf(PETSC_COMM_WORLD, "stage %.3f %s\n", share, stage);
-  std::fflush(stdout);
-}
-
-/// Keeps what PETSc first complained of.
-std::string g_complaint;
-PetscErrorCode keep_complaint(MPI_Comm, int, const char*, const char*, PetscErrorCode status,
-                              PetscErrorType type, const char* text, void*) {
-  if (type == PETSC_ERROR_INITIAL && text)
-    g_complaint = text;
-  return status;
-}
-
-PetscErrorCode fail(const std::string& sentence) {
-  PetscFPrintf(PETSC_COMM_WORLD, stderr, "petsc_solve: %s\n", sentence.c_str());
-  return PETSC_ERR_USER;
-}
+using tactus::petsc::fail;
+using tactus::petsc::tell;
 
 struct Goal {
   double tolerance = 0, size = 0, first = 0;
@@ -146,21 +132,14 @@ PetscErrorCode run(char** words) {
 } // namespace
 
 int main(int argc, char** argv) {
+  tactus::petsc::g_program = "petsc_solve";
   if (argc < 5) {
     std::fputs("petsc_solve: run by part_stress --engine petsc\n", stderr);
     return 2;
   }
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0)
     return 1;
-  PetscPushErrorHandler(keep_complaint, nullptr);
-  const PetscErrorCode status = run(argv);
-  if (status != 0 && status != PETSC_ERR_USER) {
-    std::replace(g_complaint.begin(), g_complaint.end(), '\n', ' ');
-    fail("PETSc failed: " + (g_complaint.empty() ? "no reason given" : g_complaint));
-  }
-  if (status != 0) {
-    MPI_Abort(PETSC_COMM_WORLD, 1);
+  if (!tactus::petsc::runs(run, argv, "PETSc"))
     return 1;
-  }
   return PetscFinalize() != 0;
 }

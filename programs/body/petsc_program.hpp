@@ -1,0 +1,49 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdio>
+#include <petscsys.h>
+#include <string>
+
+/// What programs that mpi_run starts share: stages on stdout, and one sentence on stderr when they
+/// fail. All functions are collective over PETSC_COMM_WORLD.
+namespace tactus::petsc {
+
+inline const char* g_program = ""; ///< named in sentences
+inline std::string g_complaint;    ///< what PETSc first complained of
+
+/// "stage SHARE NAME", share 0..1 of the stage that is done.
+inline void tell(double share, const char* stage) {
+  PetscPrintf(PETSC_COMM_WORLD, "stage %.3f %s\n", share, stage);
+  std::fflush(stdout);
+}
+
+inline PetscErrorCode keep_complaint(MPI_Comm, int, const char*, const char*, PetscErrorCode status,
+                                     PetscErrorType type, const char* text, void*) {
+  if (type == PETSC_ERROR_INITIAL && text)
+    g_complaint = text;
+  return status;
+}
+
+/// Tells why, and returns the status that says it was told.
+inline PetscErrorCode fail(const std::string& sentence) {
+  PetscFPrintf(PETSC_COMM_WORLD, stderr, "%s: %s\n", g_program, sentence.c_str());
+  return PETSC_ERR_USER;
+}
+
+/// Between initialisation and finalisation: runs, and ends all processes when that fails. Whether
+/// it went well.
+inline bool runs(PetscErrorCode (*run)(char** words), char** words, const std::string& library) {
+  PetscPushErrorHandler(keep_complaint, nullptr);
+  const PetscErrorCode status = run(words);
+  if (status == 0)
+    return true;
+  if (status != PETSC_ERR_USER) {
+    std::replace(g_complaint.begin(), g_complaint.end(), '\n', ' ');
+    fail(library + " failed: " + (g_complaint.empty() ? "no reason given" : g_complaint));
+  }
+  MPI_Abort(PETSC_COMM_WORLD, 1);
+  return false;
+}
+
+} // namespace tactus::petsc
