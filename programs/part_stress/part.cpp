@@ -2,6 +2,7 @@
 
 #include "fem/io/words.hpp"
 #include "fem/modes/cost.hpp"
+#include "programs/part_stress/petsc_engine.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +22,11 @@ constexpr double kPetscPairBytes = 900, kPetscProcessBytes = 7e7;
 
 /// Bytes of the factor, the matrix and its graph, the mesh, and the sensitivities.
 double bytes_of(const MeshSize& size, const PartOrder& order) {
-  if (order.petsc)
-    return size.node_pairs * kPetscPairBytes + order.ranks * kPetscProcessBytes + 5e7;
+  if (order.petsc) { // more processes than have work are refused when the mesh is known
+    const double most = size.nodes / static_cast<double>(kMinNodesPerProcess);
+    return size.node_pairs * kPetscPairBytes +
+           std::min<double>(order.ranks, most) * kPetscProcessBytes + 5e7;
+  }
   const double controls = order.design.points[0] * order.design.points[1] * order.design.points[2];
   const double parameters = order.output.empty() && order.moves.empty() ? 0 : 3 * controls;
   return foretell_factor(size).memory_bytes + size.node_pairs * (9 + 1 + 1) * 8 +
