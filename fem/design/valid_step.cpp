@@ -39,6 +39,14 @@ const Tabulated& at_corners(Shape shape) {
   return all[static_cast<std::size_t>(shape)];
 }
 
+double volume_of(const Mesh& mesh, const Element& e) {
+  const Tabulated& table = at_stiffness_points(e.shape);
+  double sum = 0;
+  for (std::size_t q = 0; q < table.weights.size(); ++q)
+    sum += table.weights[q] * jacobian(mesh, e, table.values[q]).determinant;
+  return sum;
+}
+
 } // namespace
 
 double scaled_jacobian(const Mesh& mesh, const Element& e) {
@@ -62,12 +70,21 @@ ValidStep valid_step(const Mesh& mesh, std::span<const Vector3> target, double l
       moving.push_back(k);
   }
   Mesh trial = mesh;
-  const auto quality_at = [&](std::size_t k, double fraction) {
+  struct Quality {
+    double jacobian, volume; // scaled; of the element's own
+    [[nodiscard]] bool holds(double least_jacobian, double least_volume) const {
+      return jacobian >= least_jacobian && volume >= least_volume;
+    }
+  };
+  const auto quality_at = [&](std::size_t k, double fraction) -> Quality {
+    const Element& e = trial.elements[k];
     for (const int n : mesh.nodes_of(mesh.elements[k])) {
       const auto node = static_cast<std::size_t>(n);
       trial.nodes[node] = mesh.nodes[node] + fraction * (target[node] - mesh.nodes[node]);
     }
-    return scaled_jacobian(trial, trial.elements[k]);
+    // An element that was inside out to begin with may shrink.
+    const double own = volume_of(mesh, e);
+    return {scaled_jacobian(trial, e), own > 0 ? volume_of(trial, e) / own : 1};
   };
   ValidStep step;
   // A shorter step may spoil an element that the longer one left valid, so all are asked again
@@ -76,14 +93,14 @@ ValidStep valid_step(const Mesh& mesh, std::span<const Vector3> target, double l
     agreed = true;
     step.scaled_jacobian = 1;
     for (const std::size_t k : moving) {
-      double quality = quality_at(k, step.fraction);
-      if (!(quality >= least) && step.fraction > 0) {
+      Quality quality = quality_at(k, step.fraction);
+      if (!quality.holds(least, least) && step.fraction > 0) {
         const double limit = std::min(least, (1 - 1e-9) * scaled_jacobian(mesh, mesh.elements[k]));
         double good = 0, bad = step.fraction;
-        if (!(quality >= limit)) {
+        if (!quality.holds(limit, least)) {
           while (bad - good > 1e-3) {
             const double middle = .5 * (good + bad);
-            (quality_at(k, middle) >= limit ? good : bad) = middle;
+            (quality_at(k, middle).holds(limit, least) ? good : bad) = middle;
           }
           agreed = false;
           step.fraction = good;
@@ -91,7 +108,7 @@ ValidStep valid_step(const Mesh& mesh, std::span<const Vector3> target, double l
           quality = quality_at(k, good);
         }
       }
-      step.scaled_jacobian = std::min(step.scaled_jacobian, quality);
+      step.scaled_jacobian = std::min(step.scaled_jacobian, quality.jacobian);
     }
   }
   return step;

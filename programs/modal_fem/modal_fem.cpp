@@ -71,7 +71,8 @@ int run(const std::vector<std::string>& words) {
   progress.stage("damping and the table", 0);
   // SOURCE_DATE_EPOCH set: no date, so that equal bodies are equal files
   ModalTable table = table_of(order, body, std::getenv("SOURCE_DATE_EPOCH") ? "" : now());
-  table.notes.command = words;
+  if (!table.shape.parameters.empty())
+    table.notes.command = words; // for `serve`
   print(table);
   std::fflush(stdout);
   const auto begin = [&](const std::string& path) { progress.stage("writing " + path, 0); };

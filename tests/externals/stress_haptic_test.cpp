@@ -309,7 +309,7 @@ TEST_CASE("feedback messages come while gamma changes, and at least every 250 ms
   Rig rig;
   rig.say("load", {"cantilever.stress.npz"});
   rig.run(1000);
-  const auto& feedback = rig.host.sent.at(2);
+  const auto& feedback = rig.host.sent.at(3);
   const std::size_t count = feedback.size();
   CHECK(count >= 12);
   CHECK(count <= 18);
@@ -326,9 +326,9 @@ TEST_CASE(
   Rig rig;
   rig.say("load", {"cantilever.stress.npz"});
   rig.say("cp", {1.0, 0.0, 13.0, 0.0});
-  rig.host.sent[2].clear();
+  rig.host.sent[3].clear();
   rig.say("points");
-  const auto& sent = rig.host.sent.at(2);
+  const auto& sent = rig.host.sent.at(3);
   REQUIRE(sent.size() == 5);
   CHECK(sent[0] == std::vector<double>{-1, -1, -1, 101, 31, 1});
   CHECK(sent[1] == std::vector<double>{2});
