@@ -25,9 +25,12 @@ function(precompile_headers)
     get_target_property(type ${target} TYPE)
     get_target_property(folder ${target} SOURCE_DIR)
     get_target_property(sources ${target} SOURCES)
-    # Libraries and programs have addresses of different kinds, tests less optimisation.
+    # Libraries and programs have addresses of different kinds, tests less optimisation, core's tests
+    # another (tests/CMakeLists.txt).
     if(sources MATCHES "\\.c(;|$)")
       continue()
+    elseif(folder STREQUAL "${CMAKE_SOURCE_DIR}/tests" AND type STREQUAL "EXECUTABLE")
+      set(kind CORE_TESTS)
     elseif(folder MATCHES "^${CMAKE_SOURCE_DIR}/tests" AND type STREQUAL "EXECUTABLE")
       set(kind TESTS)
     elseif(type STREQUAL "EXECUTABLE")
