@@ -538,8 +538,8 @@ TEST_CASE("in real time the thread draws: what is asked while the table is read 
   CHECK(!rig.host.said("face"));
   // Another table is drawn whole, and a picture asked of the old one is not taken for its own.
   rig.say("draw");
+  rig.host.infos.clear(); // before the load, which may be done when it returns
   rig.say("load", {"cantilever.stress.npz"});
-  rig.host.infos.clear();
   REQUIRE(rig.wait([&] { return rig.host.said("loaded"); }));
   rig.host.infos.clear();
   rig.say("draw");
