@@ -100,8 +100,7 @@ TEST_CASE("a step of any way of walking is felt within 6 ms, its second contact 
             continue;
           if (rate > 8000 && (weight != 700 || speed != 1.4))
             continue;
-          const double seconds = rate > 8000 || kSanitized ? 12 : 30,
-                       shoe = weight == 300 ? 0 : 0.4;
+          const double seconds = rate > 8000 ? 12 : 30, shoe = weight == 300 ? 0 : 0.4;
           const Feet feet = feel({speed, weight, shoe, static_cast<Style>(style)}, rate, seconds,
                                  0.001, [](Gait& gait, int n) {
                                    if (n == 0)
