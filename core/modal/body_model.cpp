@@ -70,7 +70,7 @@ BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings
   find_weights();
   for (std::size_t k = 0; k < heard; ++k)
     loudness.push_back(ear[k] * loudest_weight(k));
-  for (std::size_t l = 0; l < kMostListeners; ++l) {
+  for (std::size_t l = 0; l < kMaxListeners; ++l) {
     bank.jump_to_weight(l, weight[l]);
   }
   for (auto& part : scratch_weight_)
@@ -300,7 +300,7 @@ void BodyModel::find_weights() {
   const BankKernel* const kernel = bank_kernel(settings.vector_set);
   const DirectKernels::SurfaceShapes shapes{loaded->shape, table.modes(),
                                             kernel ? kernel : bank_kernel(VectorSet::kBaseline)};
-  for (std::size_t l = 0; l < kMostListeners; ++l) {
+  for (std::size_t l = 0; l < kMaxListeners; ++l) {
     weight[l].assign(heard, 0);
     if (plays_raw) {
       raw[l].set(table.raw, settings.listener[l], table.air_density_kg_per_m3,

@@ -18,7 +18,7 @@
 
 namespace tactus::modal {
 
-inline constexpr std::size_t kMostListeners = 4;
+inline constexpr std::size_t kMaxListeners = 4;
 inline constexpr std::size_t kMostContacts = 64;
 
 enum class Radiation { kModal, kRaw, kBody, kNone };
@@ -56,8 +56,8 @@ struct BodySettings {
   double choke_t60_s = 0; ///< above 0: damps every mode by this decay time besides
   Radiation radiation = Radiation::kModal;
   /// m; before the body, then behind it
-  std::array<Vec3, kMostListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5},
-                                            Vec3{-0.1, 0.2, -0.5}, Vec3{0.1, 0.2, -0.5}};
+  std::array<Vec3, kMaxListeners> listener{Vec3{-0.1, 0.2, 0.5}, Vec3{0.1, 0.2, 0.5},
+                                           Vec3{-0.1, 0.2, -0.5}, Vec3{0.1, 0.2, -0.5}};
   std::size_t listeners = 2;
   std::size_t most_modes = 0; ///< 0: all that can be heard
   std::size_t voices = 8;     ///< contacts at once
@@ -89,18 +89,18 @@ struct BodyModel {
   std::vector<std::size_t>
       place_of; ///< in `mode`, of each of the table's modes; its size: left out
   std::size_t heard = 0;
-  std::vector<std::complex<double>> rate;                               ///< of `mode`
-  std::array<std::vector<std::complex<double>>, kMostListeners> weight; ///< of the first `heard`
-  std::array<double, kMostListeners> delay_s{};                         ///< of the delay line
+  std::vector<std::complex<double>> rate;                              ///< of `mode`
+  std::array<std::vector<std::complex<double>>, kMaxListeners> weight; ///< of the first `heard`
+  std::array<double, kMaxListeners> delay_s{};                         ///< of the delay line
   bool plays_raw = false; ///< blows start recordings instead of contacts
-  std::array<RawListener, kMostListeners> raw;
+  std::array<RawListener, kMaxListeners> raw;
   ModeBank bank;
   ContactSolver solver;
 
   /// What forces sound like besides the modes that ring, and at their places: at the force inlet's
   /// point (first) and where pulses strike, and of each contact of the solver.
-  std::array<DirectKernels, kMostListeners> direct;
-  std::vector<std::array<ForceKernel, kMostListeners>> sample_kernel, contact_kernel;
+  std::array<DirectKernels, kMaxListeners> direct;
+  std::vector<std::array<ForceKernel, kMaxListeners>> sample_kernel, contact_kernel;
   using RigidGain = std::array<double, ContactSolver::kRigid>;
   /// The kernels of a force at a point of the surface against `direction`, gains of the modes as
   /// gains() has them or none. Allocates nothing; may use `scratch`.
@@ -128,7 +128,7 @@ struct BodyModel {
     std::size_t listener = 0;
     ModeBank::Part part = ModeBank::kFresh;
   };
-  std::array<Ear, 3 * kMostListeners> ears{};
+  std::array<Ear, 3 * kMaxListeners> ears{};
   std::size_t ear_count = 0;
 
   static constexpr double kContactLimit = 60000; ///< Hz

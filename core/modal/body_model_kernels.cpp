@@ -8,7 +8,7 @@ namespace tactus::modal {
 void BodyModel::make_kernels() {
   sample_kernel.resize(1 + settings.voices);
   contact_kernel.resize(rest_slot() + rests.size());
-  for (std::size_t l = 0; l < kMostListeners; ++l) {
+  for (std::size_t l = 0; l < kMaxListeners; ++l) {
     const std::size_t taps = direct[l].taps(), moments = direct[l].moments();
     const std::size_t rigid = direct[l].has_rigid() ? 1 : 0;
     for (auto& kernel : sample_kernel) {

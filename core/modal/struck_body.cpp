@@ -215,7 +215,7 @@ void StruckBody::ring_beside(std::size_t from, std::size_t to) noexcept {
     }
   if (!rings)
     return m.bank.skip(to - from);
-  std::array<float*, kMostListeners> out{};
+  std::array<float*, kMaxListeners> out{};
   for (std::size_t l = 0; l < m.settings.listeners; ++l)
     out[l] = chunk_.released[l].data();
   m.bank.process(std::span<const float* const>(force.data(), 1 + m.settings.voices), out,
@@ -315,7 +315,7 @@ std::size_t StruckBody::in_flight(std::size_t from, std::size_t frames) noexcept
     force[0] = chunk_.force.data() + from;
     for (std::size_t i = 0; i < m.settings.voices; ++i)
       force[1 + i] = pulses_[i].active ? chunk_.pulse[i].data() + from : nullptr;
-    std::array<float*, kMostListeners> out{};
+    std::array<float*, kMaxListeners> out{};
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
       out[l] = chunk_.heard[l].data() + from;
     m.bank.process(std::span<const float* const>(force.data(), 1 + m.settings.voices), out,
@@ -338,7 +338,7 @@ void StruckBody::run(std::size_t frames) noexcept {
   chunk_.contact.fill(0);
   chunk_.friction.fill(0);
   const bool sounds = model_ && model_->settings.sample_rate == sample_rate_;
-  for (std::size_t l = sounds ? model_->settings.listeners : 0; l < kMostListeners; ++l)
+  for (std::size_t l = sounds ? model_->settings.listeners : 0; l < kMaxListeners; ++l)
     chunk_.heard[l].fill(0); // all others are overwritten
   if (sounds) {
     model_->bank.set_floor(kQuietest / std::max(options_.gain, 1e-6));
@@ -362,7 +362,7 @@ void StruckBody::run(std::size_t frames) noexcept {
 }
 
 void StruckBody::finish(std::size_t frames) noexcept {
-  const std::size_t listeners = model_ ? model_->settings.listeners : kMostListeners;
+  const std::size_t listeners = model_ ? model_->settings.listeners : kMaxListeners;
   add_leaving_ahead(frames);
   for (std::size_t l = 0; l < listeners; ++l)
     delay_[l].run(chunk_.heard[l].data(), frames);
@@ -423,7 +423,7 @@ void StruckBody::process(std::span<const S> force, std::span<const S> height,
         to[n] = static_cast<S>(from[n]);
     };
     for (std::size_t l = 0; l < out.size(); ++l)
-      pass_on(chunk_.heard[std::min(l, kMostListeners - 1)], out[l].subspan(begin, count));
+      pass_on(chunk_.heard[std::min(l, kMaxListeners - 1)], out[l].subspan(begin, count));
     pass_on(chunk_.contact, force_out.subspan(begin, count));
     if (!rubbing.friction.empty())
       pass_on(chunk_.friction, rubbing.friction.subspan(begin, count));

@@ -132,7 +132,7 @@ public:
     std::span<const S> normal_force, velocity;
     std::span<S> friction;
   };
-  /// out: kMostListeners spans or fewer, overwritten, N samples each; force_out in N.
+  /// out: kMaxListeners spans or fewer, overwritten, N samples each; force_out in N.
   /// `force` N, `height` m above the point. Input and output may share memory.
   template <class S>
   void process(std::span<const S> force, std::span<const S> height,
@@ -154,7 +154,7 @@ private:
     std::size_t release_left = ModeBank::kRelease; ///< samples, when released
   };
   using Recordings = std::array<Recording, kMostContacts>;
-  using Sound = std::array<std::array<float, kChunk>, kMostListeners>;
+  using Sound = std::array<std::array<float, kChunk>, kMaxListeners>;
   /// A coupled blow, and where its striker is when it bounces.
   struct Blow {
     Hit hit;
@@ -232,7 +232,7 @@ private:
   /// A body that has been exchanged, until the last of its sound has reached the listeners.
   struct Leaving {
     Handover* body = nullptr;
-    std::array<DelayLine, kMostListeners> delay{};
+    std::array<DelayLine, kMaxListeners> delay{};
     Recordings recordings{};
     DirectSound direct;
     std::size_t left = 0; ///< samples
@@ -288,7 +288,7 @@ private:
   double last_height_ = 0;
   double last_force_ = 0; ///< of the inlet
   Chunk chunk_;
-  std::array<DelayLine, kMostListeners> delay_{};
+  std::array<DelayLine, kMaxListeners> delay_{};
   double smooth_gain_ = 0.01;
   static constexpr std::size_t kSilence = 64; ///< samples of zeros that count as silence
   std::size_t silent_samples_ = kSilence;     ///< that have gone out since the last sound

@@ -67,7 +67,7 @@ void StruckBody::adopt() noexcept {
     move_events(*next->model);
   if (!goes_on)
     leave(next, glides);
-  for (std::size_t l = 0; l < kMostListeners; ++l) {
+  for (std::size_t l = 0; l < kMaxListeners; ++l) {
     delay_[l].set(model_->delay_s[l] * sample_rate_, options_.doppler, !goes_on || in_silence);
   }
   if (!goes_on && rub_.placed && next->model) {
@@ -240,7 +240,7 @@ void StruckBody::add_leaving_ahead(std::size_t frames) noexcept {
     if (!body.body || !body.ahead)
       continue;
     BodyModel& m = *body.body->model;
-    std::array<float*, kMostListeners> out{};
+    std::array<float*, kMaxListeners> out{};
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
       out[l] = chunk_.released[l].data();
     m.bank.process({}, out, frames);
@@ -260,7 +260,7 @@ void StruckBody::add_leaving(std::size_t listener_count, std::size_t frames) noe
     if (!body.body || body.ahead)
       continue;
     BodyModel& m = *body.body->model;
-    std::array<float*, kMostListeners> out{};
+    std::array<float*, kMaxListeners> out{};
     for (std::size_t l = 0; l < m.settings.listeners; ++l)
       out[l] = chunk_.released[l].data();
     m.bank.process({}, out, frames);

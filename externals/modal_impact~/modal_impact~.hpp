@@ -48,8 +48,8 @@ public:
   void dump(Host& host);
 
   template <class S> void process(const Block<S>& block) noexcept {
-    const std::array<std::span<S>, kMostListeners> out{block.out(0), block.out(1), block.out(3),
-                                                       block.out(4)};
+    const std::array<std::span<S>, kMaxListeners> out{block.out(0), block.out(1), block.out(3),
+                                                      block.out(4)};
     begin_block(block.start_ms);
     body_.process<S>(block.in(0), block.in(1), out, block.out(2),
                      {block.in(2), block.in(3), block.out(5)});

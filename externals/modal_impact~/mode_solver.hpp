@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/modal/loaded_table.hpp"
-#include "externals/common/served_program.hpp"
+#include "externals/served_program.hpp"
 
 #include <atomic>
 #include <condition_variable>

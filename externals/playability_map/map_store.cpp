@@ -9,7 +9,7 @@ namespace tactus::reed {
 namespace {
 
 constexpr const char* kHeading = "tactus playability maps 1";
-constexpr std::size_t kMostNodes = 1u << 20;
+constexpr std::size_t kMaxNodes = 1u << 20;
 
 } // namespace
 
@@ -53,7 +53,7 @@ std::string MapStore::read(const std::string& path) {
   std::string key;
   while (std::getline(file, key)) {
     std::size_t count = 0;
-    if (!(file >> count) || count > kMostNodes)
+    if (!(file >> count) || count > kMaxNodes)
       return path + " is damaged";
     std::vector<double> nodes(count);
     for (double& node : nodes)

@@ -2,7 +2,7 @@
 
 #include "core/stress/reanalysis.hpp"
 #include "core/stress/serve_protocol.hpp"
-#include "externals/common/served_program.hpp"
+#include "externals/served_program.hpp"
 
 #include <cstdint>
 #include <memory>

@@ -39,14 +39,6 @@ const Tabulated& at_corners(Shape shape) {
   return all[static_cast<std::size_t>(shape)];
 }
 
-double volume_of(const Mesh& mesh, const Element& e) {
-  const Tabulated& table = at_stiffness_points(e.shape);
-  double sum = 0;
-  for (std::size_t q = 0; q < table.weights.size(); ++q)
-    sum += table.weights[q] * jacobian(mesh, e, table.values[q]).determinant;
-  return sum;
-}
-
 } // namespace
 
 double scaled_jacobian(const Mesh& mesh, const Element& e) {

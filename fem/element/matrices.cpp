@@ -9,12 +9,12 @@ namespace {
 
 /// sum over the quadrature points of w dV (grad N_a)_i (grad N_b)_j: all that an element's
 /// stiffness takes of its shape. Of one node a, with the nodes b side by side: [3 i + j][b].
-using OuterProducts = std::array<std::array<double, kMostNodes>, 9>;
+using OuterProducts = std::array<std::array<double, kMaxNodes>, 9>;
 
 constexpr std::size_t kMaxStiffnessPoints = 27; ///< hex20's
 
 /// Slopes of all nodes at a point, by direction.
-using Slopes = std::array<std::array<double, kMostNodes>, 3>;
+using Slopes = std::array<std::array<double, kMaxNodes>, 3>;
 
 /// K_ab = lambda D + mu (D' + tr D), D = sum w grad N_a (grad N_b)'.
 void isotropic_block(const std::array<double, 9>& d, double lambda, double mu, double* k) {

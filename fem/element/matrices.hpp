@@ -14,11 +14,11 @@ struct ElasticLaw {
 
 /// K_e = ∫ B' C B dV, N/m, as node blocks: entry 9 (a n + b) + 3 i + j couples component i of node
 /// a with component j of node b; only b <= a is filled.
-using StiffnessBlocks = std::array<double, 9 * kMostNodes * kMostNodes>;
+using StiffnessBlocks = std::array<double, 9 * kMaxNodes * kMaxNodes>;
 void element_stiffness(const Mesh&, const Element&, const ElasticLaw&, StiffnessBlocks& out);
 
 /// M_e = ∫ rho N_a N_b dV, kg: entry a n + b; the same for each component. Only b <= a is filled.
-using MassEntries = std::array<double, kMostNodes * kMostNodes>;
+using MassEntries = std::array<double, kMaxNodes * kMaxNodes>;
 void element_mass(const Mesh&, const Element&, double density, MassEntries& out);
 
 } // namespace tactus::fem

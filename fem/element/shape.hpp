@@ -21,7 +21,7 @@ namespace tactus::fem {
 /// The linear ones, tet4 and hex8, are far too stiff for frequencies and are only read.
 enum class Shape : std::uint8_t { tet4, tet10, hex8, hex20, wedge15 };
 
-inline constexpr int kMostNodes = 20;
+inline constexpr int kMaxNodes = 20;
 
 [[nodiscard]] int node_count(Shape) noexcept;
 [[nodiscard]] int corner_count(Shape) noexcept;
@@ -32,8 +32,8 @@ inline constexpr int kMostNodes = 20;
 
 /// Values N and reference derivatives dN of all shape functions at one reference point.
 struct ShapeValues {
-  std::array<double, kMostNodes> value;
-  std::array<Vector3, kMostNodes> derivative;
+  std::array<double, kMaxNodes> value;
+  std::array<Vector3, kMaxNodes> derivative;
 };
 
 /// Reference element: tetrahedron r,s,t >= 0, r+s+t <= 1; wedge r,s >= 0, r+s <= 1, |t| <= 1;

@@ -17,10 +17,19 @@ struct Tabulated {
 [[nodiscard]] const Tabulated& at_stiffness_points(Shape);
 [[nodiscard]] const Tabulated& at_mass_points(Shape);
 
+/// Volume of an element, m^3; below 0 where it is inside out.
+[[nodiscard]] inline double volume_of(const Mesh& mesh, const Element& e) {
+  const Tabulated& table = at_mass_points(e.shape);
+  double sum = 0;
+  for (std::size_t q = 0; q < table.weights.size(); ++q)
+    sum += table.weights[q] * jacobian(mesh, e, table.values[q]).determinant;
+  return sum;
+}
+
 /// Gradients in space of an element's shape functions at a point.
 struct PointGradients {
-  std::array<Vector3, kMostNodes> slope; ///< grad N_a, 1/m
-  double determinant = 0;                ///< dV by reference volume, m^3
+  std::array<Vector3, kMaxNodes> slope; ///< grad N_a, 1/m
+  double determinant = 0;               ///< dV by reference volume, m^3
 };
 inline void gradients(const Mesh& mesh, const Element& e, const ShapeValues& values,
                       PointGradients& out) noexcept {

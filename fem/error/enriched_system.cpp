@@ -89,7 +89,7 @@ void EnrichedSystem::integrate(std::size_t index, const ElasticLaw& law) {
   const auto nodes = mesh_.nodes_of(e);
   static thread_local std::vector<double> sum;
   sum.assign(9 * (w * v + w * (w + 1) / 2), 0.0);
-  std::array<Vector3, kMostNodes> nodal;
+  std::array<Vector3, kMaxNodes> nodal;
   std::array<Vector3, kMaxEnriching> enriching;
   for (std::size_t q = 0; q < table.weight.size(); ++q) {
     const Jacobian j = jacobian(mesh_, e, table.nodal[q]);
@@ -194,7 +194,7 @@ void EnrichedSystem::residual(std::span<const Material> materials, std::span<con
     const Tabulated& table = tabulated(e.shape);
     const auto nodes = mesh_.nodes_of(e);
     const double density = materials[static_cast<std::size_t>(e.region)].density;
-    std::array<double, kMostNodes * kMaxEnriching> mass{};
+    std::array<double, kMaxNodes * kMaxEnriching> mass{};
     const std::size_t w = functions_.first[index + 1] - functions_.first[index];
     for (std::size_t q = 0; q < table.weight.size(); ++q) {
       const double weight =

@@ -273,7 +273,7 @@ void check(const Mesh& mesh) {
     const std::string who =
         "element " + std::to_string(i + 1) + " (" + std::string(name(e.shape)) + ")";
     const auto nodes = mesh.nodes_of(e);
-    std::array<int, kMostNodes> sorted{};
+    std::array<int, kMaxNodes> sorted{};
     std::copy(nodes.begin(), nodes.end(), sorted.begin());
     const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(nodes.size());
     std::sort(sorted.begin(), end);

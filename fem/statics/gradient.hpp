@@ -77,7 +77,7 @@ using Tensor = std::array<std::array<double, 3>, 3>;
 [[nodiscard]] inline double trace(const Tensor& a) noexcept { return a[0][0] + a[1][1] + a[2][2]; }
 
 /// Nodal vectors of an element out of a vector of all degrees of freedom.
-using ElementField = std::array<double, 3 * kMostNodes>;
+using ElementField = std::array<double, 3 * kMaxNodes>;
 [[nodiscard]] inline ElementField gather(std::span<const double> u,
                                          std::span<const int> nodes) noexcept {
   ElementField own;

@@ -72,14 +72,6 @@ const Smoothing& smoothing(Shape shape) {
   return all[static_cast<std::size_t>(shape)];
 }
 
-double volume_of(const Mesh& mesh, const Element& e) {
-  const Tabulated& table = at_mass_points(e.shape);
-  double sum = 0;
-  for (std::size_t q = 0; q < table.weights.size(); ++q)
-    sum += table.weights[q] * jacobian(mesh, e, table.values[q]).determinant;
-  return sum;
-}
-
 Stress stress_with(const Mesh& mesh, const Element& e, const ElasticLaw& law,
                    const ElementField& own, const ShapeValues& values) {
   PointGradients at;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/table/serve_protocol.hpp"
-#include "externals/common/child_process.hpp"
+#include "externals/child_process.hpp"
 
 #include <bit>
 #include <chrono>

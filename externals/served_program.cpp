@@ -1,4 +1,4 @@
-#include "externals/common/served_program.hpp"
+#include "externals/served_program.hpp"
 
 #include "core/words.hpp"
 

@@ -1,4 +1,4 @@
-#include "externals/common/child_process.hpp"
+#include "externals/child_process.hpp"
 
 #include <algorithm>
 #include <array>
