@@ -22,7 +22,7 @@ namespace {
 using namespace tactus::reed;
 
 struct Follow {
-  double pressure = 0, opening = 0.5, stiffness = 0.5;
+  double pressure = 0, opening = 0.5, stiffness = 0.5, quality = 0;
 };
 
 bool set(Parameters& parameters, Follow& follow, const std::string& name, double value) {
@@ -32,6 +32,14 @@ bool set(Parameters& parameters, Follow& follow, const std::string& name, double
     return follow.opening = value, true;
   if (name == "emulate_stiffness")
     return follow.stiffness = value, true;
+  if (name == "emulate_quality")
+    return follow.quality = value, true;
+  if (name == "slope")
+    return parameters.embouchure_slope = value, true;
+  if (name == "steepening")
+    return parameters.steepening_length = value, true;
+  if (name == "highest_mode")
+    return parameters.highest_mode = value, true;
   for (std::size_t i = 0; i < tactus::greed::kParameters.size(); ++i)
     if (tactus::greed::kParameters[i].name == name) {
       tactus::greed::kMembers[i].set(parameters, value);
@@ -95,6 +103,7 @@ bool play(std::istringstream& line) {
         Parameters now = parameters;
         now.lip_opening *= std::pow(ratio, follow.opening);
         now.lip_mass *= std::pow(ratio, follow.stiffness);
+        now.lip_quality *= std::pow(ratio, follow.quality);
         instrument.set(now);
         held = ratio;
       }

@@ -53,6 +53,9 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.temperature = bounded(p.temperature, -50, 100, kInitial.temperature);
   p.breath_noise = bounded(p.breath_noise, 0, 10, kInitial.breath_noise);
   p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
+  p.embouchure_slope = bounded(p.embouchure_slope, -2, 2, kInitial.embouchure_slope);
+  p.highest_mode = bounded(p.highest_mode, 0, 100, kInitial.highest_mode);
+  p.steepening_length = bounded(p.steepening_length, 0, 22, kInitial.steepening_length);
   p.aim = bounded(p.aim, -1200, 1200, kInitial.aim);
   for (double Parameters::*lip : {&Parameters::lip_mass, &Parameters::lip_opening,
                                   &Parameters::lip_width, &Parameters::lip_quality})

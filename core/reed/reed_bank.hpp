@@ -317,7 +317,7 @@ private:
       done += part;
     }
     if (radiation_.steepens())
-      radiation_.run(out.radiated, count, length_to_);
+      radiation_.run(out.radiated, count, steepening_length());
     guard(out, count);
   }
 
@@ -390,6 +390,11 @@ private:
     still_air();
   }
 
+  /// A player's bore may be the shorter one of a higher note; what it stands for is not.
+  [[nodiscard]] double steepening_length() const noexcept {
+    return parameters_.tune && parameters_.steepening_length > 0 ? parameters_.steepening_length
+                                                                 : length_to_;
+  }
   [[nodiscard]] double period() const noexcept {
     return static_cast<double>(kControlPeriod * oversampling_);
   }

@@ -40,6 +40,11 @@ public:
     end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection)
                                    : OpenEnd::reflection(s_ * p.end_radius / air.sound_speed);
     wanted_ = p.type == ValveType::kOpen ? p.length : bore_.length_for(frequency);
+    if (p.type == ValveType::kOpen && p.highest_mode > 0) {
+      const double lowest = p.shape == BoreShape::kCone ? frequency / p.highest_mode
+                                                        : frequency / (2 * p.highest_mode - 1);
+      wanted_ = std::min(wanted_, bore_.length_for(lowest));
+    }
   }
 
   [[nodiscard]] Candidate at(double mouth_pressure) const {
@@ -82,6 +87,12 @@ double aim_of(const Parameters& parameters, double bore_frequency) {
   return bore_frequency * std::exp2(parameters.aim / 1200);
 }
 
+/// f_r/f_b that lips keep for a note at `aimed` Hz.
+double embouchure_at(const Parameters& parameters, double aimed) {
+  return parameters.embouchure *
+         std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
+}
+
 /// The player's lips for a note at `aimed` Hz, on the bore as given.
 Playing lips_for(const Parameters& parameters, double aimed) {
   Playing playing{parameters, parameters.length};
@@ -91,7 +102,7 @@ Playing lips_for(const Parameters& parameters, double aimed) {
   valve.width *= parameters.lip_width;
   valve.quality *= parameters.lip_quality;
   if (parameters.embouchure > 0) {
-    playing.reed_scale = parameters.embouchure * aimed / parameters.reed_frequency;
+    playing.reed_scale = embouchure_at(parameters, aimed) * aimed / parameters.reed_frequency;
     valve.mass /= playing.reed_scale * playing.reed_scale;
   }
   valve = clamped(valve);
@@ -134,7 +145,7 @@ Playing tuned(const Parameters& parameters, double bore_frequency, double reed_f
   const double aimed = aim_of(parameters, bore_frequency);
   Playing playing = lips_for(parameters, aimed);
   const Parameters& valve = playing.valve;
-  const double reed = parameters.embouchure > 0 ? parameters.embouchure * aimed : reed_frequency;
+  const double reed = parameters.embouchure > 0 ? embouchure_at(parameters, aimed) * aimed : reed_frequency;
   BoreDesign bore;
   bore.set(parameters, 48000);
   if (!(parameters.embouchure > 0) || aimed > kValveAlone * bore.ideal_frequency(parameters.length))
