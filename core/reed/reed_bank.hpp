@@ -4,12 +4,11 @@
 #include "core/dsp/simd.hpp"
 #include "core/reed/bore_design.hpp"
 #include "core/reed/bore_line.hpp"
-#include "core/reed/ear.hpp"
 #include "core/reed/halfband.hpp"
 #include "core/reed/parameters.hpp"
+#include "core/reed/player.hpp"
 #include "core/reed/radiation_path.hpp"
 #include "core/reed/round_trip_filter.hpp"
-#include "core/reed/tuning.hpp"
 #include "core/reed/valve_bore_step.hpp"
 
 #include <algorithm>
@@ -53,7 +52,7 @@ public:
     sample_rate_ = sample_rate;
     line_.prepare(longest_delay(sample_rate * kMostOversampling));
     slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
-    ear_.prepare(sample_rate);
+    player_.prepare(sample_rate);
     apply(parameters_);
     reset();
   }
@@ -70,7 +69,7 @@ public:
     random_.seed(parameters_.seed);
     state_ = {};
     mouth_ = V(0.0);
-    ear_.reset();
+    player_.reset();
     still_air();
   }
 
@@ -86,15 +85,13 @@ public:
     constexpr double kTwoPi = 2 * std::numbers::pi;
     const V given = select((reed_frequency > V(0.0)) & (reed_frequency < V(1e9)), reed_frequency,
                            V(parameters_.reed_frequency));
-    if (!(bore_frequency == bore_frequency_)) { // false also for a first NaN
-      bore_frequency_ = bore_frequency > 0 && bore_frequency < 1e9 ? bore_frequency : 0;
-      length_due_ = true;
-    }
-    if (length_due_)
-      choose_length(static_cast<double>(simd::lane(given, 0)));
-    if (listens_)
-      trim(ear_.trim());
-    const V target = V(kTwoPi * reed_scale_) *
+    const Player::Hold& hold =
+        player_.control(bore_frequency, static_cast<double>(simd::lane(given, 0)));
+    if (hold.valve_changed)
+      take(hold.valve);
+    if (hold.trim != trim_ || hold.valve_changed)
+      trim(hold.trim, hold.length);
+    const V target = V(kTwoPi * hold.reed_scale) *
                      simd::minimum(simd::maximum(given, V(1.0)), V(0.45 * sample_rate_));
     omega_from_ = fresh_ ? target : omega_to_;
     omega_to_ = omega_from_ + V(slew_) * (target - omega_from_);
@@ -107,9 +104,8 @@ public:
       steady_due_ = false;
     }
 
-    const double next =
-        fresh_ ? length_target_ : length_to_ + slew_ * (length_target_ - length_to_);
-    move_bore(std::abs(length_target_ - next) < 1e-7 * length_target_ ? length_target_ : next);
+    const double next = fresh_ ? hold.length : length_to_ + slew_ * (hold.length - length_to_);
+    move_bore(std::abs(hold.length - next) < 1e-7 * hold.length ? hold.length : next);
     if (fresh_)
       delay_from_ = trip_.delay;
     fresh_ = false;
@@ -146,13 +142,12 @@ private:
     const ValveConstants old = constants_;
     constants_ = ValveConstants::from(parameters_, design_, rate);
     radiation_.set(RadiationConstants::from(parameters_, design_, rate));
-    ear_.forget();
+    player_.set(parameters_, design_);
     place_valve(old);
     steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
-    steady_due_ = true;
+    steady_due_ = trip_due_ = true;
     if (oversampling_ != before)
       still_air();
-    length_due_ = true;
     length_to_ = std::clamp(length_to_, 5e-3, design_.longest());
     move_bore(length_to_);
     delay_from_ = trip_.delay;
@@ -178,40 +173,17 @@ private:
     state_.remember(constants_);
   }
 
-  void choose_length(double reed_frequency) noexcept {
-    length_due_ = false;
-    Playing playing{parameters_, parameters_.length};
-    const double f =
-        std::clamp(bore_frequency_, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
-    listens_ = parameters_.tune && bore_frequency_ > 0 && !(parameters_.length_override > 0);
-    if (listens_)
-      playing = tuned(parameters_, f, reed_frequency);
-    else if (bore_frequency_ > 0)
-      playing.length = design_.length_for(f);
-    if (parameters_.length_override > 0)
-      playing.length = parameters_.length_override;
-    length_target_ = std::clamp(playing.length, 5e-3, design_.longest());
-    own_scale_ = playing.reed_scale;
+  void take(const Parameters& valve) noexcept {
     const ValveConstants old = constants_;
-    constants_ = ValveConstants::from(playing.valve, design_, sample_rate_ * oversampling_);
+    constants_ = ValveConstants::from(valve, design_, sample_rate_ * oversampling_);
     place_valve(old);
     steady_due_ = true;
-    listens_ = listens_ && parameters_.ear;
-    if (listens_)
-      ear_.mean(f);
-    trim(listens_ ? ear_.trim() : 0);
   }
 
-  /// Plays sharper by exp(logarithm): the bore shorter, the lips tighter where they are the
-  /// player's to choose. A change that nobody hears is left out, for a bore at rest is cheaper.
-  void trim(double logarithm) noexcept {
-    constexpr double kInaudible = 1e-4; // 0.17 cents
-    if (std::abs(logarithm - trim_) < kInaudible && logarithm != 0 && trim_scale_ == own_scale_)
-      return;
+  /// The bore sounds sharper by exp(logarithm) than one of the length chosen.
+  void trim(double logarithm, double length) noexcept {
     trim_ = logarithm;
-    trim_scale_ = own_scale_;
-    reed_scale_ = parameters_.embouchure > 0 ? own_scale_ * std::exp(logarithm) : own_scale_;
-    const double acoustic = design_.air().sound_speed / design_.ideal_frequency(length_target_) /
+    const double acoustic = design_.air().sound_speed / design_.ideal_frequency(length) /
                             (parameters_.shape == BoreShape::kCone ? 2 : 4);
     trim_delay_ = 2 * acoustic * std::expm1(-logarithm) / design_.air().sound_speed * sample_rate_ *
                   oversampling_;
@@ -219,7 +191,7 @@ private:
 
   void move_bore(double length) noexcept {
     delay_from_ = trip_.delay;
-    if (length != length_to_ || trip_due_ || length_due_) {
+    if (length != length_to_ || trip_due_) {
       length_to_ = length;
       trip_ = design_.round_trip(length);
       own_delay_ = trip_.delay;
@@ -276,11 +248,11 @@ private:
       decimators_[1].run(oversampling_, bore.data(), out.bore_pressure, samples);
       decimators_[2].run(oversampling_, flow.data(), out.flow, samples);
     }
-    if (listens_) {
+    if (player_.listens()) {
       std::array<double, kChunk> heard;
       for (int i = 0; i < samples; ++i)
         heard[index(i)] = static_cast<double>(simd::lane(out.bore_pressure[i], 0));
-      ear_.listen(heard.data(), samples);
+      player_.listen(heard.data(), samples);
     }
   }
 
@@ -402,22 +374,20 @@ private:
 
   double sample_rate_ = 0, slew_ = 1;
   int oversampling_ = 1, phase_ = kControlPeriod;
-  bool fresh_ = true, reed_moves_ = false, length_due_ = true, trip_due_ = true, steady_due_ = true;
+  bool fresh_ = true, reed_moves_ = false, trip_due_ = true, steady_due_ = true;
   Parameters parameters_{};
   BoreDesign design_{};
   ValveConstants constants_{};
   RoundTrip trip_{};
-  double bore_frequency_ = 0, length_target_ = 0.48, length_to_ = 0.48, delay_from_ = 3;
+  double length_to_ = 0.48, delay_from_ = 3;
   V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0};
   ReedCoefficients<V> steady_{};                     // while f_r stands
   std::array<ReedCoefficients<V>, kChunk> moving_{}; // while it moves
   ValveState<V> state_{};
   RoundTripFilter<V> filter_{};
   RadiationPath radiation_{};
-  Ear ear_{};
-  bool listens_ = false;
-  double own_scale_ = 1, reed_scale_ = 1; // of f_r: the player's choice, and trimmed
-  double trim_ = 0, trim_scale_ = 1, trim_delay_ = 0, own_delay_ = 3;
+  Player player_{};
+  double trim_ = 0, trim_delay_ = 0, own_delay_ = 3;
   BoreLine<V, kChunk> line_;
   Decimator<double, kChunk> radiated_decimator_{};
   std::array<Decimator<V, kChunk>, 3> decimators_{};
