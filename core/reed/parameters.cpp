@@ -55,7 +55,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
   p.embouchure_slope = bounded(p.embouchure_slope, -2, 2, kInitial.embouchure_slope);
   p.highest_mode = bounded(p.highest_mode, 0, 100, kInitial.highest_mode);
-  p.steepening_length = bounded(p.steepening_length, 0, 22, kInitial.steepening_length);
+  p.steepening = bounded(p.steepening, 0, 100, kInitial.steepening);
   p.aim = bounded(p.aim, -1200, 1200, kInitial.aim);
   for (double Parameters::*lip : {&Parameters::lip_mass, &Parameters::lip_opening,
                                   &Parameters::lip_width, &Parameters::lip_quality})

@@ -56,7 +56,7 @@ struct Parameters {
   double embouchure = 0; // f_r/f_b; 0: a reed, whose f_r stays as given
   double embouchure_slope = 0; // power of f_b/f_r by which that share changes with the note
   double highest_mode = 0; // of the bore, that lips sound; 0: whichever lies nearest to its length
-  double steepening_length = 0; // m, what brassiness counts; 0: the bore as it is played
+  double steepening = 0;  // wavelengths, what brassiness counts; 0: the bore as it is played
   double aim = 0;        // cents beside f_b: what sounding loud adds, known by practice
   double lip_mass = 1;
   double lip_opening = 1; // of theta_0

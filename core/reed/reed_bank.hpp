@@ -108,6 +108,7 @@ public:
     move_bore(std::abs(hold.length - next) < 1e-7 * hold.length ? hold.length : next);
     if (fresh_)
       delay_from_ = trip_.delay;
+    steepen_over(bore_frequency);
     fresh_ = false;
   }
 
@@ -202,6 +203,18 @@ private:
                              static_cast<double>(longest_delay(sample_rate_ * oversampling_)));
   }
 
+  /// What brassiness counts: the bore's own length, or a share of a player's wavelength.
+  void steepen_over(double bore_frequency) noexcept {
+    if (!parameters_.tune || !(parameters_.steepening > 0) || !(bore_frequency > 0)) {
+      steepening_length_ = length_to_;
+      return;
+    }
+    const double note = std::clamp(bore_frequency, BoreDesign::kLowestFrequency,
+                                   BoreDesign::kHighestFrequency);
+    const double length = parameters_.steepening * design_.air().sound_speed / note;
+    steepening_length_ += (fresh_ ? 1 : slew_) * (length - steepening_length_);
+  }
+
   void still_air() noexcept {
     line_.clear();
     filter_.reset();
@@ -289,7 +302,7 @@ private:
       done += part;
     }
     if (radiation_.steepens())
-      radiation_.run(out.radiated, count, steepening_length());
+      radiation_.run(out.radiated, count, steepening_length_);
     guard(out, count);
   }
 
@@ -362,11 +375,6 @@ private:
     still_air();
   }
 
-  /// A player's bore may be the shorter one of a higher note; what it stands for is not.
-  [[nodiscard]] double steepening_length() const noexcept {
-    return parameters_.tune && parameters_.steepening_length > 0 ? parameters_.steepening_length
-                                                                 : length_to_;
-  }
   [[nodiscard]] double period() const noexcept {
     return static_cast<double>(kControlPeriod * oversampling_);
   }
@@ -380,6 +388,7 @@ private:
   ValveConstants constants_{};
   RoundTrip trip_{};
   double length_to_ = 0.48, delay_from_ = 3;
+  double steepening_length_ = 0.48;
   V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0};
   ReedCoefficients<V> steady_{};                     // while f_r stands
   std::array<ReedCoefficients<V>, kChunk> moving_{}; // while it moves
