@@ -1,5 +1,6 @@
 #include "core/reed/tuning.hpp"
 
+#include "core/reed/air.hpp"
 #include "core/reed/bore_design.hpp"
 #include "core/reed/linear_stability.hpp"
 #include "core/reed/radiation.hpp"
@@ -130,14 +131,43 @@ double tuned_length(const Parameters& parameters, double bore_frequency, double 
   return std::clamp(best.length, 5e-3, bore.longest());
 }
 
+double turns_of(const Parameters& parameters, double bore_frequency, double length) noexcept {
+  const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
+  const double speed = air_at(parameters.temperature).sound_speed;
+  const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
+  return (2 * omega * length / speed + loss * std::sqrt(omega / 2)) / (2 * kPi);
+}
+
+double length_of(const Parameters& parameters, double bore_frequency, double turns) noexcept {
+  const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
+  const double speed = air_at(parameters.temperature).sound_speed;
+  double length = parameters.length;
+  for (int i = 0; i < 3; ++i) {
+    const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
+    length = std::max(5e-3, (2 * kPi * turns - loss * std::sqrt(omega / 2)) * speed / (2 * omega));
+  }
+  return length;
+}
+
+bool valve_alone(const Parameters& parameters, double bore_frequency) noexcept {
+  if (!(parameters.embouchure > 0))
+    return false;
+  BoreDesign bore;
+  bore.set(parameters, 48000);
+  return aim_of(parameters, bore_frequency) <=
+         kValveAlone * bore.ideal_frequency(parameters.length);
+}
+
+Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept {
+  return lips_for(parameters, aim_of(parameters, bore_frequency));
+}
+
 Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency) noexcept {
   const double aimed = aim_of(parameters, bore_frequency);
   Playing playing = lips_for(parameters, aimed);
   const Parameters& valve = playing.valve;
   const double reed = parameters.embouchure > 0 ? parameters.embouchure * aimed : reed_frequency;
-  BoreDesign bore;
-  bore.set(parameters, 48000);
-  if (!(parameters.embouchure > 0) || aimed > kValveAlone * bore.ideal_frequency(parameters.length))
+  if (!valve_alone(parameters, bore_frequency))
     playing.length =
         tuned_length(valve, aimed, reed, parameters.embouchure > 0 ? kPlayingLips : kPlaying);
   return playing;
@@ -149,7 +179,7 @@ Playing embouchure_for(const Parameters& parameters, double bore_frequency,
   if (parameters.tune && bore_frequency > 0 && !(parameters.length_override > 0)) {
     const double note =
         std::clamp(bore_frequency, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
-    playing = lips_for(parameters, aim_of(parameters, note));
+    playing = player_lips(parameters, note);
   }
   playing.length = length_m;
   return playing;

@@ -34,6 +34,20 @@ struct Playing {
 [[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
                             double reed_frequency) noexcept;
 
+/// The round trip of a bore of that length, m, at the note bore_frequency (Hz), in turns: the delay
+/// and what the wall loss adds to it.
+[[nodiscard]] double turns_of(const Parameters& parameters, double bore_frequency,
+                              double length) noexcept;
+/// The inverse: L in m, at least 5 mm.
+[[nodiscard]] double length_of(const Parameters& parameters, double bore_frequency,
+                               double turns) noexcept;
+
+/// Whether the note lies so far below the bore's lowest resonance that it is the valve's alone.
+[[nodiscard]] bool valve_alone(const Parameters& parameters, double bore_frequency) noexcept;
+
+/// The lips of tuned(), without the search for a length: that is the parameters' own.
+[[nodiscard]] Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept;
+
 /// The instrument as it is held for the note bore_frequency (Hz; 0: none) on a bore of that length:
 /// with `tune`, a note and no length of one's own the lips are those of tuned(), else the valve is
 /// as given. What the `ear` adds is left out.
