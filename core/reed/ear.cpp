@@ -7,12 +7,13 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kTime = 0.1;      // s, of the integral controller
+constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kFarthest = 0.12; // two semitones, as relative frequency
 constexpr double kLimit = kFarthest;
-constexpr double kInTune = 0.006;  // ten cents: what is remembered as right
-constexpr double kQuiet = 10;      // Pa
-constexpr double kShare = 0.1;     // of the whole pressure's rms
+constexpr double kInTune = 0.006; // ten cents: what is remembered as right
+constexpr double kQuiet = 10;     // Pa
+constexpr double kShare = 0.1;    // of the whole pressure's rms
+constexpr double kSlow = 0.3;     // 1/s, of ln f: what moves faster is heard with less trust
 
 } // namespace
 
@@ -29,32 +30,73 @@ void Ear::prepare(double sample_rate) noexcept {
 void Ear::reset() noexcept {
   phase_ = 1;
   smooth_ = smoother_ = 0;
+  glide_ = smooth_glide_ = smoother_glide_ = 0;
   even_ = odd_ = {};
   loudness_ = trim_ = 0;
   place_ = 0;
   forget();
 }
 
+void Ear::forget() noexcept {
+  for (Known& known : known_)
+    known = {trim_, false};
+}
+
+/// Finds the pitch meant among the known ones. What has not sounded there yet starts as it sounds
+/// now.
+void Ear::place(double frequency_hz) noexcept {
+  const double at = std::clamp(kSteps * std::log2(frequency_hz / kLowest), 0.0, kCount - 1.5);
+  const auto note = static_cast<std::size_t>(at);
+  for (std::size_t i = note; i <= note + 1; ++i)
+    if (!known_[i].sure && i != note_ && i != note_ + 1)
+      known_[i].trim = trim_;
+  note_ = note;
+  share_ = at - static_cast<double>(note);
+  trim_ = known_[note].trim + share_ * (known_[note + 1].trim - known_[note].trim);
+}
+
+/// The trim at the pitch meant, by what it is to change; pitches that have not sounded go along.
+void Ear::change(double difference) noexcept {
+  Known& below = known_[note_];
+  Known& above = known_[note_ + 1];
+  const double of_below = below.sure ? 1 - share_ : 1, of_above = above.sure ? share_ : 1;
+  const double unit = difference / ((1 - share_) * of_below + share_ * of_above);
+  below.trim = std::clamp(below.trim + unit * of_below, -kLimit, kLimit);
+  above.trim = std::clamp(above.trim + unit * of_above, -kLimit, kLimit);
+  trim_ = below.trim + share_ * (above.trim - below.trim);
+}
+
 void Ear::mean(double frequency_hz) noexcept {
-  if (frequency_hz == frequency_)
+  if (frequency_hz == frequency_) {
+    glide_ = 0;
     return;
+  }
+  const bool leap = !(std::abs(frequency_hz - frequency_) < kLeap * frequency_);
+  glide_ = leap ? 0 : frequency_hz / frequency_ - 1;
   frequency_ = frequency_hz;
-  const double note = std::clamp(69.5 + 12 * std::log2(frequency_hz / 440), 0.0, 127.0);
-  if (static_cast<std::size_t>(note) != note_) {
-    note_ = static_cast<std::size_t>(note);
-    if (known_[note_] != kUnknown)
-      trim_ = known_[note_];
+  place(frequency_hz);
+  // exp(-i omega k) for a hearing, doubled up from its first.
+  const double omega = kTwoPi * frequency_hz / sample_rate_;
+  cosine_[0] = 1;
+  sine_[0] = 0;
+  double c = std::cos(omega), s = std::sin(omega);
+  for (std::size_t size = 1; size < cosine_.size(); size *= 2) {
+    for (std::size_t i = 0; i < size; ++i) {
+      cosine_[size + i] = cosine_[i] * c - sine_[i] * s;
+      sine_[size + i] = cosine_[i] * s + sine_[i] * c;
+    }
+    const double twice = 2 * c * s;
+    c = c * c - s * s;
+    s = twice;
   }
-  const double omega = 2 * std::numbers::pi * frequency_hz / sample_rate_;
-  for (std::size_t i = 0; i < cosine_.size(); ++i) {
-    cosine_[i] = std::cos(omega * static_cast<double>(i));
-    sine_[i] = std::sin(omega * static_cast<double>(i));
-  }
-  turn_ = std::polar(1.0, -omega * kPeriod);
+  turn_ = {c, -s};
   // Two poles at an eighth of the pitch leave 1/64 of what lies a pitch away.
   const double corner = std::clamp(frequency_hz / 8, 2.0, 100.0);
-  pole_ = std::exp(-2 * std::numbers::pi * corner * kPeriod / sample_rate_);
-  smooth_ = smoother_ = 0;
+  pole_ = 1 / (1 + kTwoPi * corner * kPeriod / sample_rate_);
+  const double delay = 2 / (kTwoPi * corner);
+  time_ = std::clamp(3 * delay + 2 / frequency_hz, 0.04, 0.2);
+  if (leap)
+    smooth_ = smoother_ = smooth_glide_ = smoother_glide_ = 0;
 }
 
 void Ear::listen(const double* bore_pressure, int count) noexcept {
@@ -83,37 +125,43 @@ void Ear::listen(const double* bore_pressure, int count) noexcept {
   place_ += count;
 }
 
-double Ear::trim() noexcept {
+void Ear::hear() noexcept {
   if (place_ == 0)
-    return trim_;
+    return;
   const std::complex<double> sum(even_.real + odd_.real, even_.imaginary + odd_.imaginary);
   const std::complex<double> heard = phase_ * sum / static_cast<double>(kPeriod);
   phase_ *= turn_;
-  phase_ /= std::abs(phase_);
+  phase_ /= std::sqrt(std::norm(phase_));
   const std::complex<double> before = smoother_;
   smooth_ = heard + pole_ * (smooth_ - heard);
   smoother_ = smooth_ + pole_ * (smoother_ - smooth_);
+  smooth_glide_ = glide_ + pole_ * (smooth_glide_ - glide_);
+  smoother_glide_ = smooth_glide_ + pole_ * (smoother_glide_ - smooth_glide_);
   const double power = (even_.power + odd_.power) / kPeriod;
   loudness_ = power + power_pole_ * (loudness_ - power);
   even_ = odd_ = {};
   place_ = 0;
-  const double amplitude = 2 * std::abs(smoother_);
+  const double amplitude = 2 * std::sqrt(std::norm(smoother_));
   if (!(amplitude < 1e9)) {
     const double kept = trim_;
     reset();
-    return trim_ = kept;
+    trim_ = kept;
+    forget();
+    return;
   }
   if (amplitude < kQuiet || amplitude * amplitude < kShare * kShare * loudness_ ||
-      std::abs(before) < 0.5 * std::abs(smoother_))
-    return trim_;
+      std::norm(before) < 0.25 * std::norm(smoother_))
+    return;
   const double period = kPeriod / sample_rate_;
-  const double error =
-      std::arg(smoother_ * std::conj(before)) / (2 * std::numbers::pi * frequency_ * period);
-  if (std::abs(error) < kFarthest)
-    trim_ = std::clamp(trim_ - error * period / kTime, -kLimit, kLimit);
-  if (std::abs(error) < kInTune)
-    known_[note_] = trim_;
-  return trim_;
+  const double error = std::arg(smoother_ * std::conj(before)) / (kTwoPi * frequency_ * period);
+  if (!(std::abs(error) < kFarthest))
+    return;
+  const double speed = smoother_glide_ / (period * kSlow);
+  change(-error * period / (time_ * (1 + speed * speed)));
+  if (std::abs(error) < kInTune) {
+    known_[note_].sure |= share_ < 0.7;
+    known_[note_ + 1].sure |= share_ > 0.3;
+  }
 }
 
 } // namespace tactus::reed

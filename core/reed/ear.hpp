@@ -9,15 +9,18 @@ namespace tactus::reed {
 /// A player's ear: compares the pitch that sounds with the pitch meant, and says by how much the
 /// instrument is to be played sharper or flatter.
 ///
-/// The bore pressure is multiplied by exp(-i 2 pi f t), f the pitch meant, and smoothed by two
-/// one-pole filters; the angle that the result turns by is the phase run ahead, and the trim
-/// follows with its negative, an integral controller with 0.1 s (a vibrato of 5 Hz passes). It
-/// keeps still where there is nothing to hear: no pressure at that pitch, or a pitch more than two
-/// semitones away (another register: no trim would bring it back, and one would carry the next note
-/// off), and never goes farther itself.
+/// The bore pressure is multiplied by exp(-i phi), d phi/dt = 2 pi f with f the pitch meant now
+/// (the phase runs on while f moves), and smoothed by two one-pole filters; the angle that the
+/// result turns by is the phase run ahead, and the trim follows with its negative, an integral
+/// controller. It is as fast as the smoothing allows: the delay of the loop is that of the two
+/// poles, and a third of its inverse keeps it from overshooting. While f moves the sound lags
+/// behind by about one period, which is no fault of the tuning; the ear trusts less what it hears
+/// then. It keeps still where there is nothing to hear, no pressure at that pitch, and never goes
+/// farther than two semitones.
 ///
-/// What a semitone needed is remembered, as a player remembers it, and is where its next note
-/// starts; a note that is new starts as the one before ended.
+/// What notes needed is remembered in steps of a quarter tone, between which the trim runs
+/// straight, so that glides and vibrato pass through it without a jump. A note that is new starts
+/// as the one before ended.
 class Ear {
 public:
   static constexpr int kPeriod = 32; // samples of a hearing
@@ -27,28 +30,46 @@ public:
   /// Forgets what it heard and its trim.
   void reset() noexcept;
   /// Forgets what the notes needed: the instrument is another one.
-  void forget() noexcept { known_.fill(kUnknown); }
-  /// Pitch meant, Hz, > 0 and below half the sample rate. The trim stays, or becomes what that
-  /// semitone is known to need.
+  void forget() noexcept;
+  /// Pitch meant, Hz, > 0 and below half the sample rate. A pitch that leaps (by more than kLeap)
+  /// is another note, which is listened to from its beginning.
   void mean(double frequency_hz) noexcept;
-  /// The next samples of bore pressure, Pa; at most kPeriod between two calls of trim().
+  /// The next samples of bore pressure, Pa; at most kPeriod between two calls of hear().
   void listen(const double* bore_pressure, int count) noexcept;
-  /// Due after each kPeriod samples: natural logarithm of the factor by which the pitch is to be
-  /// changed from what linear theory chose.
-  double trim() noexcept;
+  /// Due after each kPeriod samples.
+  void hear() noexcept;
+  /// Natural logarithm of the factor by which the pitch is to be changed from what linear theory
+  /// chose.
+  [[nodiscard]] double trim() const noexcept { return trim_; }
+  /// Time constant of the integral controller at the pitch meant, s.
+  [[nodiscard]] double time() const noexcept { return time_; }
+
+  static constexpr double kLeap = 0.03; // half a semitone within kPeriod samples
 
 private:
-  double sample_rate_ = 48000, frequency_ = 0;
-  std::array<double, kPeriod> cosine_{}, sine_{};
   struct Sums {
     double real = 0, imaginary = 0, power = 0;
   };
+  struct Known {
+    double trim = 0;
+    bool sure = false; // it has sounded in tune
+  };
+  static constexpr double kLowest = 8; // Hz, of the first known pitch
+  static constexpr double kSteps = 24; // in an octave
+  static constexpr std::size_t kCount = 240;
+
+  void place(double frequency_hz) noexcept;
+  void change(double difference) noexcept;
+
+  double sample_rate_ = 48000, frequency_ = 0;
+  std::array<double, kPeriod> cosine_{}, sine_{};
   Sums even_, odd_;
   std::complex<double> turn_ = 1, phase_ = 1, smooth_ = 0, smoother_ = 0;
-  static constexpr double kUnknown = 1e9;
-  std::array<double, 128> known_; // trim by MIDI note
-  std::size_t note_ = 0;
-  double pole_ = 0, loudness_ = 0, power_pole_ = 0, trim_ = 0;
+  double glide_ = 0, smooth_glide_ = 0, smoother_glide_ = 0; // of ln f, per hearing
+  std::array<Known, kCount> known_{};
+  std::size_t note_ = 0; // the known pitch below the one meant,
+  double share_ = 0;     // and the share of the one above
+  double pole_ = 0, time_ = 0.1, loudness_ = 0, power_pole_ = 0, trim_ = 0;
   int place_ = 0;
 };
 

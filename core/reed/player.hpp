@@ -2,6 +2,7 @@
 
 #include "core/reed/bore_design.hpp"
 #include "core/reed/ear.hpp"
+#include "core/reed/length_table.hpp"
 #include "core/reed/parameters.hpp"
 
 namespace tactus::reed {
@@ -29,6 +30,8 @@ public:
 
   /// Due once per control period: f_b in Hz (not above 0: the parameters' length), f_r in Hz.
   const Hold& control(double bore_frequency, double reed_frequency) noexcept;
+  /// Whether a player plays a note: valve and bore then follow the hold at once.
+  [[nodiscard]] bool plays() const noexcept { return plays_; }
   /// Whether the player wants to hear the bore pressure (listen()).
   [[nodiscard]] bool listens() const noexcept { return listens_; }
   /// The samples of bore pressure since, Pa; at most Ear::kPeriod between two calls of control().
@@ -37,16 +40,17 @@ public:
   }
 
 private:
-  void choose(double reed_frequency) noexcept;
-  void trim(double logarithm) noexcept;
+  void set_trim(double logarithm, bool moved) noexcept;
 
   Parameters parameters_{};
   BoreDesign bore_{};
+  LengthTable lengths_{};
   Ear ear_{};
   Hold hold_{};
-  double bore_frequency_ = 0;
-  double own_scale_ = 1, trim_scale_ = 1; // of f_r: the choice, and the one that was trimmed
-  bool due_ = true, listens_ = false;
+  double bore_frequency_ = 0; // as given
+  double note_ = 0;           // f_b played, Hz; 0: none yet
+  double own_scale_ = 1;      // of f_r: the choice for the note, without the ear's trim
+  bool due_ = true, plays_ = false, listens_ = false;
 };
 
 } // namespace tactus::reed

@@ -52,6 +52,7 @@ public:
     sample_rate_ = sample_rate;
     line_.prepare(longest_delay(sample_rate * kMostOversampling));
     slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
+    at_once_ = kAtOnce * kControlPeriod / sample_rate;
     player_.prepare(sample_rate);
     apply(parameters_);
     reset();
@@ -87,24 +88,30 @@ public:
                            V(parameters_.reed_frequency));
     const Player::Hold& hold =
         player_.control(bore_frequency, static_cast<double>(simd::lane(given, 0)));
+    end_substeps();
     if (hold.valve_changed)
       take(hold.valve);
     if (hold.trim != trim_ || hold.valve_changed)
       trim(hold.trim, hold.length);
     const V target = V(kTwoPi * hold.reed_scale) *
                      simd::minimum(simd::maximum(given, V(1.0)), V(0.45 * sample_rate_));
+    const bool played = player_.plays();
     omega_from_ = fresh_ ? target : omega_to_;
-    omega_to_ = omega_from_ + V(slew_) * (target - omega_from_);
+    omega_to_ = omega_from_ + followed(target - omega_from_, omega_from_, played);
     omega_to_ = select(absolute(target - omega_to_) < V(1e-6) * target, target, omega_to_);
-    const auto moving = (omega_from_ < omega_to_) | (omega_to_ < omega_from_);
+    const bool moving = any((omega_from_ < omega_to_) | (omega_to_ < omega_from_));
     const bool moved = reed_moves_;
-    reed_moves_ = any(moving);
-    if (!reed_moves_ && (moved || steady_due_ || fresh_)) {
+    reed_moves_ = moving && !played;
+    valve_moves_ = valve_moves_ || (moving && played);
+    if (!reed_moves_ && !valve_moves_ && (moved || steady_due_ || fresh_)) {
       steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
       steady_due_ = false;
     }
 
-    const double next = fresh_ ? hold.length : length_to_ + slew_ * (hold.length - length_to_);
+    const double next =
+        fresh_ ? hold.length
+               : length_to_ +
+                     simd::lane(followed(V(hold.length - length_to_), V(length_to_), played), 0);
     move_bore(std::abs(hold.length - next) < 1e-7 * hold.length ? hold.length : next);
     if (fresh_)
       delay_from_ = trip_.delay;
@@ -129,6 +136,8 @@ private:
   static constexpr int kChunk = 64; // internal samples computed in one go
   static constexpr int kMostOversampling = 4;
   static constexpr double kSlewTime = 5e-3; // s
+  static constexpr int kSubsteps = 4;       // of the valve, in a control period
+  static constexpr double kAtOnce = 25;     // 1/s: an octave in 30 ms is followed without delay
   static constexpr double kSilence = 1e-20; // below, a state is nothing: denormals are dear
   using Signal = std::array<V, kChunk>;
 
@@ -145,6 +154,8 @@ private:
     radiation_.set(RadiationConstants::from(parameters_, design_, rate));
     player_.set(parameters_, design_);
     place_valve(old);
+    from_ = to_ = constants_;
+    valve_moves_ = false;
     steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
     steady_due_ = trip_due_ = true;
     if (oversampling_ != before)
@@ -174,11 +185,53 @@ private:
     state_.remember(constants_);
   }
 
+  /// How far something goes within a control period towards what it is to be. What a player moves
+  /// steadily is there in time, so that glides and vibrato do not lag behind; the rest of a leap
+  /// takes its time.
+  [[nodiscard]] V followed(const V& way, const V& size, bool played) const noexcept {
+    const V part = V(slew_) * way;
+    if (!played)
+      return part;
+    const V room = simd::minimum(simd::absolute(way), V(at_once_) * simd::absolute(size));
+    return simd::copy_sign(simd::maximum(simd::absolute(part), room), way);
+  }
+
+  /// The valve is to be held so: at once when nothing sounds yet or nobody plays a note, else in
+  /// kSubsteps within this control period.
   void take(const Parameters& valve) noexcept {
-    const ValveConstants old = constants_;
-    constants_ = ValveConstants::from(valve, design_, sample_rate_ * oversampling_);
-    place_valve(old);
+    const ValveConstants held = ValveConstants::from(valve, design_, sample_rate_ * oversampling_);
     steady_due_ = true;
+    if (player_.plays() && !fresh_) {
+      from_ = constants_;
+      to_ = held;
+      valve_moves_ = true;
+      return;
+    }
+    const ValveConstants old = constants_;
+    from_ = to_ = constants_ = held;
+    place_valve(old);
+  }
+
+  void end_substeps() noexcept {
+    if (!valve_moves_)
+      return;
+    valve_moves_ = false;
+    steady_due_ = true;
+    const ValveConstants old = constants_;
+    from_ = constants_ = to_;
+    place_valve(old);
+  }
+
+  /// The valve as it is held in the middle of a part of the control period.
+  void substep(int step) noexcept {
+    const double share = (step + 0.5) / kSubsteps;
+    const ValveConstants old = constants_;
+    constants_ = ValveConstants::between(from_, to_, share);
+    if (constants_.rest_opening != old.rest_opening || constants_.lowest != old.lowest ||
+        constants_.highest != old.highest)
+      place_valve(old);
+    steady_ =
+        ReedCoefficients<V>::at(constants_, omega_from_ + V(share) * (omega_to_ - omega_from_));
   }
 
   /// The bore sounds sharper by exp(logarithm) than one of the length chosen.
@@ -209,8 +262,8 @@ private:
       steepening_length_ = length_to_;
       return;
     }
-    const double note = std::clamp(bore_frequency, BoreDesign::kLowestFrequency,
-                                   BoreDesign::kHighestFrequency);
+    const double note =
+        std::clamp(bore_frequency, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
     const double length = parameters_.steepening * design_.air().sound_speed / note;
     steepening_length_ += (fresh_ ? 1 : slew_) * (length - steepening_length_);
   }
@@ -294,10 +347,18 @@ private:
         for (int i = 0; i < part; ++i)
           moving_[index(i)] = ReedCoefficients<V>::at(
               constants_, omega_from_ + V((phase + i + 1) / period()) * (omega_to_ - omega_from_));
-      step(reed_moves_ ? moving_.data() : &steady_, reed_moves_ ? 1 : 0,
-           {mouth + done, noisy ? noise.data() + done : nullptr, wave, out.angle + done,
-            out.bore_pressure + done, out.flow + done},
-           part);
+      const int substep_size = valve_moves_ ? kControlPeriod / kSubsteps * oversampling_ : part;
+      for (int i = 0; i < part;) {
+        const int into = valve_moves_ ? (phase + i) % substep_size : 0, at = done + i;
+        if (valve_moves_ && into == 0)
+          substep((phase + i) / substep_size);
+        const int size = std::min(part - i, substep_size - into);
+        step(reed_moves_ ? moving_.data() : &steady_, reed_moves_ ? 1 : 0,
+             {mouth + at, noisy ? noise.data() + at : nullptr, wave + i, out.angle + at,
+              out.bore_pressure + at, out.flow + at},
+             size);
+        i += size;
+      }
       line_.advance(part);
       done += part;
     }
@@ -380,12 +441,14 @@ private:
   }
   static std::size_t index(int i) noexcept { return static_cast<std::size_t>(i); }
 
-  double sample_rate_ = 0, slew_ = 1;
+  double sample_rate_ = 0, slew_ = 1, at_once_ = 0;
   int oversampling_ = 1, phase_ = kControlPeriod;
-  bool fresh_ = true, reed_moves_ = false, trip_due_ = true, steady_due_ = true;
+  bool fresh_ = true, reed_moves_ = false, valve_moves_ = false, trip_due_ = true,
+       steady_due_ = true;
   Parameters parameters_{};
   BoreDesign design_{};
   ValveConstants constants_{};
+  ValveConstants from_{}, to_{}; // while the player moves the valve
   RoundTrip trip_{};
   double length_to_ = 0.48, delay_from_ = 3;
   double steepening_length_ = 0.48;

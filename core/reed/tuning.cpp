@@ -1,5 +1,6 @@
 #include "core/reed/tuning.hpp"
 
+#include "core/reed/air.hpp"
 #include "core/reed/bore_design.hpp"
 #include "core/reed/linear_stability.hpp"
 #include "core/reed/radiation.hpp"
@@ -39,12 +40,7 @@ public:
       lumped_ += area / (s_ * air.density * p.apex_distance);
     end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection)
                                    : OpenEnd::reflection(s_ * p.end_radius / air.sound_speed);
-    wanted_ = p.type == ValveType::kOpen ? p.length : bore_.length_for(frequency);
-    if (p.type == ValveType::kOpen && p.highest_mode > 0) {
-      const double lowest = p.shape == BoreShape::kCone ? frequency / p.highest_mode
-                                                        : frequency / (2 * p.highest_mode - 1);
-      wanted_ = std::min(wanted_, bore_.length_for(lowest));
-    }
+    wanted_ = wanted_length(p, frequency);
   }
 
   [[nodiscard]] Candidate at(double mouth_pressure) const {
@@ -111,6 +107,19 @@ Playing lips_for(const Parameters& parameters, double aimed) {
 
 } // namespace
 
+double wanted_length(const Parameters& parameters, double bore_frequency) noexcept {
+  BoreDesign bore;
+  bore.set(parameters, 48000);
+  if (parameters.type != ValveType::kOpen)
+    return bore.length_for(bore_frequency);
+  if (!(parameters.highest_mode > 0))
+    return parameters.length;
+  const double lowest =
+      bore_frequency / (parameters.shape == BoreShape::kCone ? parameters.highest_mode
+                                                             : 2 * parameters.highest_mode - 1);
+  return std::min(parameters.length, bore.length_for(lowest));
+}
+
 double tuned_length(const Parameters& parameters, double bore_frequency, double reed_frequency,
                     double over_threshold) noexcept {
   constexpr int kPressures = 32;
@@ -141,14 +150,44 @@ double tuned_length(const Parameters& parameters, double bore_frequency, double 
   return std::clamp(best.length, 5e-3, bore.longest());
 }
 
+double turns_of(const Parameters& parameters, double bore_frequency, double length) noexcept {
+  const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
+  const double speed = air_at(parameters.temperature).sound_speed;
+  const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
+  return (2 * omega * length / speed + loss * std::sqrt(omega / 2)) / (2 * kPi);
+}
+
+double length_of(const Parameters& parameters, double bore_frequency, double turns) noexcept {
+  const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
+  const double speed = air_at(parameters.temperature).sound_speed;
+  double length = parameters.length;
+  for (int i = 0; i < 3; ++i) {
+    const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
+    length = std::max(5e-3, (2 * kPi * turns - loss * std::sqrt(omega / 2)) * speed / (2 * omega));
+  }
+  return length;
+}
+
+bool valve_alone(const Parameters& parameters, double bore_frequency) noexcept {
+  if (!(parameters.embouchure > 0))
+    return false;
+  BoreDesign bore;
+  bore.set(parameters, 48000);
+  return aim_of(parameters, bore_frequency) <=
+         kValveAlone * bore.ideal_frequency(parameters.length);
+}
+
+Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept {
+  return lips_for(parameters, aim_of(parameters, bore_frequency));
+}
+
 Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency) noexcept {
   const double aimed = aim_of(parameters, bore_frequency);
   Playing playing = lips_for(parameters, aimed);
   const Parameters& valve = playing.valve;
-  const double reed = parameters.embouchure > 0 ? embouchure_at(parameters, aimed) * aimed : reed_frequency;
-  BoreDesign bore;
-  bore.set(parameters, 48000);
-  if (!(parameters.embouchure > 0) || aimed > kValveAlone * bore.ideal_frequency(parameters.length))
+  const double reed =
+      parameters.embouchure > 0 ? embouchure_at(parameters, aimed) * aimed : reed_frequency;
+  if (!valve_alone(parameters, bore_frequency))
     playing.length =
         tuned_length(valve, aimed, reed, parameters.embouchure > 0 ? kPlayingLips : kPlaying);
   return playing;
@@ -160,7 +199,7 @@ Playing embouchure_for(const Parameters& parameters, double bore_frequency,
   if (parameters.tune && bore_frequency > 0 && !(parameters.length_override > 0)) {
     const double note =
         std::clamp(bore_frequency, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
-    playing = lips_for(parameters, aim_of(parameters, note));
+    playing = player_lips(parameters, note);
   }
   playing.length = length_m;
   return playing;

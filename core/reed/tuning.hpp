@@ -4,6 +4,11 @@
 
 namespace tactus::reed {
 
+/// Length of the bore, m, near which a note (Hz) is looked for: where its ideal lowest resonance
+/// lies. Lips choose a resonance of the instrument's own bore, or with Parameters::highest_mode one
+/// not above that, on a shorter bore.
+[[nodiscard]] double wanted_length(const Parameters& parameters, double bore_frequency) noexcept;
+
 /// Length of the bore, m, with which the instrument's linear playing frequency is bore_frequency
 /// (Hz) at that reed frequency (Hz): the neutral oscillation exp(i 2 pi f_b t) of
 /// Y_in(L) = Y_valve(p_m) at the lowest pressure that has one, or at over_threshold >= 1 times that
@@ -33,6 +38,20 @@ struct Playing {
 /// length.
 [[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
                             double reed_frequency) noexcept;
+
+/// The round trip of a bore of that length, m, at the note bore_frequency (Hz), in turns: the delay
+/// and what the wall loss adds to it.
+[[nodiscard]] double turns_of(const Parameters& parameters, double bore_frequency,
+                              double length) noexcept;
+/// The inverse: L in m, at least 5 mm.
+[[nodiscard]] double length_of(const Parameters& parameters, double bore_frequency,
+                               double turns) noexcept;
+
+/// Whether the note lies so far below the bore's lowest resonance that it is the valve's alone.
+[[nodiscard]] bool valve_alone(const Parameters& parameters, double bore_frequency) noexcept;
+
+/// The lips of tuned(), without the search for a length: that is the parameters' own.
+[[nodiscard]] Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept;
 
 /// The instrument as it is held for the note bore_frequency (Hz; 0: none) on a bore of that length:
 /// with `tune`, a note and no length of one's own the lips are those of tuned(), else the valve is

@@ -44,4 +44,34 @@ ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
   return c;
 }
 
+ValveConstants ValveConstants::between(const ValveConstants& from, const ValveConstants& to,
+                                       double share) noexcept {
+  ValveConstants c = to;
+  for (double ValveConstants::*member : {&ValveConstants::rest_opening,
+                                         &ValveConstants::lowest,
+                                         &ValveConstants::highest,
+                                         &ValveConstants::width,
+                                         &ValveConstants::leak,
+                                         &ValveConstants::mouth_area,
+                                         &ValveConstants::bore_area,
+                                         &ValveConstants::swept_area,
+                                         &ValveConstants::flow_area,
+                                         &ValveConstants::mass,
+                                         &ValveConstants::damping,
+                                         &ValveConstants::momentum,
+                                         &ValveConstants::density,
+                                         &ValveConstants::specific_volume,
+                                         &ValveConstants::inertia,
+                                         &ValveConstants::channel_length,
+                                         &ValveConstants::restitution,
+                                         &ValveConstants::wave_admittance,
+                                         &ValveConstants::port_admittance,
+                                         &ValveConstants::inertance_rate,
+                                         &ValveConstants::compliance_rate,
+                                         &ValveConstants::angle_scale})
+    c.*member = from.*member + share * (to.*member - from.*member);
+  c.rigid_impedance = 1 / c.port_admittance;
+  return c;
+}
+
 } // namespace tactus::reed

@@ -40,6 +40,10 @@ struct ValveConstants {
 
   static ValveConstants from(const Parameters& parameters, const BoreDesign& bore,
                              double internal_rate) noexcept;
+  /// A share of the way from one to another of the same rate: every number runs straight; words and
+  /// switches are those of `to`.
+  static ValveConstants between(const ValveConstants& from, const ValveConstants& to,
+                                double share) noexcept;
 };
 
 } // namespace tactus::reed
