@@ -7,7 +7,6 @@
 // foreign tone dB, cents and number in the wrong register.
 #include "core/reed/instrument.hpp"
 #include "core/reed/presets.hpp"
-#include "core/reed/tongue.hpp"
 #include "externals/greed~/declaration.hpp"
 #include "tests/core/reed/note_measure.hpp"
 
@@ -23,7 +22,7 @@ namespace {
 using namespace tactus::reed;
 
 struct Follow {
-  double pressure = 0, opening = 0.5, stiffness = 0.5, quality = 0, tongue = 0;
+  double pressure = 0, opening = 0.5, stiffness = 0.5, quality = 0;
 };
 
 bool set(Parameters& parameters, Follow& follow, const std::string& name, double value) {
@@ -35,14 +34,8 @@ bool set(Parameters& parameters, Follow& follow, const std::string& name, double
     return follow.stiffness = value, true;
   if (name == "emulate_quality")
     return follow.quality = value, true;
-  if (name == "slope")
-    return parameters.embouchure_slope = value, true;
   if (name == "etongue")
-    return follow.tongue = value, true;
-  if (name == "steepening")
-    return parameters.steepening = value, true;
-  if (name == "highest_mode")
-    return parameters.highest_mode = value, true;
+    return parameters.tongue = value, true;
   for (std::size_t i = 0; i < tactus::greed::kParameters.size(); ++i)
     if (tactus::greed::kParameters[i].name == name) {
       tactus::greed::kMembers[i].set(parameters, value);
@@ -84,14 +77,10 @@ bool play(std::istringstream& line) {
   while (line >> name >> value)
     if (!set(parameters, follow, name, value))
       return false;
-  std::vector<double> mouth = contour(points, rate);
+  const std::vector<double> mouth = contour(points, rate);
   if (mouth.empty())
     return false;
-  Tongue tongue;
-  tongue.prepare(rate);
-  tongue.set_burst(follow.tongue);
-  const std::vector<double> breaths = mouth;
-  tongue.shape(mouth.data(), static_cast<int>(mouth.size()));
+
   Instrument instrument;
   instrument.set(parameters);
   instrument.prepare(rate, 64);
@@ -105,7 +94,7 @@ bool play(std::istringstream& line) {
     double breath = 0, held = 0;
     for (std::size_t n = 0; n < size; n += 32) {
       const std::size_t count = std::min(size - n, std::size_t{32});
-      breath += (breaths[n] - breath) * 32 / (0.005 * rate + 32);
+      breath += (mouth[n] - breath) * 32 / (0.005 * rate + 32);
       const double ratio = std::clamp(breath / follow.pressure, 0.1, 4.0);
       if (std::abs(ratio - held) > 0.003 * ratio) {
         Parameters now = parameters;

@@ -27,11 +27,14 @@ void follow(double& kept, double given) noexcept {
 } // namespace
 
 void Instrument::prepare(double sample_rate, std::size_t) {
-  bank_.prepare(std::clamp(sample_rate, 1000.0, 1e6));
+  sample_rate = std::clamp(sample_rate, 1000.0, 1e6);
+  bank_.prepare(sample_rate);
+  tongue_.prepare(sample_rate);
 }
 
 void Instrument::reset() noexcept {
   bank_.reset();
+  tongue_.reset();
   last_pressure_ = reed_frequency_ = bore_frequency_ = 0;
 }
 
@@ -61,6 +64,8 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
                                         : before;
       }
     last_pressure_ = mouth[count - 1];
+    if (bore_frequency_ > 0)
+      tongue_.shape(mouth.data(), static_cast<int>(count));
     bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
               static_cast<int>(count));
     bool loud = false;

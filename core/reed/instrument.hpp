@@ -2,6 +2,7 @@
 
 #include "core/reed/parameters.hpp"
 #include "core/reed/reed_bank.hpp"
+#include "core/reed/tongue.hpp"
 
 #include <array>
 #include <cstddef>
@@ -24,8 +25,14 @@ public:
   /// air from rest. Blocks of any size are taken, whatever max_block says.
   void prepare(double sample_rate, std::size_t max_block);
   /// Takes the nearest usable parameters (see clamped()). Another oversampling stills the air.
-  void set(const Parameters& parameters) noexcept { bank_.set(parameters); }
+  void set(const Parameters& parameters) noexcept {
+    bank_.set(parameters);
+    tongue_.set_burst(bank_.parameters().tune ? bank_.parameters().tongue : 0);
+  }
   [[nodiscard]] const Parameters& parameters() const noexcept { return bank_.parameters(); }
+  /// The note is tongued: the breath stops for some 12 ms and comes back at once. Only a player
+  /// (`tune 1`) has a tongue.
+  void articulate() noexcept { tongue_.articulate(); }
   /// Valve at rest, air still, noise from its beginning.
   void reset() noexcept;
   /// L in use, m.
@@ -47,6 +54,7 @@ public:
 private:
   static constexpr std::size_t kStretch = ReedBank<double>::kControlPeriod;
   ReedBank<double> bank_;
+  Tongue tongue_;
   double last_pressure_ = 0, reed_frequency_ = 0, bore_frequency_ = 0;
 };
 

@@ -60,6 +60,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   for (double Parameters::*lip : {&Parameters::lip_mass, &Parameters::lip_opening,
                                   &Parameters::lip_width, &Parameters::lip_quality})
     p.*lip = bounded(p.*lip, 0.01, 100, 1);
+  p.tongue = bounded(p.tongue, 0, 3, kInitial.tongue);
   p.gain = bounded(p.gain, 0, 1e6, kInitial.gain);
   return p;
 }

@@ -45,23 +45,24 @@ struct Parameters {
 
   // numerics and voice
   FlowMethod flow = FlowMethod::kImplicit;
-  int oversampling = 0;    // 1, 2 or 4; 0: 4 for the swinging valve, else 1
-  double breath_noise = 0; // relative to the mouth pressure
+  int oversampling = 0;       // 1, 2 or 4; 0: 4 for the swinging valve, else 1
+  double breath_noise = 1e-7; // relative to the mouth pressure; as little starts a slow breath
   unsigned seed = 1;
   bool tune = false; // a player plays f_b: chooses length and embouchure, and listens
   bool ear = true;   // with tune: correct what is heard out of tune
   double gain = 2;   // of the sound outlet, 1/Pa at 1 m before the soft clip
 
   // the player's lips, with tune: what they keep of the note, and factors on the valve above
-  double embouchure = 0; // f_r/f_b; 0: a reed, whose f_r stays as given
+  double embouchure = 0;       // f_r/f_b; 0: a reed, whose f_r stays as given
   double embouchure_slope = 0; // power of f_b/f_r by which that share changes with the note
   double highest_mode = 0; // of the bore, that lips sound; 0: whichever lies nearest to its length
-  double steepening = 0;  // wavelengths, what brassiness counts; 0: the bore as it is played
-  double aim = 0;        // cents beside f_b: what sounding loud adds, known by practice
+  double steepening = 0;   // wavelengths, what brassiness counts; 0: the bore as it is played
+  double aim = 0;          // cents beside f_b: what sounding loud adds, known by practice
   double lip_mass = 1;
   double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
+  double tongue = 0; // by how much of p_m the breath's first push exceeds it; 0: no tongue
 };
 
 /// The nearest parameters with which a model can be computed: finite, within wide physical bounds,

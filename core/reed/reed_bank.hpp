@@ -138,6 +138,9 @@ private:
   static constexpr double kSlewTime = 5e-3; // s
   static constexpr int kSubsteps = 4;       // of the valve, in a control period
   static constexpr double kAtOnce = 25;     // 1/s: an octave in 30 ms is followed without delay
+  /// Up to here noise is a share of the mouth pressure and even; it need not stop when the valve
+  /// shuts, and costs a fraction of what the jet's own does.
+  static constexpr double kFaintNoise = 1e-5;
   static constexpr double kSilence = 1e-20; // below, a state is nothing: denormals are dear
   using Signal = std::array<V, kChunk>;
 
@@ -325,12 +328,19 @@ private:
   /// count internal samples.
   void advance(const V* mouth, const Outputs& out, int count) noexcept {
     std::array<double, kChunk> noise;
-    const bool noisy = parameters_.breath_noise > 0;
-    if (noisy) {
-      // The same power in each hertz at any rate; never more than what drives the jet.
-      const double size = parameters_.breath_noise * std::sqrt(sample_rate_ * oversampling_ / 48e3);
+    Signal breath;
+    const bool noisy = parameters_.breath_noise > kFaintNoise;
+    // The same power in each hertz at any rate.
+    const double strength =
+        parameters_.breath_noise * std::sqrt(sample_rate_ * oversampling_ / 48e3);
+    if (noisy) { // never more than what drives the jet
       for (int i = 0; i < count; ++i)
-        noise[index(i)] = std::clamp(size * random_.normal(), -0.9, 0.9);
+        noise[index(i)] = std::clamp(strength * random_.normal(), -0.9, 0.9);
+    } else if (strength > 0) {
+      const double reach = strength * std::numbers::sqrt3;
+      for (int i = 0; i < count; ++i)
+        breath[index(i)] = mouth[i] * V(1 + reach * (2 * random_.uniform() - 1));
+      mouth = breath.data();
     }
     for (int done = 0; done < count;) {
       const int phase = phase_ * oversampling_ + done;

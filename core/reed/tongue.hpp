@@ -21,7 +21,10 @@ namespace tactus::reed {
 /// a twentieth in 2 ms), at most 12 ms. articulate() asks for it within a breath.
 class Tongue {
 public:
+  /// Another rate puts it at rest.
   void prepare(double sample_rate) noexcept {
+    if (sample_rate == sample_rate_)
+      return;
     sample_rate_ = sample_rate;
     decay_ = std::exp(-1 / (kBurstTime * sample_rate));
     reset();
@@ -51,7 +54,7 @@ private:
   enum class State { kResting, kHolding, kClosing, kOpen };
   static constexpr double kBurstTime = 0.025, kOpening = 1.5e-3, kRest = 5e-3; // s
   static constexpr double kHold = 12e-3, kLook = 2e-3;                         // s
-  static constexpr double kStill = 1;      // Pa: no breath
+  static constexpr double kStill = 1;                                          // Pa: no breath
   static constexpr double kSteepest = 4e3; // Pa/s that need no tongue
 
   [[nodiscard]] int samples(double seconds) const noexcept {
@@ -113,7 +116,7 @@ private:
     return open_ < 1 ? 0.5 - 0.5 * std::cos(std::numbers::pi * open_) : 1;
   }
 
-  double sample_rate_ = 48000, burst_ = 0, decay_ = 1;
+  double sample_rate_ = 0, burst_ = 0, decay_ = 1;
   State state_ = State::kResting;
   int since_ = 0;
   double before_ = 0, extra_ = 0, open_ = 0;

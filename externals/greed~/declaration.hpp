@@ -96,6 +96,14 @@ inline constexpr std::array kParameters{
     Parameter{"lip_opening", "", 1, 0.01, 100, "with tune: times theta0"},
     Parameter{"lip_width", "", 1, 0.01, 100, "with tune: times width"},
     Parameter{"lip_q", "", 1, 0.01, 100, "with tune: times q"},
+    Parameter{"slope", "", 0, -2, 2,
+              "with tune: power of f_b over the valve's own f_r by which embouchure changes"},
+    Parameter{"highest_mode", "", 0, 0, 100,
+              "with tune: highest resonance of the bore that lips sound; 0: any"},
+    Parameter{"steepening", "", 0, 0, 100,
+              "with tune: wavelengths that brassiness counts; 0: lengths of the bore"},
+    Parameter{"tongue_burst", "", 0, 0, 3,
+              "with tune: by how much the tongued breath exceeds p_m at first; 0: no tongue"},
     Parameter{"gain", "1/Pa", kInitial.gain, 0, 1000, "of the sound, before its soft clip"},
 };
 
@@ -138,6 +146,10 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::lip_opening>(),
     number<&Parameters::lip_width>(),
     number<&Parameters::lip_quality>(),
+    number<&Parameters::embouchure_slope>(),
+    number<&Parameters::highest_mode>(),
+    number<&Parameters::steepening>(),
+    number<&Parameters::tongue>(),
     number<&Parameters::gain>(),
 };
 
@@ -145,8 +157,9 @@ inline constexpr std::array kMessages{
     Message{"preset", "clarinet|sax|oboe|trumpet|trombone|voice|syrinx", 1, 1,
             "all of valve and bore at once"},
     Message{"reset", "", 0, 0, "valve at rest, air still"},
+    Message{"tongue", "", 0, 0, "with tune: the note is tongued anew"},
 };
-enum MessageIndex : std::size_t { kPreset, kReset };
+enum MessageIndex : std::size_t { kPreset, kReset, kTongue };
 
 inline constexpr std::array kInlets{
     Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},

@@ -121,8 +121,8 @@ private:
 /// One stretch of a note.
 struct NoteMeasure {
   double frequency_hz = 0;
-  double cents = 0;       // from the pitch meant
-  double foreign_db = 0;  // strongest tone that is no harmonic, relative to the strongest partial
+  double cents = 0;      // from the pitch meant
+  double foreign_db = 0; // strongest tone that is no harmonic, relative to the strongest partial
   double foreign_hz = 0;
   double first_db = -300; // first harmonic of the bore pressure, relative to its strongest partial
   double rms = 0, bore_rms = 0;
@@ -186,8 +186,8 @@ inline std::vector<double> envelope(std::span<const double> x, double rate, doub
 /// recording's length if it never does.
 inline double time_to(const Recording& r, double frequency_hz, double level) {
   const std::vector<double> loudness = envelope(r.sound, r.rate, frequency_hz);
-  const auto at = std::find_if(loudness.begin(), loudness.end(),
-                               [&](double here) { return here >= level; });
+  const auto at =
+      std::find_if(loudness.begin(), loudness.end(), [&](double here) { return here >= level; });
   return static_cast<double>(at - loudness.begin()) / r.rate;
 }
 
