@@ -10,7 +10,6 @@
 #include "externals/greed~/declaration.hpp"
 #include "tests/core/reed/note_measure.hpp"
 
-#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <sstream>
@@ -21,19 +20,15 @@ namespace {
 
 using namespace tactus::reed;
 
-struct Follow {
-  double pressure = 0, opening = 0.5, stiffness = 0.5, quality = 0;
-};
-
-bool set(Parameters& parameters, Follow& follow, const std::string& name, double value) {
+bool set(Parameters& parameters, const std::string& name, double value) {
   if (name == "emulate_pressure")
-    return follow.pressure = value, true;
+    return parameters.breath_reference = value, true;
   if (name == "emulate_opening")
-    return follow.opening = value, true;
+    return parameters.breath_opening = value, true;
   if (name == "emulate_stiffness")
-    return follow.stiffness = value, true;
+    return parameters.breath_tension = value, true;
   if (name == "emulate_quality")
-    return follow.quality = value, true;
+    return parameters.breath_quality = value, true;
   if (name == "etongue")
     return parameters.tongue = value, true;
   for (std::size_t i = 0; i < tactus::greed::kParameters.size(); ++i)
@@ -73,9 +68,8 @@ bool play(std::istringstream& line) {
     return false;
   Parameters parameters = *found;
   parameters.tune = true;
-  Follow follow;
   while (line >> name >> value)
-    if (!set(parameters, follow, name, value))
+    if (!set(parameters, name, value))
       return false;
   const std::vector<double> mouth = contour(points, rate);
   if (mouth.empty())
@@ -84,34 +78,7 @@ bool play(std::istringstream& line) {
   Instrument instrument;
   instrument.set(parameters);
   instrument.prepare(rate, 64);
-  test::Recording r;
-  if (follow.pressure > 0) {
-    // The lips go with the breath, smoothed by 5 ms.
-    const std::size_t size = mouth.size();
-    r.rate = rate;
-    for (auto* signal : {&r.sound, &r.theta, &r.bore_pressure, &r.flow})
-      signal->resize(size);
-    double breath = 0, held = 0;
-    for (std::size_t n = 0; n < size; n += 32) {
-      const std::size_t count = std::min(size - n, std::size_t{32});
-      breath += (mouth[n] - breath) * 32 / (0.005 * rate + 32);
-      const double ratio = std::clamp(breath / follow.pressure, 0.1, 4.0);
-      if (std::abs(ratio - held) > 0.003 * ratio) {
-        Parameters now = parameters;
-        now.lip_opening *= std::pow(ratio, follow.opening);
-        now.lip_mass *= std::pow(ratio, follow.stiffness);
-        now.lip_quality *= std::pow(ratio, follow.quality);
-        instrument.set(now);
-        held = ratio;
-      }
-      const std::vector<double> reeds(count, 0.0), bores(count, bore);
-      const auto out = [&](std::vector<double>& x) { return std::span(x.data() + n, count); };
-      instrument.process<double>(std::span(mouth.data() + n, count), reeds, bores, out(r.sound),
-                                 out(r.theta), out(r.bore_pressure), out(r.flow));
-    }
-  } else {
-    r = test::play(instrument, mouth, rate, 0, bore);
-  }
+  const test::Recording r = test::play(instrument, mouth, rate, 0, bore);
   const test::NoteMeasure note = test::measure_note(r, bore, from, to);
   double top = 0;
   for (const double level : test::envelope(r.sound, rate, 50))

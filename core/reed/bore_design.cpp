@@ -30,6 +30,24 @@ Section section(double zero_ratio, double pole_ratio) { // K/zero, K/pole
 
 } // namespace
 
+RoundTrip RoundTrip::between(const RoundTrip& from, const RoundTrip& to, double share) noexcept {
+  RoundTrip trip = to;
+  const auto blend = [share](double& value, double start) {
+    value = start + share * (value - start);
+  };
+  for (std::size_t k = 0; k < kLossSections; ++k) {
+    blend(trip.loss_pole[k], from.loss_pole[k]);
+    blend(trip.loss_residue[k], from.loss_residue[k]);
+  }
+  for (std::size_t k = 0; k < trip.end_pole.size(); ++k) {
+    blend(trip.end_pole[k], from.end_pole[k]);
+    blend(trip.end_excess[k], from.end_excess[k]);
+  }
+  blend(trip.arriving_gain, from.arriving_gain);
+  blend(trip.returning_gain, from.returning_gain);
+  return trip;
+}
+
 int longest_delay(double internal_rate) noexcept {
   // The cone's round trip at the lowest frequency is one period; the filters need a little more.
   return static_cast<int>(internal_rate / BoreDesign::kLowestFrequency * 1.05) + 16;

@@ -20,6 +20,9 @@ struct RoundTrip {
   std::array<double, 2> end_pole{}, end_excess{};
   double arriving_gain = 1;
   double returning_gain = -1;
+
+  /// The filters a share of the way from one bore to one near it; the delay is that of `to`.
+  static RoundTrip between(const RoundTrip& from, const RoundTrip& to, double share) noexcept;
 };
 
 /// From the shape of the bore to its filters, at one internal sample rate.

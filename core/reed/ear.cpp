@@ -8,8 +8,8 @@ namespace tactus::reed {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kFarthest = 0.12; // two semitones, as relative frequency
-constexpr double kLimit = kFarthest;
+constexpr double kFarthest = 0.28; // four semitones, as relative frequency
+constexpr double kLimit = 0.25;
 constexpr double kInTune = 0.006; // ten cents: what is remembered as right
 constexpr double kQuiet = 10;     // Pa
 constexpr double kShare = 0.1;    // of the whole pressure's rms
@@ -31,6 +31,8 @@ void Ear::reset() noexcept {
   phase_ = 1;
   smooth_ = smoother_ = 0;
   glide_ = smooth_glide_ = smoother_glide_ = 0;
+  asked_ = smooth_asked_ = smoother_asked_ = heard_asked_ = 0;
+  wait_ = 0;
   even_ = odd_ = {};
   loudness_ = trim_ = 0;
   place_ = 0;
@@ -43,13 +45,16 @@ void Ear::forget() noexcept {
 }
 
 /// Finds the pitch meant among the known ones. What has not sounded there yet starts as it sounds
-/// now.
-void Ear::place(double frequency_hz) noexcept {
+/// now; the farther away that is, the less it says.
+void Ear::place(double frequency_hz, bool leap) noexcept {
   const double at = std::clamp(kSteps * std::log2(frequency_hz / kLowest), 0.0, kCount - 1.5);
   const auto note = static_cast<std::size_t>(at);
+  const double start = leap && frequency_ > 0
+                           ? trim_ / (1 + std::abs(std::log2(frequency_hz / frequency_)) * 3)
+                           : trim_;
   for (std::size_t i = note; i <= note + 1; ++i)
-    if (!known_[i].sure && i != note_ && i != note_ + 1)
-      known_[i].trim = trim_;
+    if (!known_[i].sure && (leap || (i != note_ && i != note_ + 1)))
+      known_[i].trim = start;
   note_ = note;
   share_ = at - static_cast<double>(note);
   trim_ = known_[note].trim + share_ * (known_[note + 1].trim - known_[note].trim);
@@ -73,8 +78,8 @@ void Ear::mean(double frequency_hz) noexcept {
   }
   const bool leap = !(std::abs(frequency_hz - frequency_) < kLeap * frequency_);
   glide_ = leap ? 0 : frequency_hz / frequency_ - 1;
+  place(frequency_hz, leap);
   frequency_ = frequency_hz;
-  place(frequency_hz);
   // exp(-i omega k) for a hearing, doubled up from its first.
   const double omega = kTwoPi * frequency_hz / sample_rate_;
   cosine_[0] = 1;
@@ -94,9 +99,12 @@ void Ear::mean(double frequency_hz) noexcept {
   const double corner = std::clamp(frequency_hz / 8, 2.0, 100.0);
   pole_ = 1 / (1 + kTwoPi * corner * kPeriod / sample_rate_);
   const double delay = 2 / (kTwoPi * corner);
-  time_ = std::clamp(3 * delay + 2 / frequency_hz, 0.04, 0.2);
-  if (leap)
+  time_ = std::max(1.5 * delay, 0.03);
+  sound_pole_ = 1 / (1 + frequency_hz * kPeriod / (2 * sample_rate_));
+  if (leap) {
     smooth_ = smoother_ = smooth_glide_ = smoother_glide_ = 0;
+    wait_ = static_cast<int>(delay * sample_rate_ / kPeriod);
+  }
 }
 
 void Ear::listen(const double* bore_pressure, int count) noexcept {
@@ -137,6 +145,9 @@ void Ear::hear() noexcept {
   smoother_ = smooth_ + pole_ * (smoother_ - smooth_);
   smooth_glide_ = glide_ + pole_ * (smooth_glide_ - glide_);
   smoother_glide_ = smooth_glide_ + pole_ * (smoother_glide_ - smooth_glide_);
+  heard_asked_ = asked_ + sound_pole_ * (heard_asked_ - asked_);
+  smooth_asked_ = heard_asked_ + pole_ * (smooth_asked_ - heard_asked_);
+  smoother_asked_ = smooth_asked_ + pole_ * (smoother_asked_ - smooth_asked_);
   const double power = (even_.power + odd_.power) / kPeriod;
   loudness_ = power + power_pole_ * (loudness_ - power);
   even_ = odd_ = {};
@@ -149,15 +160,24 @@ void Ear::hear() noexcept {
     forget();
     return;
   }
-  if (amplitude < kQuiet || amplitude * amplitude < kShare * kShare * loudness_ ||
-      std::norm(before) < 0.25 * std::norm(smoother_))
+  if (amplitude < kQuiet || amplitude * amplitude < kShare * kShare * loudness_) {
+    wait_ = std::max(wait_, static_cast<int>(time_ * sample_rate_ / kPeriod));
     return;
+  }
+  if (wait_ > 0) {
+    --wait_;
+    return;
+  }
   const double period = kPeriod / sample_rate_;
-  const double error = std::arg(smoother_ * std::conj(before)) / (kTwoPi * frequency_ * period);
-  if (!(std::abs(error) < kFarthest))
+  const double heard_error =
+      std::arg(smoother_ * std::conj(before)) / (kTwoPi * frequency_ * period);
+  if (!(std::abs(heard_error) < kFarthest))
     return;
+  const double error = heard_error + asked_ - smoother_asked_;
   const double speed = smoother_glide_ / (period * kSlow);
-  change(-error * period / (time_ * (1 + speed * speed)));
+  const double step = -error * period / (time_ * (1 + speed * speed));
+  asked_ += step;
+  change(step);
   if (std::abs(error) < kInTune) {
     known_[note_].sure |= share_ < 0.7;
     known_[note_ + 1].sure |= share_ > 0.3;

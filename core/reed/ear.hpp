@@ -58,7 +58,7 @@ private:
   static constexpr double kSteps = 24; // in an octave
   static constexpr std::size_t kCount = 240;
 
-  void place(double frequency_hz) noexcept;
+  void place(double frequency_hz, bool leap) noexcept;
   void change(double difference) noexcept;
 
   double sample_rate_ = 48000, frequency_ = 0;
@@ -66,6 +66,9 @@ private:
   Sums even_, odd_;
   std::complex<double> turn_ = 1, phase_ = 1, smooth_ = 0, smoother_ = 0;
   double glide_ = 0, smooth_glide_ = 0, smoother_glide_ = 0; // of ln f, per hearing
+  // The changes asked for, as the sound shows them, and as the smoothing does.
+  double asked_ = 0, heard_asked_ = 0, smooth_asked_ = 0, smoother_asked_ = 0, sound_pole_ = 0;
+  int wait_ = 0; // hearings until the filters have settled
   std::array<Known, kCount> known_{};
   std::size_t note_ = 0; // the known pitch below the one meant,
   double share_ = 0;     // and the share of the one above

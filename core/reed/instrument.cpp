@@ -26,15 +26,33 @@ void follow(double& kept, double given) noexcept {
 
 } // namespace
 
+/// Straight to the parameters' gain within ParameterGlide::kTime; at once before the first sample.
+void Instrument::move_gain() noexcept {
+  const double wanted = bank_.parameters().gain;
+  if (gain_due_) {
+    gain_ = wanted;
+    gain_due_ = false;
+  }
+  if (wanted != gain_wanted_) {
+    gain_wanted_ = wanted;
+    gain_rate_ = (wanted - gain_) / gain_periods_;
+  }
+  const double rest = wanted - gain_;
+  gain_step_ = std::abs(rest) > 1.5 * std::abs(gain_rate_) ? gain_rate_ : rest;
+  gain_ = gain_step_ == rest ? wanted : gain_ + gain_step_;
+}
+
 void Instrument::prepare(double sample_rate, std::size_t) {
   sample_rate = std::clamp(sample_rate, 1000.0, 1e6);
   bank_.prepare(sample_rate);
   tongue_.prepare(sample_rate);
+  gain_periods_ = ParameterGlide::kTime * sample_rate / kStretch + 1;
 }
 
 void Instrument::reset() noexcept {
   bank_.reset();
   tongue_.reset();
+  gain_due_ = true;
   last_pressure_ = reed_frequency_ = bore_frequency_ = 0;
 }
 
@@ -43,12 +61,13 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
                          std::span<const S> bore_frequency, std::span<S> sound, std::span<S> theta,
                          std::span<S> bore_pressure, std::span<S> flow) noexcept {
   std::array<double, kStretch> mouth, radiated, angle, bore, through;
-  const double gain = bank_.parameters().gain;
   for (std::size_t done = 0; done < mouth_pressure.size();) {
     if (bank_.until_control() == 0) {
       follow(reed_frequency_, static_cast<double>(reed_frequency[done]));
       follow(bore_frequency_, static_cast<double>(bore_frequency[done]));
-      bank_.control(reed_frequency_, bore_frequency_);
+      // The lips go with the breath, not with what the tongue lets through.
+      bank_.control(reed_frequency_, bore_frequency_, std::max(0.0, last_pressure_));
+      move_gain();
     }
     const std::size_t count =
         std::min(mouth_pressure.size() - done, static_cast<std::size_t>(bank_.until_control()));
@@ -68,9 +87,16 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
       tongue_.shape(mouth.data(), static_cast<int>(count));
     bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
               static_cast<int>(count));
+    if (gain_step_ != 0) {
+      const auto left = static_cast<double>(bank_.until_control());
+      for (std::size_t i = 0; i < count; ++i)
+        radiated[i] *= gain_ - gain_step_ * (left + static_cast<double>(count - 1 - i)) / kStretch;
+    } else {
+      for (std::size_t i = 0; i < count; ++i)
+        radiated[i] *= gain_;
+    }
     bool loud = false;
     for (std::size_t i = 0; i < count; ++i) {
-      radiated[i] *= gain;
       loud |= std::abs(radiated[i]) > kClipped;
     }
     if (loud)

@@ -25,6 +25,7 @@ public:
   /// air from rest. Blocks of any size are taken, whatever max_block says.
   void prepare(double sample_rate, std::size_t max_block);
   /// Takes the nearest usable parameters (see clamped()). Another oversampling stills the air.
+  /// While it sounds, numbers take some 16 ms, and switches and words fade the sound out and in.
   void set(const Parameters& parameters) noexcept {
     bank_.set(parameters);
     tongue_.set_burst(bank_.parameters().tune ? bank_.parameters().tongue : 0);
@@ -37,6 +38,9 @@ public:
   void reset() noexcept;
   /// L in use, m.
   [[nodiscard]] double length() const noexcept { return bank_.length(); }
+
+  /// The notes that the player refused, with `tune` (Parameters::lowest_note, highest_note).
+  [[nodiscard]] const Refusal& refusal() const noexcept { return bank_.refusal(); }
 
   /// One block; all spans of the same length, outputs may be inputs.
   /// mouth_pressure p_m in Pa.
@@ -55,6 +59,12 @@ private:
   static constexpr std::size_t kStretch = ReedBank<double>::kControlPeriod;
   ReedBank<double> bank_;
   Tongue tongue_;
+  void move_gain() noexcept;
+
+  double gain_ = 0, gain_step_ = 0;        // at the end of this control period, and the way there
+  double gain_wanted_ = 0, gain_rate_ = 0; // a control period
+  double gain_periods_ = 1;
+  bool gain_due_ = true; // not yet taken from the parameters
   double last_pressure_ = 0, reed_frequency_ = 0, bore_frequency_ = 0;
 };
 

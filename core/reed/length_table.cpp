@@ -45,7 +45,7 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
         turns_of(parameters_, bore_frequency, wanted_length(parameters_, bore_frequency));
     const double nearest = turns + std::round(own - turns);
     turns += std::round(turns_ - turns);
-    if (leap || turns < 0.5 * own || turns > 2 * own)
+    if (leap || turns < 0.3 * own || turns > 3 * own)
       turns = nearest;
   }
   turns_ = turns;

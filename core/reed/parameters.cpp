@@ -61,8 +61,90 @@ Parameters clamped(const Parameters& parameters) noexcept {
                                   &Parameters::lip_width, &Parameters::lip_quality})
     p.*lip = bounded(p.*lip, 0.01, 100, 1);
   p.tongue = bounded(p.tongue, 0, 3, kInitial.tongue);
+  p.breath_reference = bounded(p.breath_reference, 0, 50e3, kInitial.breath_reference);
+  p.breath_opening = bounded(p.breath_opening, 0, 2, kInitial.breath_opening);
+  p.breath_tension = bounded(p.breath_tension, 0, 2, kInitial.breath_tension);
+  p.breath_quality = bounded(p.breath_quality, -2, 2, kInitial.breath_quality);
+  p.lowest_note = bounded(p.lowest_note, 0, 20000, kInitial.lowest_note);
+  p.highest_note = bounded(p.highest_note, 0, 20000, kInitial.highest_note);
   p.gain = bounded(p.gain, 0, 1e6, kInitial.gain);
   return p;
+}
+
+Parameters between(const Parameters& from, const Parameters& to, double share) noexcept {
+  Parameters p = to;
+  for (double Parameters::*member : {&Parameters::rest_angle,
+                                     &Parameters::arm_length,
+                                     &Parameters::mass,
+                                     &Parameters::reed_frequency,
+                                     &Parameters::quality,
+                                     &Parameters::width,
+                                     &Parameters::mouth_length,
+                                     &Parameters::bore_length,
+                                     &Parameters::flow_length,
+                                     &Parameters::channel_length,
+                                     &Parameters::leak_area,
+                                     &Parameters::restitution,
+                                     &Parameters::displacement_limit,
+                                     &Parameters::length,
+                                     &Parameters::input_radius,
+                                     &Parameters::end_radius,
+                                     &Parameters::apex_distance,
+                                     &Parameters::cup_volume,
+                                     &Parameters::wall_loss,
+                                     &Parameters::bell,
+                                     &Parameters::bell_quality,
+                                     &Parameters::brassiness,
+                                     &Parameters::scalar_reflection,
+                                     &Parameters::temperature,
+                                     &Parameters::breath_noise})
+    p.*member = from.*member + share * (to.*member - from.*member);
+  return p;
+}
+
+bool near(const Parameters& a, const Parameters& b) noexcept {
+  constexpr double kFactor = 1.5;
+  constexpr double kCents = 100;
+  if (a.type != b.type || a.shape != b.shape || a.flow != b.flow || a.sweep != b.sweep ||
+      a.tune != b.tune || a.ear != b.ear || oversampling_of(a) != oversampling_of(b))
+    return false;
+  // The sign of the rest angle goes with the type, but for the swinging valve.
+  if (a.rest_angle * b.rest_angle < 0 || std::abs(a.aim - b.aim) > kCents)
+    return false;
+  for (double Parameters::*size : {&Parameters::rest_angle,
+                                   &Parameters::arm_length,
+                                   &Parameters::mass,
+                                   &Parameters::reed_frequency,
+                                   &Parameters::quality,
+                                   &Parameters::width,
+                                   &Parameters::mouth_length,
+                                   &Parameters::bore_length,
+                                   &Parameters::flow_length,
+                                   &Parameters::channel_length,
+                                   &Parameters::leak_area,
+                                   &Parameters::displacement_limit,
+                                   &Parameters::length,
+                                   &Parameters::length_override,
+                                   &Parameters::input_radius,
+                                   &Parameters::end_radius,
+                                   &Parameters::apex_distance,
+                                   &Parameters::cup_volume,
+                                   &Parameters::wall_loss,
+                                   &Parameters::bell,
+                                   &Parameters::bell_quality,
+                                   &Parameters::brassiness,
+                                   &Parameters::scalar_reflection,
+                                   &Parameters::embouchure,
+                                   &Parameters::lip_mass,
+                                   &Parameters::lip_opening,
+                                   &Parameters::lip_width,
+                                   &Parameters::lip_quality,
+                                   &Parameters::breath_reference}) {
+    const double one = std::abs(a.*size), other = std::abs(b.*size);
+    if (one > kFactor * other || other > kFactor * one)
+      return false;
+  }
+  return true;
 }
 
 int oversampling_of(const Parameters& p) noexcept {

@@ -63,11 +63,33 @@ struct Parameters {
   double lip_width = 1;
   double lip_quality = 1;
   double tongue = 0; // by how much of p_m the breath's first push exceeds it; 0: no tongue
+
+  // how the lips go with the mouth pressure p, with tune: r = p/breath_reference
+  double breath_reference = 0; // Pa at which the lips are as above; 0: they do not follow
+  double breath_opening = 0.5; // theta_0 times r to this power,
+  double breath_tension = 0.5; // stiffness and mass times r to this power, at the same f_r
+  double breath_quality = 0;   // Q times r to this power: soft lips damp a reed
+
+  // what can be played in tune, with tune: f_b beyond it is refused; 0: no limit
+  double lowest_note = 0;  // Hz
+  double highest_note = 0; // Hz
+
+  friend bool operator==(const Parameters&, const Parameters&) = default;
 };
 
 /// The nearest parameters with which a model can be computed: finite, within wide physical bounds,
 /// theta_0 on the side that the type wants (closed: below 0, open: above).
 [[nodiscard]] Parameters clamped(const Parameters& parameters) noexcept;
+
+/// Parameters on the way from one set to another: every number a share of the way, words and
+/// switches as in `to`.
+[[nodiscard]] Parameters between(const Parameters& from, const Parameters& to,
+                                 double share) noexcept;
+
+/// Whether an instrument that sounds can become the other one on the straight way of between()
+/// without a thump: no switch or word differs, nor what a 0 switches off, and no size is more than
+/// half as large again.
+[[nodiscard]] bool near(const Parameters& a, const Parameters& b) noexcept;
 
 /// How many internal samples an instrument with these parameters computes for each sample.
 [[nodiscard]] int oversampling_of(const Parameters& parameters) noexcept;

@@ -6,56 +6,143 @@
 #include <cmath>
 
 namespace tactus::reed {
+namespace {
+
+constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, of the breath that lips follow
+
+/// Whether notes need the same length and lips with both.
+bool same_notes(const Parameters& a, Parameters b) {
+  b.gain = a.gain;
+  b.breath_noise = a.breath_noise;
+  b.seed = a.seed;
+  b.brassiness = a.brassiness;
+  b.bell = a.bell;
+  b.bell_quality = a.bell_quality;
+  b.ear = a.ear;
+  b.lowest_note = a.lowest_note;
+  b.highest_note = a.highest_note;
+  return a == b;
+}
+
+} // namespace
+
+void Player::prepare(double sample_rate) noexcept {
+  rise_ = 1 - std::exp(-Ear::kPeriod / (kRiseTime * sample_rate));
+  fall_ = 1 - std::exp(-Ear::kPeriod / (kFallTime * sample_rate));
+  ear_.prepare(sample_rate);
+}
 
 void Player::set(const Parameters& parameters, const BoreDesign& bore) noexcept {
+  if (!same_notes(parameters_, parameters)) {
+    lengths_.set(parameters);
+    ear_.forget();
+  }
   parameters_ = parameters;
   bore_ = bore;
-  lengths_.set(parameters);
-  ear_.forget();
   due_ = true;
 }
 
-const Player::Hold& Player::control(double bore_frequency, double reed_frequency) noexcept {
+void Player::reset() noexcept {
+  ear_.reset();
+  note_ = 0;
+  breath_ = kSoftest;
+  due_ = true;
+}
+
+const Player::Hold& Player::control(double bore_frequency, double reed_frequency,
+                                    double mouth_pressure) noexcept {
   hold_.valve_changed = false;
   if (listens_)
     ear_.hear();
   const bool moved = !(bore_frequency == bore_frequency_); // true also for a first NaN
   if (moved)
     bore_frequency_ = bore_frequency > 0 && bore_frequency < 1e9 ? bore_frequency : 0;
-  if (moved || due_) {
-    const double f =
-        std::clamp(bore_frequency_, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
-    const bool played = plays_;
-    plays_ = parameters_.tune && bore_frequency_ > 0 && !(parameters_.length_override > 0);
-    listens_ = plays_ && parameters_.ear;
-    if (plays_) {
-      const bool leap = due_ || !(std::abs(f - note_) < Ear::kLeap * note_);
-      note_ = f;
-      if (listens_)
-        ear_.mean(f);
-      Playing lips = player_lips(parameters_, f);
-      hold_.length = lengths_.length(f, reed_frequency, leap);
-      hold_.valve_changed = due_ || !played || parameters_.embouchure > 0;
-      if (hold_.valve_changed)
-        hold_.valve = lips.valve;
-      own_scale_ = lips.reed_scale;
-    } else {
-      note_ = 0;
-      hold_.valve = parameters_;
-      hold_.valve_changed = true;
-      hold_.length = parameters_.length_override > 0 ? parameters_.length_override
-                     : bore_frequency_ > 0           ? bore_.length_for(f)
-                                                     : parameters_.length;
-      own_scale_ = 1;
-    }
-    hold_.length = std::clamp(hold_.length, 5e-3, bore_.longest());
-    due_ = false;
-    set_trim(listens_ ? ear_.trim() : 0, true);
-  } else if (listens_) {
+  if (moved || due_)
+    choose(reed_frequency);
+  else if (listens_)
     ear_.mean(note_);
-    set_trim(ear_.trim(), false);
-  }
+  if (plays_ && follow_breath(mouth_pressure))
+    hold_valve();
+  if (moved || due_ || listens_)
+    set_trim(listens_ ? ear_.trim() : 0, moved || due_);
+  due_ = false;
   return hold_;
+}
+
+/// The note, or what is played in place of one that is refused.
+double Player::playable(double frequency) noexcept {
+  const double quarter_tone = std::exp2(1.0 / 24);
+  const double lowest = parameters_.lowest_note, highest = parameters_.highest_note;
+  const bool low = frequency * quarter_tone < lowest;
+  if (!low && !(highest > 0 && frequency > highest * quarter_tone)) {
+    refuses_ = false;
+    return frequency;
+  }
+  // Once for each note: a glide through many is one.
+  const bool told = refuses_ && std::abs(frequency - refusal_.note) < Ear::kLeap * refusal_.note;
+  refusal_.note = frequency;
+  refusal_.count += told ? 0 : 1;
+  refuses_ = true;
+  return note_ > 0 ? note_ : low ? lowest : highest;
+}
+
+/// Length and lips for f_b.
+void Player::choose(double reed_frequency) noexcept {
+  double f =
+      std::clamp(bore_frequency_, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+  const bool played = plays_;
+  plays_ = parameters_.tune && bore_frequency_ > 0 && !(parameters_.length_override > 0);
+  listens_ = plays_ && parameters_.ear;
+  if (plays_) {
+    f = playable(f);
+    const bool leap = !(std::abs(f - note_) < Ear::kLeap * note_);
+    note_ = f;
+    if (listens_)
+      ear_.mean(f);
+    const Playing lips = player_lips(parameters_, f);
+    hold_.length = lengths_.length(f, reed_frequency, leap);
+    own_scale_ = lips.reed_scale;
+    if (due_ || !played || parameters_.embouchure > 0) {
+      lips_ = lips.valve;
+      hold_valve();
+    }
+  } else {
+    note_ = 0;
+    own_scale_ = 1;
+    hold_.valve = parameters_;
+    hold_.valve_changed = true;
+    hold_.length = parameters_.length_override > 0 ? parameters_.length_override
+                   : bore_frequency_ > 0           ? bore_.length_for(f)
+                                                   : parameters_.length;
+  }
+  hold_.length = std::clamp(hold_.length, 5e-3, bore_.longest());
+}
+
+/// Whether that changes the lips.
+bool Player::follow_breath(double mouth_pressure) noexcept {
+  constexpr double kSteady = 1e-4; // a hundredth of a decibel is nothing to follow
+  if (!(parameters_.breath_reference > 0) || !(mouth_pressure >= 0)) {
+    const bool followed = breath_ != 1;
+    breath_ = 1;
+    return followed;
+  }
+  const double target =
+      std::clamp(mouth_pressure / parameters_.breath_reference, kSoftest, kLoudest);
+  if (std::abs(target - breath_) < kSteady * breath_)
+    return false;
+  breath_ += (target > breath_ ? rise_ : fall_) * (target - breath_);
+  return true;
+}
+
+/// The lips at this breath.
+void Player::hold_valve() noexcept {
+  hold_.valve = lips_;
+  hold_.valve_changed = true;
+  if (breath_ == 1)
+    return;
+  hold_.valve.rest_angle *= std::pow(breath_, parameters_.breath_opening);
+  hold_.valve.mass *= std::pow(breath_, parameters_.breath_tension);
+  hold_.valve.quality *= std::pow(breath_, parameters_.breath_quality);
 }
 
 /// Plays sharper by exp(logarithm): the bore shorter, the lips tighter where they are the player's

@@ -36,4 +36,15 @@ RadiationConstants RadiationConstants::from(const Parameters& p, const BoreDesig
   return c;
 }
 
+RadiationConstants RadiationConstants::between(const RadiationConstants& from,
+                                               const RadiationConstants& to,
+                                               double share) noexcept {
+  RadiationConstants c = to;
+  for (double RadiationConstants::*member :
+       {&RadiationConstants::b0, &RadiationConstants::b1, &RadiationConstants::b2,
+        &RadiationConstants::a1, &RadiationConstants::a2, &RadiationConstants::lead})
+    c.*member = from.*member + share * (to.*member - from.*member);
+  return c;
+}
+
 } // namespace tactus::reed

@@ -36,6 +36,9 @@ struct RadiationConstants {
 
   static RadiationConstants from(const Parameters& parameters, const BoreDesign& bore,
                                  double internal_rate) noexcept;
+  /// A share of the way from one to another of the same kind.
+  static RadiationConstants between(const RadiationConstants& from, const RadiationConstants& to,
+                                    double share) noexcept;
 };
 
 /// Computes it.

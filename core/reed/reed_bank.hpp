@@ -5,6 +5,7 @@
 #include "core/reed/bore_design.hpp"
 #include "core/reed/bore_line.hpp"
 #include "core/reed/halfband.hpp"
+#include "core/reed/parameter_glide.hpp"
 #include "core/reed/parameters.hpp"
 #include "core/reed/player.hpp"
 #include "core/reed/radiation_path.hpp"
@@ -54,13 +55,29 @@ public:
     slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
     at_once_ = kAtOnce * kControlPeriod / sample_rate;
     player_.prepare(sample_rate);
+    glide_.prepare(sample_rate / kControlPeriod);
+    fresh_ = true;
     apply(parameters_);
     reset();
   }
 
-  /// Takes over clamped parameters; the state goes on, within the new stops.
-  void set(const Parameters& parameters) noexcept { apply(parameters); }
+  /// Takes the nearest usable parameters. While one reed sounds, numbers get there within some
+  /// 16 ms, and switches in a short fade (ParameterGlide); several side by side have them at once.
+  /// The state goes on, within the new stops.
+  void set(const Parameters& parameters) noexcept {
+    const Parameters wanted = clamped(parameters);
+    if (kSeveral || fresh_ || !(sample_rate_ > 0))
+      return apply(wanted);
+    if (wanted == parameters_)
+      return;
+    parameters_ = wanted;
+    glide_.begin(parameters_);
+    if (!glide_.fades_out())
+      inform_player();
+  }
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
+  /// What the player was asked for and does not play.
+  [[nodiscard]] const Refusal& refusal() const noexcept { return player_.refusal(); }
   /// L in use, m.
   [[nodiscard]] double length() const noexcept { return length_to_; }
 
@@ -71,6 +88,9 @@ public:
     state_ = {};
     mouth_ = V(0.0);
     player_.reset();
+    glide_.full();
+    if (sample_rate_ > 0)
+      apply(parameters_);
     still_air();
   }
 
@@ -79,19 +99,30 @@ public:
 
   /// f_r in Hz for each lane (not above 0: the parameters' own), f_b in Hz (not above 0: the
   /// parameters' length).
-  void control(const V& reed_frequency, double bore_frequency) noexcept {
+  /// breath: the mouth pressure that the player's lips follow, Pa; below 0 they follow none.
+  void control(const V& reed_frequency, double bore_frequency, double breath = -1) noexcept {
     using simd::absolute, simd::any, simd::select;
     phase_ = 0;
     quieten();
+    if (glide_.fade()) {
+      apply(parameters_);
+      state_ = {};
+      still_air();
+    }
     constexpr double kTwoPi = 2 * std::numbers::pi;
     const V given = select((reed_frequency > V(0.0)) & (reed_frequency < V(1e9)), reed_frequency,
-                           V(parameters_.reed_frequency));
+                           V(glide_.now().reed_frequency));
     const Player::Hold& hold =
-        player_.control(bore_frequency, static_cast<double>(simd::lane(given, 0)));
+        player_.control(bore_frequency, static_cast<double>(simd::lane(given, 0)), breath);
     end_substeps();
-    if (hold.valve_changed)
+    if (gliding_)
+      radiation_.set(radiation_to_);
+    gliding_ = false;
+    if (glide_.moves())
+      move_parameters(hold.valve);
+    else if (hold.valve_changed)
       take(hold.valve);
-    if (hold.trim != trim_ || hold.valve_changed)
+    if (hold.trim != trim_ || hold.valve_changed || gliding_)
       trim(hold.trim, hold.length);
     const V target = V(kTwoPi * hold.reed_scale) *
                      simd::minimum(simd::maximum(given, V(1.0)), V(0.45 * sample_rate_));
@@ -101,7 +132,7 @@ public:
     omega_to_ = select(absolute(target - omega_to_) < V(1e-6) * target, target, omega_to_);
     const bool moving = any((omega_from_ < omega_to_) | (omega_to_ < omega_from_));
     const bool moved = reed_moves_;
-    reed_moves_ = moving && !played;
+    reed_moves_ = moving && !played && !valve_moves_;
     valve_moves_ = valve_moves_ || (moving && played);
     if (!reed_moves_ && !valve_moves_ && (moved || steady_due_ || fresh_)) {
       steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
@@ -122,6 +153,17 @@ public:
   /// Computes count <= until_control() samples; mouth pressures in Pa, finite, within +-50 kPa.
   void run(const V* mouth_pressure, const Outputs& out, int count) noexcept {
     const int most = kChunk / oversampling_;
+    const double from = glide_.loudness_from(), to = glide_.loudness_to();
+    const bool fades = from < 1 || to < 1;
+    std::array<double, kControlPeriod> loudness;
+    std::array<V, kControlPeriod> breath;
+    if (fades) {
+      for (int i = 0; i < count; ++i) {
+        loudness[index(i)] = from + (to - from) * (phase_ + i + 1) / kControlPeriod;
+        breath[index(i)] = V(loudness[index(i)]) * mouth_pressure[i];
+      }
+      mouth_pressure = breath.data();
+    }
     for (int done = 0; done < count;) {
       const int samples = std::min(count - done, most);
       chunk(mouth_pressure + done,
@@ -130,9 +172,16 @@ public:
       done += samples;
       phase_ += samples;
     }
+    if (fades)
+      for (int i = 0; i < count; ++i) {
+        out.radiated[i] *= loudness[index(i)];
+        for (V* signal : {out.angle, out.bore_pressure, out.flow})
+          signal[i] = V(loudness[index(i)]) * signal[i];
+      }
   }
 
 private:
+  static constexpr bool kSeveral = !std::is_same_v<V, double>;
   static constexpr int kChunk = 64; // internal samples computed in one go
   static constexpr int kMostOversampling = 4;
   static constexpr double kSlewTime = 5e-3; // s
@@ -144,18 +193,22 @@ private:
   static constexpr double kSilence = 1e-20; // below, a state is nothing: denormals are dear
   using Signal = std::array<V, kChunk>;
 
+  /// Takes over clamped parameters at once.
   void apply(const Parameters& parameters) noexcept {
     const int before = oversampling_;
-    parameters_ = clamped(parameters);
+    parameters_ = parameters;
     if (!(sample_rate_ > 0))
       return;
+    glide_.jump(parameters_);
     oversampling_ = oversampling_of(parameters_);
     const double rate = sample_rate_ * oversampling_;
     design_.set(parameters_, rate);
     const ValveConstants old = constants_;
     constants_ = ValveConstants::from(parameters_, design_, rate);
-    radiation_.set(RadiationConstants::from(parameters_, design_, rate));
-    player_.set(parameters_, design_);
+    radiation_to_ = RadiationConstants::from(parameters_, design_, rate);
+    radiation_.set(radiation_to_);
+    gliding_ = false;
+    inform_player();
     place_valve(old);
     from_ = to_ = constants_;
     valve_moves_ = false;
@@ -166,6 +219,24 @@ private:
     length_to_ = std::clamp(length_to_, 5e-3, design_.longest());
     move_bore(length_to_);
     delay_from_ = trip_.delay;
+  }
+
+  void inform_player() noexcept {
+    BoreDesign bore;
+    bore.set(parameters_, sample_rate_ * oversampling_);
+    player_.set(parameters_, bore);
+  }
+
+  /// Valve, bore and radiation go a step of the way to what they are to be.
+  void move_parameters(const Parameters& target) noexcept {
+    glide_.move(target);
+    const double rate = sample_rate_ * oversampling_;
+    design_.set(glide_.now(), rate);
+    trip_from_ = trip_;
+    radiation_from_ = radiation_to_;
+    radiation_to_ = RadiationConstants::from(glide_.now(), design_, rate);
+    trip_due_ = gliding_ = true;
+    hold_valve(glide_.now(), true);
   }
 
   /// The valve stays where it was, unless the new stops or the new side are in its way.
@@ -181,10 +252,14 @@ private:
     state_.move(
         simd::minimum(simd::maximum(wanted, low), high),
         simd::select((wanted < low) | (wanted > high), V(0.0), V(turn) * state_.velocity()));
-    if (constants_.inertance_rate != old.inertance_rate)
+    // A cone's flow goes on; a cup's, C dp/dt, grows with the cup.
+    if (!(constants_.inertance_rate > 0) || !(old.inertance_rate > 0))
       state_.inertance_flow = V(0.0);
     if (constants_.compliance_rate != old.compliance_rate)
-      state_.compliance_flow = V(0.0);
+      state_.compliance_flow =
+          old.compliance_rate > 0
+              ? state_.compliance_flow * V(constants_.compliance_rate / old.compliance_rate)
+              : V(0.0);
     state_.remember(constants_);
   }
 
@@ -199,12 +274,16 @@ private:
     return simd::copy_sign(simd::maximum(simd::absolute(part), room), way);
   }
 
-  /// The valve is to be held so: at once when nothing sounds yet or nobody plays a note, else in
-  /// kSubsteps within this control period.
   void take(const Parameters& valve) noexcept {
+    glide_.follow(valve);
+    hold_valve(valve, player_.plays() && !fresh_);
+  }
+
+  /// The valve is to be held so: at once, or in kSubsteps within this control period.
+  void hold_valve(const Parameters& valve, bool gently) noexcept {
     const ValveConstants held = ValveConstants::from(valve, design_, sample_rate_ * oversampling_);
     steady_due_ = true;
-    if (player_.plays() && !fresh_) {
+    if (gently) {
       from_ = constants_;
       to_ = held;
       valve_moves_ = true;
@@ -231,7 +310,8 @@ private:
     const ValveConstants old = constants_;
     constants_ = ValveConstants::between(from_, to_, share);
     if (constants_.rest_opening != old.rest_opening || constants_.lowest != old.lowest ||
-        constants_.highest != old.highest)
+        constants_.highest != old.highest || constants_.inertance_rate != old.inertance_rate ||
+        constants_.compliance_rate != old.compliance_rate)
       place_valve(old);
     steady_ =
         ReedCoefficients<V>::at(constants_, omega_from_ + V(share) * (omega_to_ - omega_from_));
@@ -241,7 +321,7 @@ private:
   void trim(double logarithm, double length) noexcept {
     trim_ = logarithm;
     const double acoustic = design_.air().sound_speed / design_.ideal_frequency(length) /
-                            (parameters_.shape == BoreShape::kCone ? 2 : 4);
+                            (glide_.now().shape == BoreShape::kCone ? 2 : 4);
     trim_delay_ = 2 * acoustic * std::expm1(-logarithm) / design_.air().sound_speed * sample_rate_ *
                   oversampling_;
   }
@@ -329,10 +409,10 @@ private:
   void advance(const V* mouth, const Outputs& out, int count) noexcept {
     std::array<double, kChunk> noise;
     Signal breath;
-    const bool noisy = parameters_.breath_noise > kFaintNoise;
+    const double share = glide_.now().breath_noise;
+    const bool noisy = share > kFaintNoise;
     // The same power in each hertz at any rate.
-    const double strength =
-        parameters_.breath_noise * std::sqrt(sample_rate_ * oversampling_ / 48e3);
+    const double strength = share * std::sqrt(sample_rate_ * oversampling_ / 48e3);
     if (noisy) { // never more than what drives the jet
       for (int i = 0; i < count; ++i)
         noise[index(i)] = std::clamp(strength * random_.normal(), -0.9, 0.9);
@@ -352,7 +432,10 @@ private:
         line_.read(first, kSilence, wave, part);
       else
         line_.read_moving(delay_from_, trip_.delay, phase, period(), kSilence, wave, part);
-      travel(wave, out.radiated + done, part);
+      if (gliding_)
+        travel_gliding(wave, out.radiated + done, phase, part);
+      else
+        travel(wave, trip_, out.radiated + done, part);
       if (reed_moves_)
         for (int i = 0; i < part; ++i)
           moving_[index(i)] = ReedCoefficients<V>::at(
@@ -379,8 +462,9 @@ private:
 
   /// What the bore sends back, in place of what its end received, and what leaves it. Because the
   /// wave takes at least count samples through the bore, that is known before the valve moves.
-  [[gnu::noinline, gnu::flatten]] void travel(V* wave, double* radiated, int count) noexcept {
-    typename RoundTripFilter<V>::Stretch filter(filter_, trip_, radiation_.returning_share());
+  [[gnu::noinline, gnu::flatten]] void travel(V* wave, const RoundTrip& trip, double* radiated,
+                                              int count) noexcept {
+    typename RoundTripFilter<V>::Stretch filter(filter_, trip, radiation_.returning_share());
     if (radiation_.steepens()) {
       for (int i = 0; i < count; ++i)
         wave[i] = filter(wave[i], radiated[i]);
@@ -391,6 +475,15 @@ private:
         wave[i] = filter(wave[i], leaving);
         radiated[i] = exit(leaving);
       }
+    }
+  }
+
+  /// The same while bore and radiation change: their numbers run straight from sample to sample.
+  void travel_gliding(V* wave, double* radiated, int phase, int count) noexcept {
+    for (int i = 0; i < count; ++i) {
+      const double share = (phase + i + 1) / period();
+      radiation_.set(RadiationConstants::between(radiation_from_, radiation_to_, share));
+      travel(wave + i, RoundTrip::between(trip_from_, trip_, share), radiated + i, 1);
     }
   }
 
@@ -453,13 +546,14 @@ private:
 
   double sample_rate_ = 0, slew_ = 1, at_once_ = 0;
   int oversampling_ = 1, phase_ = kControlPeriod;
-  bool fresh_ = true, reed_moves_ = false, valve_moves_ = false, trip_due_ = true,
+  bool fresh_ = true, reed_moves_ = false, valve_moves_ = false, gliding_ = false, trip_due_ = true,
        steady_due_ = true;
   Parameters parameters_{};
   BoreDesign design_{};
   ValveConstants constants_{};
   ValveConstants from_{}, to_{}; // while the player moves the valve
-  RoundTrip trip_{};
+  RoundTrip trip_{}, trip_from_{};
+  RadiationConstants radiation_from_{}, radiation_to_{};
   double length_to_ = 0.48, delay_from_ = 3;
   double steepening_length_ = 0.48;
   V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0};
@@ -469,6 +563,7 @@ private:
   RoundTripFilter<V> filter_{};
   RadiationPath radiation_{};
   Player player_{};
+  ParameterGlide glide_{};
   double trim_ = 0, trim_delay_ = 0, own_delay_ = 3;
   BoreLine<V, kChunk> line_;
   Decimator<double, kChunk> radiated_decimator_{};
