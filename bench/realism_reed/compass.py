@@ -17,13 +17,13 @@ from notes import Heard, hear, held, short, slow, swell
 
 # preset: lowest and highest key of the written compass, pressures pp, mf, ff in Pa
 COMPASS = {
-    "clarinet": (50, 91, (1000, 2000, 4000)),
-    "sax": (44, 75, (1000, 2000, 4000)),
-    "oboe": (58, 91, (1000, 2000, 4000)),
-    "trumpet": (52, 82, (1000, 3000, 6000)),
-    "trombone": (40, 72, (750, 2000, 4500)),
-    "voice": (43, 67, (750, 1500, 3000)),
-    "syrinx": (74, 96, (300, 600, 1200)),
+    "clarinet": (50, 91, (700, 2000, 5500)),
+    "sax": (44, 75, (500, 2000, 6000)),
+    "oboe": (58, 91, (500, 2000, 6000)),
+    "trumpet": (52, 82, (700, 3000, 7000)),
+    "trombone": (40, 72, (400, 2000, 4500)),
+    "voice": (43, 67, (500, 1500, 4000)),
+    "syrinx": (74, 96, (300, 700, 1500)),
 }
 
 

@@ -30,7 +30,11 @@ constexpr Parameters clarinet() {
           .bell_quality = 1.4,
           .gain = 0.2,
           .aim = -8,
-          .lip_opening = 0.82};
+          .lip_opening = 0.82,
+          .breath_reference = 2000,
+          .breath_opening = 0.41,
+          .breath_tension = 0.37,
+          .breath_quality = 1.1};
 }
 
 constexpr Parameters saxophone() {
@@ -56,9 +60,12 @@ constexpr Parameters saxophone() {
           .brassiness = 5,
           .gain = 0.11,
           .aim = -20,
-          .lip_opening = 1.6,
-          .lip_width = 1.3,
-          .lip_quality = 1.1};
+          .lip_opening = 1.55,
+          .lip_width = 1.14,
+          .lip_quality = 1.4,
+          .breath_reference = 2000,
+          .breath_opening = 0.45,
+          .breath_tension = 0.48};
 }
 
 constexpr Parameters oboe() {
@@ -86,7 +93,10 @@ constexpr Parameters oboe() {
           .lip_mass = 1.24,
           .lip_opening = 1.5,
           .lip_width = 1.53,
-          .lip_quality = 2.1};
+          .lip_quality = 2.1,
+          .breath_reference = 2000,
+          .breath_opening = 0.45,
+          .breath_tension = 0.45};
 }
 
 constexpr Parameters trumpet() {
@@ -111,12 +121,19 @@ constexpr Parameters trumpet() {
           .bell_quality = 1.05,
           .brassiness = 5.2,
           .gain = 0.04,
-          .embouchure = 0.69,
+          .embouchure = 0.75,
+          .embouchure_slope = -0.07,
+          .highest_mode = 1,
+          .steepening = 1.8,
           .aim = -45,
-          .lip_mass = 0.72,
-          .lip_opening = 0.24,
-          .lip_width = 1.42,
-          .lip_quality = 2.1};
+          .lip_mass = 0.517,
+          .lip_opening = 0.9,
+          .lip_width = 0.82,
+          .lip_quality = 8.7,
+          .tongue = 1,
+          .breath_reference = 3000,
+          .breath_opening = 0.5,
+          .breath_tension = 0.477};
 }
 
 constexpr Parameters trombone() {
@@ -139,12 +156,19 @@ constexpr Parameters trombone() {
           .bell_quality = 3,
           .brassiness = 5.9,
           .gain = 0.035,
-          .embouchure = 0.65,
+          .embouchure = 0.729,
+          .embouchure_slope = 0.05,
+          .highest_mode = 2,
+          .steepening = 3.62,
           .aim = -25,
-          .lip_mass = 1.86,
-          .lip_opening = 0.275,
-          .lip_width = 2.39,
-          .lip_quality = 1.53};
+          .lip_mass = 0.33,
+          .lip_opening = 0.39,
+          .lip_width = 0.294,
+          .lip_quality = 4.49,
+          .tongue = 1,
+          .breath_reference = 2000,
+          .breath_opening = 0.52,
+          .breath_tension = 0.449};
 }
 
 constexpr Parameters voice() {
@@ -164,8 +188,14 @@ constexpr Parameters voice() {
           .input_radius = 8e-3,
           .end_radius = 8e-3,
           .gain = 1.5,
-          .embouchure = 0.95,
-          .aim = -70};
+          .embouchure = 0.982,
+          .embouchure_slope = 0.234,
+          .aim = -70,
+          .lip_mass = 1.231,
+          .lip_opening = 0.604,
+          .lip_width = 1.094,
+          .lip_quality = 1.113,
+          .breath_reference = 2000};
 }
 
 constexpr Parameters syrinx() {
@@ -185,8 +215,12 @@ constexpr Parameters syrinx() {
           .input_radius = 1.75e-3,
           .end_radius = 3e-3,
           .gain = 5,
-          .embouchure = 1.1,
-          .aim = -60};
+          .embouchure = 1.122,
+          .aim = -60,
+          .lip_mass = 0.674,
+          .lip_width = 0.804,
+          .lip_quality = 1.103,
+          .breath_reference = 700};
 }
 
 constexpr std::array<Preset, 7> kPresets{{{"clarinet", clarinet()},

@@ -16,9 +16,10 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
-constexpr double kPlaying = 1.5;     // times the threshold: where reeds are usually played,
-constexpr double kPlayingLips = 2.5; // and lips
-constexpr double kValveAlone = 0.9;  // below this share of the bore's lowest, it carries no note
+constexpr double kPlaying = 1.5;       // times the threshold: where reeds are usually played,
+constexpr double kPlayingLips = 2.5;   // and lips
+constexpr double kShortestTube = 0.05; // m, that lips play on
+constexpr double kValveAlone = 0.9;    // below this share of the bore's lowest, it carries no note
 
 /// At one pressure: the bore that the valve wants to oscillate with at the frequency.
 struct Candidate {
@@ -114,10 +115,13 @@ double wanted_length(const Parameters& parameters, double bore_frequency) noexce
     return bore.length_for(bore_frequency);
   if (!(parameters.highest_mode > 0))
     return parameters.length;
-  const double lowest =
-      bore_frequency / (parameters.shape == BoreShape::kCone ? parameters.highest_mode
-                                                             : 2 * parameters.highest_mode - 1);
-  return std::min(parameters.length, bore.length_for(lowest));
+  for (double mode = parameters.highest_mode; mode < 100; ++mode) {
+    const double quarters = parameters.shape == BoreShape::kCone ? mode : 2 * mode - 1;
+    const double length = bore.length_for(bore_frequency / quarters);
+    if (length > kShortestTube)
+      return std::min(parameters.length, length);
+  }
+  return parameters.length;
 }
 
 double tuned_length(const Parameters& parameters, double bore_frequency, double reed_frequency,
