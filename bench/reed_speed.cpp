@@ -34,17 +34,30 @@ constexpr double kRate = 48000;
 /// One greed~ that has played for a second.
 class Scalar {
 public:
-  explicit Scalar(std::string_view preset, double pressure, bool moving = false) : moving_(moving) {
-    instrument_.set(*find_preset(preset));
+  struct Gesture {
+    bool moving_reed = false, moving_bore = false; // f_r, f_b always on their way
+    bool tune = false;
+  };
+  Scalar(std::string_view preset, double pressure) : Scalar(preset, pressure, Gesture{}) {}
+  Scalar(std::string_view preset, double pressure, const Gesture& gesture) : gesture_(gesture) {
+    Parameters parameters = *find_preset(preset);
+    parameters.tune = gesture.tune;
+    instrument_.set(parameters);
     instrument_.prepare(kRate, kBlock);
     mouth_.fill(pressure);
+    if (gesture.tune || gesture.moving_bore)
+      bore_.fill(note_);
     for (int n = 0; n < 750; ++n)
       block();
   }
   void block() {
-    if (moving_) {
+    if (gesture_.moving_reed) {
       lip_ = lip_ < 2600 ? lip_ + 0.1F : 2500;
       reed_.fill(lip_);
+    }
+    if (gesture_.moving_bore) {
+      note_ = note_ < 300 ? note_ + 0.01F : 262;
+      bore_.fill(note_);
     }
     instrument_.process<float>(mouth_, reed_, bore_, sound_, angle_, pressure_, flow_);
     benchmark::DoNotOptimize(sound_);
@@ -56,10 +69,11 @@ private:
     void fill(double x) { Signal::fill(static_cast<float>(x)); }
   };
   Instrument instrument_;
-  bool moving_;
-  float lip_ = 2500;
+  Gesture gesture_;
+  float lip_ = 2500, note_ = 262;
   Filled mouth_{};
-  Signal reed_{}, bore_{}, sound_{}, angle_{}, pressure_{}, flow_{};
+  Filled reed_{}, bore_{};
+  Signal sound_{}, angle_{}, pressure_{}, flow_{};
 };
 
 /// One greed_gradient~ that has played for a second.
@@ -105,6 +119,7 @@ public:
     for (std::size_t n = 0; n < kBlock; ++n)
       wave_[n] = source_[n] = n % 32 < 16 ? 700.0 : -700.0;
     line_.prepare(longest_delay(kRate));
+    path_.prepare(kRate);
     path_.set(RadiationConstants::from(parameters_, design_, kRate));
   }
   void valve() {
@@ -193,7 +208,10 @@ int main(int argc, char** argv) {
   Lanes silent_lanes("clarinet", 0, best_instructions());
   Lanes plain("clarinet", 2000, Instructions::kBaseline);
   Lanes moved("clarinet", 2000, best_instructions(), true);
-  Scalar moving_reed("clarinet", 2000, true);
+  Scalar moving_reed("clarinet", 2000, {.moving_reed = true});
+  Scalar moving_bore("clarinet", 2000, {.moving_bore = true});
+  Scalar tuned_trumpet("trumpet", 4000, {.tune = true});
+  Scalar moving_tuned("trumpet", 4000, {.moving_bore = true, .tune = true});
   Parts parts;
   Part valve{parts, &Parts::valve}, filters{parts, &Parts::filters}, delay{parts, &Parts::delay},
       radiation{parts, &Parts::radiation}, judge{parts, &Parts::judge};
@@ -220,6 +238,10 @@ int main(int argc, char** argv) {
   print_ratio("greed_gradient~ / greed~, trumpet", lip_lanes, trumpet);
   print_ratio("greed_gradient~ / greed~, clarinet, f_r always moving", moved, moving_reed);
   print_ratio("greed_gradient~ with SSE2 only / greed~, clarinet", plain, clarinet);
+  print_ratio("greed~ trumpet / clarinet (cone, cup, steepening)", trumpet, clarinet);
+  print_ratio("greed~ clarinet, f_b always moving / still", moving_bore, clarinet);
+  print_ratio("greed~ trumpet, tune 1 / 0", tuned_trumpet, trumpet);
+  print_ratio("greed~ trumpet, tune 1, f_b always moving / still", moving_tuned, tuned_trumpet);
   print_ratio("greed~ silent / playing, clarinet", silence, clarinet);
   print_ratio("greed_gradient~ silent / playing, clarinet", silent_lanes, lanes);
 #ifdef TACTUS_HAS_STK

@@ -12,6 +12,7 @@ RadiationConstants RadiationConstants::from(const Parameters& p, const BoreDesig
   constexpr double kAtmosphere = 101325; // P_0, Pa
   RadiationConstants c;
   c.plain = !(p.bell > 0);
+  c.rate = internal_rate;
   if (c.plain) {
     c.b0 = bore.air().density / bore.impedance() * internal_rate / (4 * kPi);
     c.b1 = -c.b0;

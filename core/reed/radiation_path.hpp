@@ -2,9 +2,7 @@
 
 #include "core/reed/bore_design.hpp"
 #include "core/reed/parameters.hpp"
-
-#include <array>
-#include <cstddef>
+#include "core/reed/steepening.hpp"
 
 namespace tactus::reed {
 
@@ -33,6 +31,7 @@ struct RadiationConstants {
   // Bilinear, exact at w_c; the plain end as the difference between samples.
   double b0 = 0, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
   double lead = 0; // internal samples for each Pa and metre of bore
+  double rate = 0; // Hz, internal
 
   static RadiationConstants from(const Parameters& parameters, const BoreDesign& bore,
                                  double internal_rate) noexcept;
@@ -44,21 +43,24 @@ struct RadiationConstants {
 /// Computes it.
 class RadiationPath {
 public:
-  static constexpr int kLongest = 64; // internal samples of one run
+  static constexpr int kLongest = Steepening::kMaxRun; // internal samples of one run
 
+  /// Allocates what steepening needs up to that internal rate, Hz.
+  void prepare(double highest_rate) { steepening_.prepare(highest_rate); }
   void set(const RadiationConstants& constants) noexcept {
+    steepening_.set_rate(constants.rate);
     if (constants.plain != constants_.plain)
       reset();
     constants_ = constants;
   }
   void reset() noexcept {
     wave_ = before_ = sound_ = last_ = 0;
-    past_ = {};
+    steepening_.reset();
   }
   /// Share of the returning wave b that counts: a - b for the plain end, else a alone.
   [[nodiscard]] double returning_share() const noexcept { return constants_.plain ? 1 : 0; }
   [[nodiscard]] bool sane() const noexcept {
-    return size(wave_) < 1e9 && size(sound_) < 1e9 && size(last_) < 1e9;
+    return size(wave_) < 1e9 && size(sound_) < 1e9 && size(last_) < 1e9 && steepening_.sane();
   }
   void quieten() noexcept {
     for (double* value : {&wave_, &before_, &sound_, &last_})
@@ -103,65 +105,19 @@ public:
   /// Replaces count <= kLongest samples of wave by the sound of a bore of that length, m.
   void run(double* wave, int count, double length) noexcept {
     if (steepens())
-      steepen(wave, count, constants_.lead * length);
+      steepening_.run(wave, count, constants_.lead * length);
     Exit exit(*this);
     for (int i = 0; i < count; ++i)
       wave[i] = exit(wave[i]);
   }
 
 private:
-  static constexpr int kReach = 24; // internal samples by which a piece may be early or late
-  static constexpr std::size_t kMemory = 2 * kReach + 3;
-
   static double size(double x) noexcept { return x < 0 ? -x : x; }
-
-  /// y(t) = a(t + lead y(t)), the lead found from the wave at t, then once more from what was
-  /// found there. Whatever the lead, y is a value that the wave had (interpolated by Hermite's
-  /// cubic), so that nothing grows; where pieces would overtake one another a jump stays.
-  void steepen(double* sound, int count, double lead) noexcept {
-    if (count < 1 || count > kLongest)
-      return;
-    std::array<double, kMemory + kLongest> wave;
-    for (std::size_t i = 0; i < kMemory; ++i)
-      wave[i] = past_[i];
-    for (int i = 0; i < count; ++i)
-      wave[kMemory + static_cast<std::size_t>(i)] = sound[i];
-    // In three passes: a processor looks ahead within each, but not across so long a way.
-    std::array<double, kLongest> place;
-    const auto find = [&](double value, int i) {
-      constexpr double kFarthest = kReach;
-      const double shift = lead * value, early = shift < kFarthest ? shift : kFarthest;
-      // Samples after the oldest that counts for sample i; of no number: as early as can be.
-      place[static_cast<std::size_t>(i)] = (early > -kFarthest ? early : -kFarthest) + kFarthest;
-    };
-    const auto piece = [&](int i, double& f) {
-      const double at = place[static_cast<std::size_t>(i)];
-      const int whole = static_cast<int>(at);
-      f = at - whole;
-      return wave.data() + i + whole;
-    };
-    for (int i = 0; i < count; ++i)
-      find(wave[static_cast<std::size_t>(i + kReach + 1)], i);
-    for (int i = 0; i < count; ++i) {
-      double f;
-      const double* at = piece(i, f);
-      find(at[1] + f * (at[2] - at[1]), i);
-    }
-    for (int i = 0; i < count; ++i) {
-      double f;
-      const double* at = piece(i, f);
-      const double a = at[0], b = at[1], c = at[2], d = at[3];
-      sound[i] =
-          b + 0.5 * f * (c - a + f * (2 * a - 5 * b + 4 * c - d + f * (3 * (b - c) + d - a)));
-    }
-    for (std::size_t i = 0; i < kMemory; ++i)
-      past_[i] = wave[static_cast<std::size_t>(count) + i];
-  }
 
   RadiationConstants constants_{};
   double wave_ = 0, before_ = 0, sound_ = 0,
          last_ = 0; // the last wave, the one before; so the sound
-  std::array<double, kMemory> past_{};
+  Steepening steepening_{};
 };
 
 } // namespace tactus::reed

@@ -52,6 +52,7 @@ public:
       return;
     sample_rate_ = sample_rate;
     line_.prepare(longest_delay(sample_rate * kMostOversampling));
+    radiation_.prepare(sample_rate * kMostOversampling);
     slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
     at_once_ = kAtOnce * kControlPeriod / sample_rate;
     player_.prepare(sample_rate);

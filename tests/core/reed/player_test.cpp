@@ -143,6 +143,7 @@ TEST_CASE("f_r bends a valve that follows the note, and its own value is no bend
 double radiated(const RadiationConstants& constants, double rate, double frequency,
                 double amplitude, double length, int harmonic = 1) {
   RadiationPath path;
+  path.prepare(192000);
   path.set(constants);
   std::vector<double> sound(static_cast<std::size_t>(rate));
   for (std::size_t i = 0; i < sound.size(); ++i)
@@ -200,6 +201,7 @@ TEST_CASE("steepening never makes a wave larger than it was") {
   bore.set(p, 48000);
   const RadiationConstants constants = RadiationConstants::from(p, bore, 48000);
   RadiationPath path;
+  path.prepare(192000);
   path.set(constants);
   double highest = 0;
   for (int i = 0; i < 48000; i += 32) {

@@ -86,6 +86,7 @@ TEST_CASE("a loud wave runs ahead by (gamma + 1)/(2 gamma P_0 c) of its pressure
   REQUIRE(shift < 20);
   p.bell = 1; // above it the path is flat: r/2
   RadiationPath path;
+  path.prepare(192000);
   path.set(constants_of(p, rate));
   const auto wave = [](double t) { // smooth, so that nothing overtakes
     return 600 * (std::exp(-0.5 * std::pow((t - 1000) / 150, 2)) -
