@@ -51,6 +51,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.brassiness = bounded(p.brassiness, 0, 100, kInitial.brassiness);
   p.scalar_reflection = bounded(p.scalar_reflection, 0, 1, kInitial.scalar_reflection);
   p.temperature = bounded(p.temperature, -50, 100, kInitial.temperature);
+  p.fingering = bounded(p.fingering, 0, 127, kInitial.fingering);
   p.breath_noise = bounded(p.breath_noise, 0, 10, kInitial.breath_noise);
   p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
   p.aim = bounded(p.aim, -1200, 1200, kInitial.aim);
@@ -59,6 +60,10 @@ Parameters clamped(const Parameters& parameters) noexcept {
     p.*lip = bounded(p.*lip, 0.01, 100, 1);
   p.gain = bounded(p.gain, 0, 1e6, kInitial.gain);
   return p;
+}
+
+double note_of(const Parameters& p, double bore_frequency) noexcept {
+  return p.tune && p.fingering > 0 ? 440 * std::exp2((p.fingering - 69) / 12) : bore_frequency;
 }
 
 int oversampling_of(const Parameters& p) noexcept {

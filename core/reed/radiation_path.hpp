@@ -106,6 +106,12 @@ public:
       wave[i] = exit(wave[i]);
   }
 
+  /// The first half of run() alone: what steepens on the way, before another filter lets it out.
+  void travel(double* wave, int count, double length) noexcept {
+    if (steepens())
+      steepen(wave, count, constants_.lead * length);
+  }
+
 private:
   static constexpr int kReach = 24; // internal samples by which a piece may be early or late
   static constexpr std::size_t kMemory = 2 * kReach + 3;

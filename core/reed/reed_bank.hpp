@@ -6,6 +6,7 @@
 #include "core/reed/bore_line.hpp"
 #include "core/reed/ear.hpp"
 #include "core/reed/halfband.hpp"
+#include "core/reed/holed_end.hpp"
 #include "core/reed/parameters.hpp"
 #include "core/reed/radiation_path.hpp"
 #include "core/reed/round_trip_filter.hpp"
@@ -146,6 +147,7 @@ private:
     const ValveConstants old = constants_;
     constants_ = ValveConstants::from(parameters_, design_, rate);
     radiation_.set(RadiationConstants::from(parameters_, design_, rate));
+    holes_.set(rate, design_.air().sound_speed / air_at(20).sound_speed, parameters_.input_radius);
     ear_.forget();
     place_valve(old);
     steady_ = ReedCoefficients<V>::at(constants_, omega_to_);
@@ -181,12 +183,17 @@ private:
   void choose_length(double reed_frequency) noexcept {
     length_due_ = false;
     Playing playing{parameters_, parameters_.length};
-    const double f =
-        std::clamp(bore_frequency_, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
-    listens_ = parameters_.tune && bore_frequency_ > 0 && !(parameters_.length_override > 0);
+    const double note = note_of(parameters_, bore_frequency_);
+    const double f = std::clamp(note, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+    listens_ = parameters_.tune && note > 0 && !(parameters_.length_override > 0);
     if (listens_)
       playing = tuned(parameters_, f, reed_frequency);
-    else if (bore_frequency_ > 0)
+    if (playing.end != design_.end()) {
+      design_.set_end(playing.end);
+      holes_.finger(playing.end);
+      trip_due_ = true;
+    }
+    if (!listens_ && note > 0)
       playing.length = design_.length_for(f);
     if (parameters_.length_override > 0)
       playing.length = parameters_.length_override;
@@ -234,6 +241,7 @@ private:
     line_.clear();
     filter_.reset();
     radiation_.reset();
+    holes_.reset();
     const V deflection = state_.deflection(), velocity = state_.velocity();
     state_ = {};
     state_.move(deflection, velocity);
@@ -252,6 +260,14 @@ private:
       quieten(*value);
     filter_.each([](auto& value) { quieten(value); });
     radiation_.quieten();
+    if (holes_.active()) {
+      holes_.proceed();
+      holes_.each([](V& value) { quieten(value); });
+      holes_.each_outside([](double& value) {
+        if (std::abs(value) < kSilence)
+          value = 0;
+      });
+    }
   }
 
   void chunk(const V* mouth_pressure, const Outputs& out, int samples) noexcept {
@@ -316,8 +332,12 @@ private:
       line_.advance(part);
       done += part;
     }
-    if (radiation_.steepens())
+    if (holes_.active()) {
+      radiation_.travel(out.radiated, count, length_to_);
+      holes_.radiate(out.radiated, count);
+    } else if (radiation_.steepens()) {
       radiation_.run(out.radiated, count, length_to_);
+    }
     guard(out, count);
   }
 
@@ -325,7 +345,13 @@ private:
   /// wave takes at least count samples through the bore, that is known before the valve moves.
   [[gnu::noinline, gnu::flatten]] void travel(V* wave, double* radiated, int count) noexcept {
     typename RoundTripFilter<V>::Stretch filter(filter_, trip_, radiation_.returning_share());
-    if (radiation_.steepens()) {
+    if (holes_.active()) {
+      for (int i = 0; i < count; ++i) {
+        wave[i] = filter.arriving(wave[i]);
+        radiated[i] = static_cast<double>(simd::lane(wave[i], 0));
+      }
+      holes_.reflect(wave, count);
+    } else if (radiation_.steepens()) {
       for (int i = 0; i < count; ++i)
         wave[i] = filter(wave[i], radiated[i]);
     } else {
@@ -409,6 +435,7 @@ private:
   ValveState<V> state_{};
   RoundTripFilter<V> filter_{};
   RadiationPath radiation_{};
+  HoledEnd<V> holes_{};
   Ear ear_{};
   bool listens_ = false;
   double own_scale_ = 1, reed_scale_ = 1; // of f_r: the player's choice, and trimmed

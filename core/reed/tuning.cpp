@@ -28,17 +28,18 @@ struct Candidate {
 /// The equations of one frequency, solved for the round trip the valve asks of the bore.
 class NeutralOscillation {
 public:
-  NeutralOscillation(const Parameters& p, double frequency, double reed_frequency)
+  NeutralOscillation(const Parameters& p, double frequency, double reed_frequency,
+                     const Termination* end)
       : parameters_(p), theory_(p, p.length), s_(0, 2 * kPi * frequency),
         reed_frequency_(reed_frequency) {
     bore_.set(p, 48000);
+    bore_.set_end(end);
     const double area = kPi * p.input_radius * p.input_radius;
     const Air& air = bore_.air();
     lumped_ = s_ * p.cup_volume / (air.density * air.sound_speed * air.sound_speed);
     if (p.shape == BoreShape::kCone)
       lumped_ += area / (s_ * air.density * p.apex_distance);
-    end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection)
-                                   : OpenEnd::reflection(s_ * p.end_radius / air.sound_speed);
+    end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection) : bore_.end_reflection(s_);
     wanted_ = p.type == ValveType::kOpen ? p.length : bore_.length_for(frequency);
   }
 
@@ -101,10 +102,10 @@ Playing lips_for(const Parameters& parameters, double aimed) {
 } // namespace
 
 double tuned_length(const Parameters& parameters, double bore_frequency, double reed_frequency,
-                    double over_threshold) noexcept {
+                    double over_threshold, const Termination* end) noexcept {
   constexpr int kPressures = 32;
   constexpr int kBisections = 24;
-  const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency);
+  const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency, end);
   const double highest = oscillation.highest_pressure();
   double low = 0;
   Candidate best{0, -1e300};
@@ -135,21 +136,25 @@ Playing tuned(const Parameters& parameters, double bore_frequency, double reed_f
   Playing playing = lips_for(parameters, aimed);
   const Parameters& valve = playing.valve;
   const double reed = parameters.embouchure > 0 ? parameters.embouchure * aimed : reed_frequency;
+  playing.end = fingering_for(parameters.end, bore_frequency);
   BoreDesign bore;
   bore.set(parameters, 48000);
+  bore.set_end(playing.end);
   if (!(parameters.embouchure > 0) || aimed > kValveAlone * bore.ideal_frequency(parameters.length))
-    playing.length =
-        tuned_length(valve, aimed, reed, parameters.embouchure > 0 ? kPlayingLips : kPlaying);
+    playing.length = tuned_length(valve, aimed, reed,
+                                  parameters.embouchure > 0 ? kPlayingLips : kPlaying, playing.end);
   return playing;
 }
 
 Playing embouchure_for(const Parameters& parameters, double bore_frequency,
                        double length_m) noexcept {
   Playing playing{parameters, parameters.length};
-  if (parameters.tune && bore_frequency > 0 && !(parameters.length_override > 0)) {
+  const double meant = note_of(parameters, bore_frequency);
+  if (parameters.tune && meant > 0 && !(parameters.length_override > 0)) {
     const double note =
-        std::clamp(bore_frequency, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+        std::clamp(meant, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
     playing = lips_for(parameters, aim_of(parameters, note));
+    playing.end = fingering_for(parameters.end, note);
   }
   playing.length = length_m;
   return playing;
