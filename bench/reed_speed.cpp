@@ -8,6 +8,7 @@
 #include "bench/paired.hpp"
 #include "core/reed/bore_line.hpp"
 #include "core/reed/gradient.hpp"
+#include "core/reed/holed_end.hpp"
 #include "core/reed/instrument.hpp"
 #include "core/reed/playability_follower.hpp"
 #include "core/reed/presets.hpp"
@@ -34,8 +35,14 @@ constexpr double kRate = 48000;
 /// One greed~ that has played for a second.
 class Scalar {
 public:
-  explicit Scalar(std::string_view preset, double pressure, bool moving = false) : moving_(moving) {
-    instrument_.set(*find_preset(preset));
+  explicit Scalar(std::string_view preset, double pressure, bool moving = false,
+                  double note = 0, bool holes = true)
+      : moving_(moving) {
+    Parameters p = *find_preset(preset);
+    p.tune = note > 0;
+    p.end = holes ? p.end : BoreEnd::kOpen;
+    instrument_.set(p);
+    bore_.fill(static_cast<float>(note));
     instrument_.prepare(kRate, kBlock);
     mouth_.fill(pressure);
     for (int n = 0; n < 750; ++n)
@@ -105,6 +112,8 @@ public:
     for (std::size_t n = 0; n < kBlock; ++n)
       wave_[n] = source_[n] = n % 32 < 16 ? 700.0 : -700.0;
     line_.prepare(longest_delay(kRate));
+    end_.set(kRate, 1, parameters_.input_radius);
+    end_.finger(fingering_for(BoreEnd::kClarinet, 175));
     path_.set(RadiationConstants::from(parameters_, design_, kRate));
   }
   void valve() {
@@ -127,6 +136,13 @@ public:
     line_.read(trip_.delay, 1e-20, wave, kCount);
     benchmark::DoNotOptimize(*wave);
     line_.advance(kCount);
+  }
+  void holes() {
+    wave_ = radiated_ = source_;
+    end_.reflect(wave_.data(), static_cast<int>(kBlock));
+    end_.radiate(radiated_.data(), static_cast<int>(kBlock));
+    benchmark::DoNotOptimize(wave_);
+    benchmark::DoNotOptimize(radiated_);
   }
   void radiation() {
     radiated_ = source_;
@@ -153,6 +169,7 @@ private:
   Signal mouth_{}, source_{}, wave_{}, radiated_{}, angle_{}, bore_{}, flow_{};
   BoreLine<double, static_cast<int>(kBlock)> line_;
   RadiationPath path_;
+  HoledEnd<double> end_;
 };
 
 #ifdef TACTUS_HAS_STK
@@ -193,17 +210,21 @@ int main(int argc, char** argv) {
   Lanes silent_lanes("clarinet", 0, best_instructions());
   Lanes plain("clarinet", 2000, Instructions::kBaseline);
   Lanes moved("clarinet", 2000, best_instructions(), true);
+  Scalar holed("clarinet", 2000, false, 175), open("clarinet", 2000, false, 175, false);
   Scalar moving_reed("clarinet", 2000, true);
   Parts parts;
   Part valve{parts, &Parts::valve}, filters{parts, &Parts::filters}, delay{parts, &Parts::delay},
-      radiation{parts, &Parts::radiation}, judge{parts, &Parts::judge};
+      radiation{parts, &Parts::radiation}, holes{parts, &Parts::holes}, judge{parts, &Parts::judge};
   add("greed~ clarinet, playing", clarinet);
+  add("greed~ clarinet, tune 1, open end", open);
+  add("greed~ clarinet, tune 1, tone holes", holed);
   add("greed~ clarinet, silent", silence);
   add("greed~ trumpet, playing", trumpet);
   add("part: valve and jet", valve);
   add("part: bore filters", filters);
   add("part: delay line", delay);
   add("part: bell", radiation);
+  add("part: tone holes, inside and outside", holes);
   add("playability~ without analysis", judge);
   add("greed_gradient~ clarinet, playing", lanes);
   add("greed_gradient~ clarinet, silent", silent_lanes);
@@ -221,6 +242,7 @@ int main(int argc, char** argv) {
   print_ratio("greed_gradient~ / greed~, clarinet, f_r always moving", moved, moving_reed);
   print_ratio("greed_gradient~ with SSE2 only / greed~, clarinet", plain, clarinet);
   print_ratio("greed~ silent / playing, clarinet", silence, clarinet);
+  print_ratio("greed~ with tone holes / with an open end, clarinet, tune 1", holed, open);
   print_ratio("greed_gradient~ silent / playing, clarinet", silent_lanes, lanes);
 #ifdef TACTUS_HAS_STK
   print_ratio("greed~ / STK Clarinet", clarinet, peer);

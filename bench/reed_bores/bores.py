@@ -55,14 +55,18 @@ class Woodwind:
         """Of the tube from the reed's end (of a cone: from its apex) for a note."""
         return SOUND_SPEED / ((2 if self.apex > 0 else 4) * key_frequency(key))
 
+    def place(self, key: float) -> float:
+        """Where the note's first open hole is: an end correction of 2 cm before that."""
+        return self.acoustic_length(key) - 0.02
+
     def radius(self, place: float) -> float:
-        """Of the bore at an acoustic length."""
+        """Of the bore at a place."""
         return self.input_radius * (place / self.apex if self.apex > 0 else 1)
 
     def hole(self, key: int) -> tuple[float, float]:
-        """Place (acoustic length) and radius of the hole that the note opens first."""
-        place = self.acoustic_length(key)
-        spacing = self.acoustic_length(key - 1) - place
+        """Place and radius of the hole that the note opens first."""
+        place = self.place(key)
+        spacing = self.place(key - 1) - place
         bore = self.radius(place)
         ratio = 0.5
         for _ in range(50):
@@ -73,8 +77,7 @@ class Woodwind:
     def beyond(self, key: int) -> Beyond:
         """What a note's wave meets where its first open hole is; the lowest note's meets the bell."""
         lowest = self.keys[0]
-        start = self.acoustic_length(max(key, lowest))
-        end = self.acoustic_length(lowest)
+        start, end = self.place(max(key, lowest)), self.place(lowest)
         corners = [(0.0, self.radius(start))]
         for distance, ratio in self.bell:
             place = end + distance
