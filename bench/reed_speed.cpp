@@ -35,8 +35,8 @@ constexpr double kRate = 48000;
 /// One greed~ that has played for a second.
 class Scalar {
 public:
-  explicit Scalar(std::string_view preset, double pressure, bool moving = false,
-                  double note = 0, bool holes = true)
+  explicit Scalar(std::string_view preset, double pressure, bool moving = false, double note = 0,
+                  bool holes = true)
       : moving_(moving) {
     Parameters p = *find_preset(preset);
     p.tune = note > 0;

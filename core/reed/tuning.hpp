@@ -9,17 +9,18 @@ namespace tactus::reed {
 /// Y_in(L) = Y_valve(p_m) at the lowest pressure that has one, or at over_threshold >= 1 times that
 /// (at most half way to the highest). A blown-open valve plays a mode of a longer bore: among the
 /// solutions the one nearest to the parameters' own length is taken; the others play their lowest
-/// mode. The bore ends in `end`, or openly. Where no pressure starts the note, the pressure counts that comes nearest to it. Bounded
-/// work (about 60 evaluations of a few complex functions), no allocation.
+/// mode. The bore ends in `end`, or openly. Where no pressure starts the note, the pressure counts
+/// that comes nearest to it. Bounded work (about 60 evaluations of a few complex functions), no
+/// allocation.
 [[nodiscard]] double tuned_length(const Parameters& parameters, double bore_frequency,
                                   double reed_frequency, double over_threshold = 1,
                                   const Termination* end = nullptr) noexcept;
 
 /// What a player chooses to sound a note.
 struct Playing {
-  Parameters valve;      // the instrument with the player's lips
-  double length;         // L, m
-  double reed_scale = 1; // factor on the f_r that the instrument is given
+  Parameters valve;                 // the instrument with the player's lips
+  double length;                    // L, m
+  double reed_scale = 1;            // factor on the f_r that the instrument is given
   const Termination* end = nullptr; // what the bore ends in; null: an open end
 };
 
