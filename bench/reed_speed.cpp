@@ -8,6 +8,7 @@
 #include "bench/paired.hpp"
 #include "core/reed/bore_line.hpp"
 #include "core/reed/gradient.hpp"
+#include "core/reed/holed_end.hpp"
 #include "core/reed/instrument.hpp"
 #include "core/reed/playability_follower.hpp"
 #include "core/reed/presets.hpp"
@@ -37,12 +38,16 @@ public:
   struct Gesture {
     bool moving_reed = false, moving_bore = false; // f_r, f_b always on their way
     bool tune = false;
+    float note = 262;
+    bool holes = true; // of presets that have them
   };
   Scalar(std::string_view preset, double pressure) : Scalar(preset, pressure, Gesture{}) {}
   Scalar(std::string_view preset, double pressure, const Gesture& gesture) : gesture_(gesture) {
     Parameters parameters = *find_preset(preset);
     parameters.tune = gesture.tune;
+    parameters.end = gesture.holes ? parameters.end : BoreEnd::kOpen;
     instrument_.set(parameters);
+    note_ = gesture.note;
     instrument_.prepare(kRate, kBlock);
     mouth_.fill(pressure);
     if (gesture.tune || gesture.moving_bore)
@@ -120,6 +125,8 @@ public:
       wave_[n] = source_[n] = n % 32 < 16 ? 700.0 : -700.0;
     line_.prepare(longest_delay(kRate));
     path_.prepare(kRate);
+    end_.set(kRate, 1, parameters_.input_radius);
+    end_.finger(fingering_for(BoreEnd::kClarinet, 175));
     path_.set(RadiationConstants::from(parameters_, design_, kRate));
   }
   void valve() {
@@ -142,6 +149,13 @@ public:
     line_.read(trip_.delay, 1e-20, wave, kCount);
     benchmark::DoNotOptimize(*wave);
     line_.advance(kCount);
+  }
+  void holes() {
+    wave_ = radiated_ = source_;
+    end_.reflect(wave_.data(), static_cast<int>(kBlock));
+    end_.radiate(radiated_.data(), static_cast<int>(kBlock));
+    benchmark::DoNotOptimize(wave_);
+    benchmark::DoNotOptimize(radiated_);
   }
   void radiation() {
     radiated_ = source_;
@@ -168,6 +182,7 @@ private:
   Signal mouth_{}, source_{}, wave_{}, radiated_{}, angle_{}, bore_{}, flow_{};
   BoreLine<double, static_cast<int>(kBlock)> line_;
   RadiationPath path_;
+  HoledEnd<double> end_;
 };
 
 #ifdef TACTUS_HAS_STK
@@ -208,20 +223,25 @@ int main(int argc, char** argv) {
   Lanes silent_lanes("clarinet", 0, best_instructions());
   Lanes plain("clarinet", 2000, Instructions::kBaseline);
   Lanes moved("clarinet", 2000, best_instructions(), true);
+  Scalar holed("clarinet", 2000, {.tune = true, .note = 175});
+  Scalar open("clarinet", 2000, {.tune = true, .note = 175, .holes = false});
   Scalar moving_reed("clarinet", 2000, {.moving_reed = true});
   Scalar moving_bore("clarinet", 2000, {.moving_bore = true});
   Scalar tuned_trumpet("trumpet", 4000, {.tune = true});
   Scalar moving_tuned("trumpet", 4000, {.moving_bore = true, .tune = true});
   Parts parts;
   Part valve{parts, &Parts::valve}, filters{parts, &Parts::filters}, delay{parts, &Parts::delay},
-      radiation{parts, &Parts::radiation}, judge{parts, &Parts::judge};
+      radiation{parts, &Parts::radiation}, holes{parts, &Parts::holes}, judge{parts, &Parts::judge};
   add("greed~ clarinet, playing", clarinet);
+  add("greed~ clarinet, tune 1, open end", open);
+  add("greed~ clarinet, tune 1, tone holes", holed);
   add("greed~ clarinet, silent", silence);
   add("greed~ trumpet, playing", trumpet);
   add("part: valve and jet", valve);
   add("part: bore filters", filters);
   add("part: delay line", delay);
   add("part: bell", radiation);
+  add("part: tone holes, inside and outside", holes);
   add("playability~ without analysis", judge);
   add("greed_gradient~ clarinet, playing", lanes);
   add("greed_gradient~ clarinet, silent", silent_lanes);
@@ -243,6 +263,7 @@ int main(int argc, char** argv) {
   print_ratio("greed~ trumpet, tune 1 / 0", tuned_trumpet, trumpet);
   print_ratio("greed~ trumpet, tune 1, f_b always moving / still", moving_tuned, tuned_trumpet);
   print_ratio("greed~ silent / playing, clarinet", silence, clarinet);
+  print_ratio("greed~ with tone holes / with an open end, clarinet, tune 1", holed, open);
   print_ratio("greed_gradient~ silent / playing, clarinet", silent_lanes, lanes);
 #ifdef TACTUS_HAS_STK
   print_ratio("greed~ / STK Clarinet", clarinet, peer);

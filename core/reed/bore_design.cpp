@@ -76,17 +76,37 @@ void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcep
   end_pole_ = {first.pole, second.pole};
   end_excess_ = {first.excess, second.excess};
   end_gain_ = -first.gain * second.gain;
+  set_end(end_);
+}
+
+void BoreDesign::set_end(const Termination* end) noexcept {
+  end_ = end;
+  if (end != nullptr)
+    digital_end_.set(end->reflection, end->at_zero, rate_,
+                     air_.sound_speed / air_at(20).sound_speed, 1);
+}
+
+Complex BoreDesign::end_reflection(Complex s) const noexcept {
+  if (end_ == nullptr)
+    return OpenEnd::reflection(s * parameters_.end_radius / air_.sound_speed);
+  return end_->reflectance(s * (air_at(20).sound_speed / air_.sound_speed)).value *
+         std::exp(-2.0 * s * end_->extra_length / air_.sound_speed);
+}
+
+double BoreDesign::end_correction() const noexcept {
+  return end_ != nullptr ? end_->length_correction()
+                         : OpenEnd::kLengthCorrection * parameters_.end_radius;
 }
 
 double BoreDesign::ideal_frequency(double length) const noexcept {
-  const double acoustic = length + OpenEnd::kLengthCorrection * parameters_.end_radius;
+  const double acoustic = length + end_correction();
   return parameters_.shape == BoreShape::kCone
              ? air_.sound_speed / (2 * (acoustic + parameters_.apex_distance))
              : air_.sound_speed / (4 * acoustic);
 }
 
 double BoreDesign::length_for(double bore_frequency) const noexcept {
-  const double correction = OpenEnd::kLengthCorrection * parameters_.end_radius;
+  const double correction = end_correction();
   const double length =
       parameters_.shape == BoreShape::kCone
           ? air_.sound_speed / (2 * bore_frequency) - parameters_.apex_distance - correction
@@ -98,7 +118,7 @@ double BoreDesign::longest() const noexcept { return 0.5 * air_.sound_speed / kL
 
 RoundTrip BoreDesign::round_trip(double length) const noexcept {
   RoundTrip trip;
-  const double transit = 2 * length / air_.sound_speed;
+  double transit = 2 * length / air_.sound_speed;
   if (parameters_.scalar_reflection > 0) {
     trip.returning_gain = -parameters_.scalar_reflection;
     trip.delay = std::clamp(transit * rate_, 3.0, static_cast<double>(longest_delay(rate_)));
@@ -120,9 +140,14 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
       if (j != k)
         trip.loss_residue[k] *= 1 + row[j].excess / (row[k].pole - row[j].pole);
   }
-  trip.end_pole = end_pole_;
-  trip.end_excess = end_excess_;
-  trip.returning_gain = trip.arriving_gain * end_gain_;
+  trip.returning_gain = trip.arriving_gain;
+  if (end_ == nullptr) {
+    trip.end_pole = end_pole_;
+    trip.end_excess = end_excess_;
+    trip.returning_gain *= end_gain_;
+  } else {
+    transit += 2 * end_->extra_length / air_.sound_speed;
+  }
 
   // What the filters' phase lacks at the lowest resonance, the delay makes up for.
   const double omega = 2 * kPi * std::min(ideal_frequency(length), 0.1 * rate_);
@@ -131,10 +156,12 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
   for (std::size_t k = 0; k < row.size(); ++k)
     filters += trip.loss_residue[k] * back / (1.0 - trip.loss_pole[k] * back);
   filters *= trip.returning_gain;
-  for (std::size_t k = 0; k < end_pole_.size(); ++k)
-    filters *= 1.0 + end_excess_[k] * back / (1.0 - end_pole_[k] * back);
-  const Complex wanted = std::exp(-loss * std::sqrt(s)) *
-                         OpenEnd::reflection(s * parameters_.end_radius / air_.sound_speed);
+  if (end_ == nullptr)
+    for (std::size_t k = 0; k < end_pole_.size(); ++k)
+      filters *= 1.0 + end_excess_[k] * back / (1.0 - end_pole_[k] * back);
+  else
+    filters *= digital_end_.at(back) * std::exp(-2.0 * s * end_->extra_length / air_.sound_speed);
+  const Complex wanted = std::exp(-loss * std::sqrt(s)) * end_reflection(s);
   const double lead = std::arg(filters / wanted);
   trip.delay =
       std::clamp((transit + lead / omega) * rate_, 3.0, static_cast<double>(longest_delay(rate_)));

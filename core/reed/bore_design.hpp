@@ -2,8 +2,10 @@
 
 #include "core/reed/air.hpp"
 #include "core/reed/parameters.hpp"
+#include "core/reed/termination.hpp"
 
 #include <array>
+#include <complex>
 
 namespace tactus::reed {
 
@@ -32,8 +34,9 @@ struct RoundTrip {
 /// pole at q_k e^(-delta/2) and a zero at q_k e^(delta/2), delta_k = G h/pi sqrt(q_k), the lowest
 /// raised for the tail of the integral below it. Bilinear, exact at q_k. Every section has
 /// |H| <= 1, so has the row of them; its partial fractions are what is computed. The open end is
-/// OpenEnd, bilinear. The delay makes the phase of the whole round trip exact at the lowest
-/// resonance.
+/// OpenEnd, bilinear; holes and bells (set_end()) are filters of their own behind these
+/// (termination.hpp), and the two end sections are then idle. The delay makes the phase of the
+/// whole round trip exact at the lowest resonance.
 class BoreDesign {
 public:
   /// Lowest bore frequency a line has room for, Hz.
@@ -41,6 +44,11 @@ public:
   static constexpr double kHighestFrequency = 4000;
 
   void set(const Parameters& parameters, double internal_rate) noexcept;
+  /// What the bore ends in, which must live on; null: an open end.
+  void set_end(const Termination* end) noexcept;
+  [[nodiscard]] const Termination* end() const noexcept { return end_; }
+  /// Reflectance of the end, extra length included.
+  [[nodiscard]] std::complex<double> end_reflection(std::complex<double> s) const noexcept;
 
   [[nodiscard]] RoundTrip round_trip(double length) const noexcept;
 
@@ -57,7 +65,11 @@ public:
   [[nodiscard]] double impedance() const noexcept { return impedance_; }
 
 private:
+  [[nodiscard]] double end_correction() const noexcept;
+
   Parameters parameters_{};
+  const Termination* end_ = nullptr;
+  DigitalReflection digital_end_{};
   Air air_ = air_at(20);
   double rate_ = 48000;
   double impedance_ = 0;

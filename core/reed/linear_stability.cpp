@@ -36,8 +36,9 @@ struct LinearStability::Valve {
   bool free = true;
 };
 
-LinearStability::LinearStability(const Parameters& parameters, double length_m) noexcept
-    : parameters_(parameters), air_(air_at(parameters.temperature)), length_(length_m) {
+LinearStability::LinearStability(const Parameters& parameters, double length_m,
+                                 const Termination* end) noexcept
+    : parameters_(parameters), air_(air_at(parameters.temperature)), length_(length_m), end_(end) {
   const double area = std::numbers::pi * square(parameters.input_radius);
   characteristic_impedance_ = air_.density * air_.sound_speed / area;
   inertance_ =
@@ -102,8 +103,17 @@ LinearStability::Value LinearStability::round_trip(Complex s) const noexcept {
     const Complex value = -parameters_.scalar_reflection * std::exp(-transit * s);
     return {value, -transit * value};
   }
+  const Complex root = std::sqrt(s);
+  if (end_ != nullptr) {
+    const double ratio = air_at(20).sound_speed / air_.sound_speed;
+    const Termination::Value end = end_->reflectance(ratio * s);
+    const double there = transit + 2 * end_->extra_length / air_.sound_speed;
+    const Complex way = std::exp(-there * s - loss_ * root);
+    return {end.value * way,
+            (ratio * end.derivative - end.value * (there + 0.5 * loss_ / root)) * way};
+  }
   const double scale = parameters_.end_radius / air_.sound_speed;
-  const Complex j = s * scale, root = std::sqrt(s);
+  const Complex j = s * scale;
   using End = OpenEnd;
   const Complex over = 1.0 + End::kNumerator * j;
   const Complex under = 1.0 + j * (End::kFirst + End::kSecond * j);

@@ -50,7 +50,9 @@ public:
   using Complex = std::complex<double>;
 
   /// length_m > 0 is the bore length L; reed_frequency_hz > 0 is the player's f_r.
-  LinearStability(const Parameters& parameters, double length_m) noexcept;
+  /// The bore ends in `end`, which must live on, or openly.
+  LinearStability(const Parameters& parameters, double length_m,
+                  const Termination* end = nullptr) noexcept;
 
   [[nodiscard]] Equilibrium equilibrium(double mouth_pressure,
                                         double reed_frequency_hz) const noexcept;
@@ -94,6 +96,7 @@ private:
   Parameters parameters_;
   Air air_;
   double length_;
+  const Termination* end_;
   double characteristic_impedance_; // Z_0
   double inertance_;                // M, 0 for the cylinder
   double compliance_;               // C

@@ -51,6 +51,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.brassiness = bounded(p.brassiness, 0, 100, kInitial.brassiness);
   p.scalar_reflection = bounded(p.scalar_reflection, 0, 1, kInitial.scalar_reflection);
   p.temperature = bounded(p.temperature, -50, 100, kInitial.temperature);
+  p.fingering = bounded(p.fingering, 0, 127, kInitial.fingering);
   p.breath_noise = bounded(p.breath_noise, 0, 10, kInitial.breath_noise);
   p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
   p.embouchure_slope = bounded(p.embouchure_slope, -2, 2, kInitial.embouchure_slope);
@@ -105,8 +106,9 @@ Parameters between(const Parameters& from, const Parameters& to, double share) n
 bool near(const Parameters& a, const Parameters& b) noexcept {
   constexpr double kFactor = 1.5;
   constexpr double kCents = 100;
-  if (a.type != b.type || a.shape != b.shape || a.flow != b.flow || a.sweep != b.sweep ||
-      a.tune != b.tune || a.ear != b.ear || oversampling_of(a) != oversampling_of(b))
+  if (a.type != b.type || a.shape != b.shape || a.end != b.end || a.flow != b.flow ||
+      a.sweep != b.sweep || a.tune != b.tune || a.ear != b.ear ||
+      oversampling_of(a) != oversampling_of(b))
     return false;
   // The sign of the rest angle goes with the type, but for the swinging valve.
   if (a.rest_angle * b.rest_angle < 0 || std::abs(a.aim - b.aim) > kCents)
@@ -145,6 +147,10 @@ bool near(const Parameters& a, const Parameters& b) noexcept {
       return false;
   }
   return true;
+}
+
+double note_of(const Parameters& p, double bore_frequency) noexcept {
+  return p.tune && p.fingering > 0 ? 440 * std::exp2((p.fingering - 69) / 12) : bore_frequency;
 }
 
 int oversampling_of(const Parameters& p) noexcept {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/reed/termination.hpp"
+
 namespace tactus::reed {
 
 enum class ValveType { kClosed, kOpen, kSwinging }; ///< blown closed, blown open, swinging door
@@ -42,15 +44,17 @@ struct Parameters {
   double brassiness = 0;   // bore lengths over which the radiated wave steepens
   double scalar_reflection = 0; // R_0; > 0 replaces loss and radiation (Raman's model)
   double temperature = 20;      // deg C
+  BoreEnd end = BoreEnd::kOpen; // with tune: holes and bell in place of end_radius and bell
 
   // numerics and voice
   FlowMethod flow = FlowMethod::kImplicit;
   int oversampling = 0;       // 1, 2 or 4; 0: 4 for the swinging valve, else 1
   double breath_noise = 1e-7; // relative to the mouth pressure; as little starts a slow breath
   unsigned seed = 1;
-  bool tune = false; // a player plays f_b: chooses length and embouchure, and listens
-  bool ear = true;   // with tune: correct what is heard out of tune
-  double gain = 2;   // of the sound outlet, 1/Pa at 1 m before the soft clip
+  bool tune = false;    // a player plays f_b: chooses length and embouchure, and listens
+  bool ear = true;      // with tune: correct what is heard out of tune
+  double fingering = 0; // with tune: MIDI number of the note fingered, instead of f_b; 0: none
+  double gain = 2;      // of the sound outlet, 1/Pa at 1 m before the soft clip
 
   // the player's lips, with tune: what they keep of the note, and factors on the valve above
   double embouchure = 0;       // f_r/f_b; 0: a reed, whose f_r stays as given
@@ -90,6 +94,8 @@ struct Parameters {
 /// without a thump: no switch or word differs, nor what a 0 switches off, and no size is more than
 /// half as large again.
 [[nodiscard]] bool near(const Parameters& a, const Parameters& b) noexcept;
+/// The note meant, Hz: that of the fingering, else the bore frequency as given.
+[[nodiscard]] double note_of(const Parameters& parameters, double bore_frequency) noexcept;
 
 /// How many internal samples an instrument with these parameters computes for each sample.
 [[nodiscard]] int oversampling_of(const Parameters& parameters) noexcept;

@@ -19,6 +19,7 @@ bool same_notes(const Parameters& a, Parameters b) {
   b.bell = a.bell;
   b.bell_quality = a.bell_quality;
   b.ear = a.ear;
+  b.fingering = a.fingering;
   b.lowest_note = a.lowest_note;
   b.highest_note = a.highest_note;
   return a == b;
@@ -88,10 +89,10 @@ double Player::playable(double frequency) noexcept {
 
 /// Length and lips for f_b.
 void Player::choose(double reed_frequency) noexcept {
-  double f =
-      std::clamp(bore_frequency_, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+  const double meant = note_of(parameters_, bore_frequency_);
+  double f = std::clamp(meant, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
   const bool played = plays_;
-  plays_ = parameters_.tune && bore_frequency_ > 0 && !(parameters_.length_override > 0);
+  plays_ = parameters_.tune && meant > 0 && !(parameters_.length_override > 0);
   listens_ = plays_ && parameters_.ear;
   if (plays_) {
     f = playable(f);
@@ -100,7 +101,8 @@ void Player::choose(double reed_frequency) noexcept {
     if (listens_)
       ear_.mean(f);
     const Playing lips = player_lips(parameters_, f);
-    hold_.length = lengths_.length(f, reed_frequency, leap);
+    finger(f, leap);
+    hold_.length = lengths_.length(f, reed_frequency, leap, hold_.end);
     own_scale_ = lips.reed_scale;
     if (due_ || !played || parameters_.embouchure > 0) {
       lips_ = lips.valve;
@@ -109,6 +111,7 @@ void Player::choose(double reed_frequency) noexcept {
   } else {
     note_ = 0;
     own_scale_ = 1;
+    hold_.end = nullptr;
     hold_.valve = parameters_;
     hold_.valve_changed = true;
     hold_.length = parameters_.length_override > 0 ? parameters_.length_override
@@ -116,6 +119,16 @@ void Player::choose(double reed_frequency) noexcept {
                                                    : parameters_.length;
   }
   hold_.length = std::clamp(hold_.length, 5e-3, bore_.longest());
+}
+
+/// The fingering for f_b. A bend or a vibrato of nearly a semitone stays on the one there is.
+void Player::finger(double frequency, bool leap) noexcept {
+  constexpr double kBend = 0.8; // semitones
+  const bool stays = !leap && fingered_for_ == parameters_.end && hold_.end != nullptr &&
+                     std::abs(69 + 12 * std::log2(frequency / 440) - hold_.end->key) < kBend;
+  if (!stays)
+    hold_.end = fingering_for(parameters_.end, frequency);
+  fingered_for_ = parameters_.end;
 }
 
 /// Whether that changes the lips.

@@ -34,11 +34,12 @@ public:
 
   /// How the instrument is held.
   struct Hold {
-    Parameters valve{};         ///< the valve with the player's lips
-    double length = 0.48;       ///< L, m
-    double reed_scale = 1;      ///< factor on the f_r that the instrument is given
-    double trim = 0;            ///< of the ear: the bore is to sound sharper by exp(trim)
-    bool valve_changed = false; ///< since the control period before
+    Parameters valve{};               ///< the valve with the player's lips
+    double length = 0.48;             ///< L, m
+    double reed_scale = 1;            ///< factor on the f_r that the instrument is given
+    double trim = 0;                  ///< of the ear: the bore is to sound sharper by exp(trim)
+    const Termination* end = nullptr; ///< what the bore ends in; null: an open end
+    bool valve_changed = false;       ///< since the control period before
   };
 
   void prepare(double sample_rate) noexcept;
@@ -63,6 +64,7 @@ public:
 private:
   [[nodiscard]] double playable(double frequency) noexcept;
   void choose(double reed_frequency) noexcept;
+  void finger(double frequency, bool leap) noexcept;
   void set_trim(double logarithm, bool moved) noexcept;
   bool follow_breath(double mouth_pressure) noexcept;
   void hold_valve() noexcept;
@@ -72,9 +74,10 @@ private:
   LengthTable lengths_{};
   Ear ear_{};
   Hold hold_{};
-  double bore_frequency_ = 0;  // as given
-  double note_ = 0;            // f_b played, Hz; 0: none yet
-  Parameters lips_{};          // for the note, at breath_reference
+  double bore_frequency_ = 0; // as given
+  double note_ = 0;           // f_b played, Hz; 0: none yet
+  Parameters lips_{};         // for the note, at breath_reference
+  BoreEnd fingered_for_ = BoreEnd::kOpen;
   double breath_ = 1;          // p/breath_reference, smoothed and bounded
   double rise_ = 1, fall_ = 1; // of the smoothing, per control period
   double own_scale_ = 1;       // of f_r: the choice for the note, without the ear's trim

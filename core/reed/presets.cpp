@@ -28,6 +28,7 @@ constexpr Parameters clarinet() {
           .end_radius = 7.5e-3,
           .bell = 1600,
           .bell_quality = 1.4,
+          .end = BoreEnd::kClarinet,
           .gain = 0.2,
           .aim = -8,
           .lip_opening = 0.82,

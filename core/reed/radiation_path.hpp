@@ -111,6 +111,12 @@ public:
       wave[i] = exit(wave[i]);
   }
 
+  /// The first half of run() alone: what steepens on the way, before another filter lets it out.
+  void travel(double* wave, int count, double length) noexcept {
+    if (steepens())
+      steepening_.run(wave, count, constants_.lead * length);
+  }
+
 private:
   static double size(double x) noexcept { return x < 0 ? -x : x; }
 

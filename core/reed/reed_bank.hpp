@@ -5,6 +5,7 @@
 #include "core/reed/bore_design.hpp"
 #include "core/reed/bore_line.hpp"
 #include "core/reed/halfband.hpp"
+#include "core/reed/holed_end.hpp"
 #include "core/reed/parameter_glide.hpp"
 #include "core/reed/parameters.hpp"
 #include "core/reed/player.hpp"
@@ -115,6 +116,11 @@ public:
                            V(glide_.now().reed_frequency));
     const Player::Hold& hold =
         player_.control(bore_frequency, static_cast<double>(simd::lane(given, 0)), breath);
+    if (hold.end != design_.end()) {
+      design_.set_end(hold.end);
+      holes_.finger(hold.end);
+      trip_due_ = true;
+    }
     end_substeps();
     if (gliding_)
       radiation_.set(radiation_to_);
@@ -209,6 +215,7 @@ private:
     radiation_to_ = RadiationConstants::from(parameters_, design_, rate);
     radiation_.set(radiation_to_);
     gliding_ = false;
+    holes_.set(rate, design_.air().sound_speed / air_at(20).sound_speed, parameters_.input_radius);
     inform_player();
     place_valve(old);
     from_ = to_ = constants_;
@@ -356,6 +363,7 @@ private:
     line_.clear();
     filter_.reset();
     radiation_.reset();
+    holes_.reset();
     const V deflection = state_.deflection(), velocity = state_.velocity();
     state_ = {};
     state_.move(deflection, velocity);
@@ -374,6 +382,14 @@ private:
       quieten(*value);
     filter_.each([](auto& value) { quieten(value); });
     radiation_.quieten();
+    if (holes_.active()) {
+      holes_.proceed();
+      holes_.each([](V& value) { quieten(value); });
+      holes_.each_outside([](double& value) {
+        if (std::abs(value) < kSilence)
+          value = 0;
+      });
+    }
   }
 
   void chunk(const V* mouth_pressure, const Outputs& out, int samples) noexcept {
@@ -456,8 +472,12 @@ private:
       line_.advance(part);
       done += part;
     }
-    if (radiation_.steepens())
+    if (holes_.active()) {
+      radiation_.travel(out.radiated, count, steepening_length_);
+      holes_.radiate(out.radiated, count);
+    } else if (radiation_.steepens()) {
       radiation_.run(out.radiated, count, steepening_length_);
+    }
     guard(out, count);
   }
 
@@ -466,7 +486,13 @@ private:
   [[gnu::noinline, gnu::flatten]] void travel(V* wave, const RoundTrip& trip, double* radiated,
                                               int count) noexcept {
     typename RoundTripFilter<V>::Stretch filter(filter_, trip, radiation_.returning_share());
-    if (radiation_.steepens()) {
+    if (holes_.active()) {
+      for (int i = 0; i < count; ++i) {
+        wave[i] = filter.arriving(wave[i]);
+        radiated[i] = static_cast<double>(simd::lane(wave[i], 0));
+      }
+      holes_.reflect(wave, count);
+    } else if (radiation_.steepens()) {
       for (int i = 0; i < count; ++i)
         wave[i] = filter(wave[i], radiated[i]);
     } else {
@@ -566,6 +592,7 @@ private:
   Player player_{};
   ParameterGlide glide_{};
   double trim_ = 0, trim_delay_ = 0, own_delay_ = 3;
+  HoledEnd<V> holes_{};
   BoreLine<V, kChunk> line_;
   Decimator<double, kChunk> radiated_decimator_{};
   std::array<Decimator<V, kChunk>, 3> decimators_{};

@@ -123,6 +123,13 @@ public:
       return back;
     }
 
+    /// From the delay line's output to what arrives at the end, where another filter takes over.
+    [[gnu::always_inline]] V arriving(const V& wave) noexcept {
+      const V lost = wave + loss_.sum();
+      loss_.step(loss_pole_, loss_residue_, wave);
+      return arriving_ * lost;
+    }
+
   private:
     RoundTripFilter& filter_;
     LossStates<V> loss_, loss_pole_, loss_residue_;

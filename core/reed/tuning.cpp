@@ -30,18 +30,19 @@ struct Candidate {
 /// The equations of one frequency, solved for the round trip the valve asks of the bore.
 class NeutralOscillation {
 public:
-  NeutralOscillation(const Parameters& p, double frequency, double reed_frequency)
+  NeutralOscillation(const Parameters& p, double frequency, double reed_frequency,
+                     const Termination* end)
       : parameters_(p), theory_(p, p.length), s_(0, 2 * kPi * frequency),
         reed_frequency_(reed_frequency) {
     bore_.set(p, 48000);
+    bore_.set_end(end);
     const double area = kPi * p.input_radius * p.input_radius;
     const Air& air = bore_.air();
     lumped_ = s_ * p.cup_volume / (air.density * air.sound_speed * air.sound_speed);
     if (p.shape == BoreShape::kCone)
       lumped_ += area / (s_ * air.density * p.apex_distance);
-    end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection)
-                                   : OpenEnd::reflection(s_ * p.end_radius / air.sound_speed);
-    wanted_ = wanted_length(p, frequency);
+    end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection) : bore_.end_reflection(s_);
+    wanted_ = wanted_length(p, frequency, end);
   }
 
   [[nodiscard]] Candidate at(double mouth_pressure) const {
@@ -108,9 +109,11 @@ Playing lips_for(const Parameters& parameters, double aimed) {
 
 } // namespace
 
-double wanted_length(const Parameters& parameters, double bore_frequency) noexcept {
+double wanted_length(const Parameters& parameters, double bore_frequency,
+                     const Termination* end) noexcept {
   BoreDesign bore;
   bore.set(parameters, 48000);
+  bore.set_end(end);
   if (parameters.type != ValveType::kOpen)
     return bore.length_for(bore_frequency);
   if (!(parameters.highest_mode > 0))
@@ -125,10 +128,10 @@ double wanted_length(const Parameters& parameters, double bore_frequency) noexce
 }
 
 double tuned_length(const Parameters& parameters, double bore_frequency, double reed_frequency,
-                    double over_threshold) noexcept {
+                    double over_threshold, const Termination* end) noexcept {
   constexpr int kPressures = 32;
   constexpr int kBisections = 24;
-  const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency);
+  const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency, end);
   const double highest = oscillation.highest_pressure();
   double low = 0;
   Candidate best{0, -1e300};
@@ -172,11 +175,13 @@ double length_of(const Parameters& parameters, double bore_frequency, double tur
   return length;
 }
 
-bool valve_alone(const Parameters& parameters, double bore_frequency) noexcept {
+bool valve_alone(const Parameters& parameters, double bore_frequency,
+                 const Termination* end) noexcept {
   if (!(parameters.embouchure > 0))
     return false;
   BoreDesign bore;
   bore.set(parameters, 48000);
+  bore.set_end(end);
   return aim_of(parameters, bore_frequency) <=
          kValveAlone * bore.ideal_frequency(parameters.length);
 }
@@ -186,24 +191,33 @@ Playing player_lips(const Parameters& parameters, double bore_frequency) noexcep
 }
 
 Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency) noexcept {
+  return tuned(parameters, bore_frequency, reed_frequency,
+               fingering_for(parameters.end, bore_frequency));
+}
+
+Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency,
+              const Termination* end) noexcept {
   const double aimed = aim_of(parameters, bore_frequency);
   Playing playing = lips_for(parameters, aimed);
   const Parameters& valve = playing.valve;
+  playing.end = end;
   const double reed =
       parameters.embouchure > 0 ? embouchure_at(parameters, aimed) * aimed : reed_frequency;
-  if (!valve_alone(parameters, bore_frequency))
+  if (!valve_alone(parameters, bore_frequency, end))
     playing.length =
-        tuned_length(valve, aimed, reed, parameters.embouchure > 0 ? kPlayingLips : kPlaying);
+        tuned_length(valve, aimed, reed, parameters.embouchure > 0 ? kPlayingLips : kPlaying, end);
   return playing;
 }
 
 Playing embouchure_for(const Parameters& parameters, double bore_frequency,
                        double length_m) noexcept {
   Playing playing{parameters, parameters.length};
-  if (parameters.tune && bore_frequency > 0 && !(parameters.length_override > 0)) {
+  const double meant = note_of(parameters, bore_frequency);
+  if (parameters.tune && meant > 0 && !(parameters.length_override > 0)) {
     const double note =
-        std::clamp(bore_frequency, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+        std::clamp(meant, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
     playing = player_lips(parameters, note);
+    playing.end = fingering_for(parameters.end, note);
   }
   playing.length = length_m;
   return playing;

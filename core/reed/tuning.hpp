@@ -7,23 +7,27 @@ namespace tactus::reed {
 /// Length of the bore, m, near which a note (Hz) is looked for: where its ideal lowest resonance
 /// lies. Lips choose a resonance of the instrument's own bore, or with Parameters::highest_mode one
 /// not above that, on a shorter bore.
-[[nodiscard]] double wanted_length(const Parameters& parameters, double bore_frequency) noexcept;
+[[nodiscard]] double wanted_length(const Parameters& parameters, double bore_frequency,
+                                   const Termination* end = nullptr) noexcept;
 
 /// Length of the bore, m, with which the instrument's linear playing frequency is bore_frequency
 /// (Hz) at that reed frequency (Hz): the neutral oscillation exp(i 2 pi f_b t) of
 /// Y_in(L) = Y_valve(p_m) at the lowest pressure that has one, or at over_threshold >= 1 times that
 /// (at most half way to the highest). A blown-open valve plays a mode of a longer bore: among the
 /// solutions the one nearest to the parameters' own length is taken; the others play their lowest
-/// mode. Where no pressure starts the note, the pressure counts that comes nearest to it. Bounded
-/// work (about 60 evaluations of a few complex functions), no allocation.
+/// mode. The bore ends in `end`, or openly. Where no pressure starts the note, the pressure counts
+/// that comes nearest to it. Bounded work (about 60 evaluations of a few complex functions), no
+/// allocation.
 [[nodiscard]] double tuned_length(const Parameters& parameters, double bore_frequency,
-                                  double reed_frequency, double over_threshold = 1) noexcept;
+                                  double reed_frequency, double over_threshold = 1,
+                                  const Termination* end = nullptr) noexcept;
 
 /// What a player chooses to sound a note.
 struct Playing {
-  Parameters valve;      // the instrument with the player's lips
-  double length;         // L, m
-  double reed_scale = 1; // factor on the f_r that the instrument is given
+  Parameters valve;                 // the instrument with the player's lips
+  double length;                    // L, m
+  double reed_scale = 1;            // factor on the f_r that the instrument is given
+  const Termination* end = nullptr; // what the bore ends in; null: an open end
 };
 
 /// A player's choice for the note bore_frequency (Hz), given f_r = reed_frequency (Hz).
@@ -35,7 +39,10 @@ struct Playing {
 /// brought to embouchure * f_b, at constant stiffness (a lower note takes more of the lip's mass),
 /// so that threshold and opening stay what they were; f_r then bends it, its own value being no
 /// bend. A note well below the bore's lowest resonance is that valve's alone: the bore keeps its
-/// length.
+/// length. The bore ends in `end`, or openly.
+[[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
+                            double reed_frequency, const Termination* end) noexcept;
+/// The same with the fingering of the note, when the instrument has fingerings.
 [[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
                             double reed_frequency) noexcept;
 
@@ -48,7 +55,8 @@ struct Playing {
                                double turns) noexcept;
 
 /// Whether the note lies so far below the bore's lowest resonance that it is the valve's alone.
-[[nodiscard]] bool valve_alone(const Parameters& parameters, double bore_frequency) noexcept;
+[[nodiscard]] bool valve_alone(const Parameters& parameters, double bore_frequency,
+                               const Termination* end = nullptr) noexcept;
 
 /// The lips of tuned(), without the search for a length: that is the parameters' own.
 [[nodiscard]] Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept;

@@ -16,6 +16,7 @@ using reed::Parameters;
 
 inline constexpr std::array<std::string_view, 3> kTypes{"closed", "open", "swing"};
 inline constexpr std::array<std::string_view, 2> kBores{"cyl", "cone"};
+inline constexpr std::array<std::string_view, 4> kEnds{"open", "clarinet", "saxophone", "oboe"};
 inline constexpr std::array<std::string_view, 2> kFlows{"implicit", "paper"};
 
 /// How a number of a message becomes a member of reed::Parameters, and back.
@@ -82,12 +83,17 @@ inline constexpr std::array kParameters{
     Parameter{"brassiness", "", kInitial.brassiness, 0, 100,
               "bore lengths over which a loud wave steepens before it is radiated"},
     Parameter{"temp", "degC", kInitial.temperature, -20, 50, "temperature of the air"},
+    Parameter{"end", "", 0, 0, 3,
+              "with tune: an open end, or holes and bell of an instrument, for radius_end and bell",
+              kEnds},
     Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1"},
     Parameter{"flow", "", 0, 0, 1, "jet solved implicitly, or as printed in the paper", kFlows},
     Parameter{"noise", "", kInitial.breath_noise, 0, 1, "breath noise, of the jet's pressure"},
     Parameter{"seed", "", 1, 0, 16777215, "of the breath noise"},
     Parameter{"tune", "", 0, 0, 1, "1: choose the bore so that it plays f_b"},
     Parameter{"ear", "", 1, 0, 1, "1: with tune, correct slowly what is heard out of tune"},
+    Parameter{"fingering", "", 0, 0, 127,
+              "with tune: MIDI note fingered, in place of the bore frequency; 0: none"},
     Parameter{"embouchure", "", kInitial.embouchure, 0, 10,
               "with tune: f_r/f_b that the lips keep, f_r bending them; 0: f_r as given"},
     Parameter{"aim", "cent", 0, -1200, 1200,
@@ -134,12 +140,14 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::bell_quality>(),
     number<&Parameters::brassiness>(),
     number<&Parameters::temperature>(),
+    whole<&Parameters::end>(),
     whole<&Parameters::oversampling>(),
     whole<&Parameters::flow>(),
     number<&Parameters::breath_noise>(),
     whole<&Parameters::seed>(),
     whole<&Parameters::tune>(),
     whole<&Parameters::ear>(),
+    number<&Parameters::fingering>(),
     number<&Parameters::embouchure>(),
     number<&Parameters::aim>(),
     number<&Parameters::lip_mass>(),

@@ -1,0 +1,118 @@
+"""Bores of the woodwinds and brass: what lies beyond the tube that [greed~] computes as a line.
+
+Lengths in metres. A woodwind has one tone hole a semitone, as the clarinet of Noreland et al. (2013);
+the note's first open hole is where the line ends. Hole sizes follow from one figure, the lattice's
+cut-off frequency, which is nearly the same all along a clarinet whatever its holes look like (Moers &
+Kergomard 2011). Benade's formula (Fundamentals of Musical Acoustics, 1976, chapter 21) gives the
+radius b of a hole in a bore of radius a:
+
+    f_c = 0.11 c (b/a) sqrt(1/(s t_e)),    t_e = t + 1.5 b,
+
+s being half the distance to the next hole and t the height of the chimney. Cut-offs: clarinet 1500 Hz,
+oboe 1500 Hz (Benade), tenor saxophone 800 Hz (an alto has 850 to 1000 Hz, a tenor is a fourth
+lower)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+SOUND_SPEED = 331.45 * np.sqrt(1 + 20 / 273.15)
+DENSITY = 1.2929 * 273.15 / 293.15
+VISCOSITY, PRANDTL, GAMMA = 1.51e-5, 0.71, 1.402  # as core/reed/air.hpp
+
+
+def key_frequency(key: float) -> float:
+    return 440.0 * 2 ** ((key - 69) / 12)
+
+
+@dataclass
+class Hole:
+    distance: float  # from the plane where the line ends
+    radius: float
+    height: float
+
+
+@dataclass
+class Beyond:
+    """Bore beyond the end of the line: (distance, radius) corners joined by straight walls, holes on
+    it, an unflanged opening at its end. `apex` > 0: the line is a cone whose apex lies so far
+    before the plane."""
+    corners: list[tuple[float, float]]
+    holes: list[Hole] = field(default_factory=list)
+    apex: float = 0.0
+
+
+@dataclass
+class Woodwind:
+    keys: range            # first: all holes closed
+    input_radius: float
+    apex: float            # from the apex to the reed's end; 0: cylinder
+    cutoff: float          # of the lattice, Hz
+    chimney: float
+    bell: list[tuple[float, float]]  # (distance from the last hole's place, radius over the bore's)
+
+    def acoustic_length(self, key: float) -> float:
+        """Of the tube from the reed's end (of a cone: from its apex) for a note."""
+        return SOUND_SPEED / ((2 if self.apex > 0 else 4) * key_frequency(key))
+
+    def place(self, key: float) -> float:
+        """Where the note's first open hole is: an end correction of 2 cm before that."""
+        return self.acoustic_length(key) - 0.02
+
+    def radius(self, place: float) -> float:
+        """Of the bore at a place."""
+        return self.input_radius * (place / self.apex if self.apex > 0 else 1)
+
+    def hole(self, key: int) -> tuple[float, float]:
+        """Place and radius of the hole that the note opens first."""
+        place = self.place(key)
+        spacing = self.place(key - 1) - place
+        bore = self.radius(place)
+        ratio = 0.5
+        for _ in range(50):
+            thickness = self.chimney + 1.5 * ratio * bore
+            ratio = self.cutoff / (0.11 * SOUND_SPEED) * np.sqrt(spacing / 2 * thickness)
+        return place, min(ratio, 0.9) * bore
+
+    def beyond(self, key: int) -> Beyond:
+        """What a note's wave meets where its first open hole is; the lowest note's meets the bell."""
+        lowest = self.keys[0]
+        start, end = self.place(max(key, lowest)), self.place(lowest)
+        corners = [(0.0, self.radius(start))]
+        for distance, ratio in self.bell:
+            place = end + distance
+            corners.append((place - start, self.radius(end) * ratio))
+        if corners[1][0] <= 0:
+            corners.pop(0)
+        holes = [Hole(place - start, radius, self.chimney)
+                 for place, radius in (self.hole(k) for k in range(key, lowest, -1))]
+        return Beyond(corners, holes, start if self.apex > 0 else 0.0)
+
+
+def bessel_bell(length: float, throat: float, mouth: float, exponent: float,
+                points: int = 60) -> Beyond:
+    """Flare a = B (y + y0)^-exponent, y the distance from the mouth: the Bessel horns of Benade &
+    Jansson (1974), exponent 0.5 to 1 for brass."""
+    offset = length / ((mouth / throat) ** (1 / exponent) - 1)
+    scale = mouth * offset ** exponent
+    # Corners where the radius grows by equal ratios.
+    radii = throat * (mouth / throat) ** np.linspace(0, 1, points)
+    distance = length + offset - (scale / radii) ** (1 / exponent)
+    return Beyond([(float(d), float(r)) for d, r in zip(distance, radii)])
+
+
+WOODWINDS = {
+    # Bore 15 mm; the lower joint opens before the bell, which ends 60 mm wide (Nederveen 1969).
+    "clarinet": Woodwind(range(50, 71), 7.5e-3, 0.0, 1500.0, 8e-3,
+                         [(0.0, 1.0), (0.02, 1.15), (0.06, 1.6), (0.10, 2.6), (0.125, 4.0)]),
+    # The presets' cones. The bells: a saxophone's 75 mm radius, an oboe's 19 mm.
+    "saxophone": Woodwind(range(46, 76), 6.2e-3, 0.2, 800.0, 4e-3,
+                          [(0.0, 1.0), (0.10, 1.25), (0.18, 2.2)]),
+    "oboe": Woodwind(range(57, 82), 3e-3, 0.1, 1500.0, 5e-3,
+                     [(0.0, 1.0), (0.05, 1.2), (0.09, 1.7)]),
+}
+BELLS = {  # bore, frequency above which little comes back, delay taken out (m)
+    # Flares of a B flat trumpet and a tenor trombone: throat, mouth and length.
+    "trumpet": (bessel_bell(0.48, 5.8e-3, 61e-3, 0.65), 1200.0, 0.1),
+    "trombone": (bessel_bell(0.55, 10e-3, 108e-3, 0.7), 700.0, 0.15),
+}
