@@ -31,6 +31,7 @@ constexpr Parameters clarinet() {
           .gain = 0.2,
           .aim = -8,
           .lip_opening = 0.82,
+          .tongue = 0.2,
           .breath_reference = 2000,
           .breath_opening = 0.41,
           .breath_tension = 0.37,
