@@ -30,7 +30,9 @@ constexpr Parameters clarinet() {
           .bell_quality = 1.4,
           .gain = 0.2,
           .aim = -8,
-          .lip_opening = 0.82};
+          .lip_opening = 0.82,
+          .lowest_note = 146.8,
+          .highest_note = 466.2};
 }
 
 constexpr Parameters saxophone() {
@@ -58,7 +60,9 @@ constexpr Parameters saxophone() {
           .aim = -20,
           .lip_opening = 1.6,
           .lip_width = 1.3,
-          .lip_quality = 1.1};
+          .lip_quality = 1.1,
+          .lowest_note = 146.8,
+          .highest_note = 466.2};
 }
 
 constexpr Parameters oboe() {
@@ -86,7 +90,9 @@ constexpr Parameters oboe() {
           .lip_mass = 1.24,
           .lip_opening = 1.5,
           .lip_width = 1.53,
-          .lip_quality = 2.1};
+          .lip_quality = 2.1,
+          .lowest_note = 233.1,
+          .highest_note = 698.5};
 }
 
 constexpr Parameters trumpet() {
@@ -116,7 +122,9 @@ constexpr Parameters trumpet() {
           .lip_mass = 0.72,
           .lip_opening = 0.24,
           .lip_width = 1.42,
-          .lip_quality = 2.1};
+          .lip_quality = 2.1,
+          .lowest_note = 164.8,
+          .highest_note = 659.3};
 }
 
 constexpr Parameters trombone() {
@@ -144,7 +152,9 @@ constexpr Parameters trombone() {
           .lip_mass = 1.86,
           .lip_opening = 0.275,
           .lip_width = 2.39,
-          .lip_quality = 1.53};
+          .lip_quality = 1.53,
+          .lowest_note = 98,
+          .highest_note = 349.2};
 }
 
 constexpr Parameters voice() {
@@ -165,7 +175,9 @@ constexpr Parameters voice() {
           .end_radius = 8e-3,
           .gain = 1.5,
           .embouchure = 0.95,
-          .aim = -70};
+          .aim = -70,
+          .lowest_note = 98,
+          .highest_note = 220};
 }
 
 constexpr Parameters syrinx() {
@@ -186,7 +198,9 @@ constexpr Parameters syrinx() {
           .end_radius = 3e-3,
           .gain = 5,
           .embouchure = 1.1,
-          .aim = -60};
+          .aim = -60,
+          .lowest_note = 587.3,
+          .highest_note = 1318.5};
 }
 
 constexpr std::array<Preset, 7> kPresets{{{"clarinet", clarinet()},

@@ -96,6 +96,16 @@ inline constexpr std::array kParameters{
     Parameter{"lip_opening", "", 1, 0.01, 100, "with tune: times theta0"},
     Parameter{"lip_width", "", 1, 0.01, 100, "with tune: times width"},
     Parameter{"lip_q", "", 1, 0.01, 100, "with tune: times q"},
+    Parameter{"breath_ref", "Pa", kInitial.breath_reference, 0, 50000,
+              "with tune: mouth pressure at which the lips are as given; they follow others; 0: not"},
+    Parameter{"breath_opening", "", kInitial.breath_opening, 0, 2,
+              "with breath_ref: theta0 times p_m/breath_ref to this power"},
+    Parameter{"breath_tension", "", kInitial.breath_tension, 0, 2,
+              "with breath_ref: stiffness and mass times p_m/breath_ref to this power"},
+    Parameter{"lowest_note", "Hz", kInitial.lowest_note, 0, 20000,
+              "with tune: f_b below it is refused; 0: no limit"},
+    Parameter{"highest_note", "Hz", kInitial.highest_note, 0, 20000,
+              "with tune: f_b above it is refused; 0: no limit"},
     Parameter{"gain", "1/Pa", kInitial.gain, 0, 1000, "of the sound, before its soft clip"},
 };
 
@@ -138,6 +148,11 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::lip_opening>(),
     number<&Parameters::lip_width>(),
     number<&Parameters::lip_quality>(),
+    number<&Parameters::breath_reference>(),
+    number<&Parameters::breath_opening>(),
+    number<&Parameters::breath_tension>(),
+    number<&Parameters::lowest_note>(),
+    number<&Parameters::highest_note>(),
     number<&Parameters::gain>(),
 };
 
