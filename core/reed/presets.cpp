@@ -35,7 +35,9 @@ constexpr Parameters clarinet() {
           .breath_reference = 2000,
           .breath_opening = 0.41,
           .breath_tension = 0.37,
-          .breath_quality = 1.1};
+          .breath_quality = 1.1,
+          .lowest_note = 146.8,
+          .highest_note = 1174.7};
 }
 
 constexpr Parameters saxophone() {
@@ -68,7 +70,9 @@ constexpr Parameters saxophone() {
           .tongue = 0.15,
           .breath_reference = 2000,
           .breath_opening = 0.45,
-          .breath_tension = 0.48};
+          .breath_tension = 0.48,
+          .lowest_note = 103.8,
+          .highest_note = 622.3};
 }
 
 constexpr Parameters oboe() {
@@ -100,7 +104,9 @@ constexpr Parameters oboe() {
           .tongue = 0.15,
           .breath_reference = 2000,
           .breath_opening = 0.45,
-          .breath_tension = 0.45};
+          .breath_tension = 0.45,
+          .lowest_note = 233.1,
+          .highest_note = 1046.5};
 }
 
 constexpr Parameters trumpet() {
@@ -137,7 +143,9 @@ constexpr Parameters trumpet() {
           .tongue = 1,
           .breath_reference = 3000,
           .breath_opening = 0.5,
-          .breath_tension = 0.477};
+          .breath_tension = 0.477,
+          .lowest_note = 164.8,
+          .highest_note = 830.6};
 }
 
 constexpr Parameters trombone() {
@@ -172,7 +180,9 @@ constexpr Parameters trombone() {
           .tongue = 1,
           .breath_reference = 2000,
           .breath_opening = 0.52,
-          .breath_tension = 0.449};
+          .breath_tension = 0.449,
+          .lowest_note = 82.4,
+          .highest_note = 523.3};
 }
 
 constexpr Parameters voice() {
@@ -199,7 +209,9 @@ constexpr Parameters voice() {
           .lip_opening = 0.604,
           .lip_width = 1.094,
           .lip_quality = 1.113,
-          .breath_reference = 2000};
+          .breath_reference = 2000,
+          .lowest_note = 98.0,
+          .highest_note = 392.0};
 }
 
 constexpr Parameters syrinx() {
@@ -224,7 +236,9 @@ constexpr Parameters syrinx() {
           .lip_mass = 0.674,
           .lip_width = 0.804,
           .lip_quality = 1.103,
-          .breath_reference = 700};
+          .breath_reference = 700,
+          .lowest_note = 587.3,
+          .highest_note = 1661.2};
 }
 
 constexpr std::array<Preset, 7> kPresets{{{"clarinet", clarinet()},
