@@ -21,16 +21,6 @@ namespace {
 using namespace tactus::reed;
 
 bool set(Parameters& parameters, const std::string& name, double value) {
-  if (name == "emulate_pressure")
-    return parameters.breath_reference = value, true;
-  if (name == "emulate_opening")
-    return parameters.breath_opening = value, true;
-  if (name == "emulate_stiffness")
-    return parameters.breath_tension = value, true;
-  if (name == "emulate_quality")
-    return parameters.breath_quality = value, true;
-  if (name == "etongue")
-    return parameters.tongue = value, true;
   for (std::size_t i = 0; i < tactus::greed::kParameters.size(); ++i)
     if (tactus::greed::kParameters[i].name == name) {
       tactus::greed::kMembers[i].set(parameters, value);

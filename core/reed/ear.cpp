@@ -13,7 +13,7 @@ constexpr double kLimit = 0.25;
 constexpr double kInTune = 0.006; // ten cents: what is remembered as right
 constexpr double kQuiet = 10;     // Pa
 constexpr double kShare = 0.1;    // of the whole pressure's rms
-constexpr double kSlow = 0.3;     // 1/s, of ln f: what moves faster is heard with less trust
+constexpr double kSlow = 2;    // 1/s, of ln f: what moves faster is heard with less trust
 
 } // namespace
 
@@ -32,7 +32,7 @@ void Ear::reset() noexcept {
   smooth_ = smoother_ = 0;
   glide_ = smooth_glide_ = smoother_glide_ = 0;
   asked_ = smooth_asked_ = smoother_asked_ = heard_asked_ = 0;
-  wait_ = 0;
+  wait_ = astray_ = 0;
   even_ = odd_ = {};
   loudness_ = trim_ = 0;
   place_ = 0;
@@ -58,6 +58,24 @@ void Ear::place(double frequency_hz, bool leap) noexcept {
   note_ = note;
   share_ = at - static_cast<double>(note);
   trim_ = known_[note].trim + share_ * (known_[note + 1].trim - known_[note].trim);
+}
+
+void Ear::start_over() noexcept {
+  for (std::size_t i = note_; i <= note_ + 1; ++i)
+    known_[i] = {};
+  trim_ = 0;
+  settle();
+}
+
+/// Counts hearings of something that no trim brings to the pitch meant, twice; good ones make up
+/// for them.
+void Ear::stray(bool astray) noexcept { astray_ = std::max(0, astray_ + (astray ? 2 : -1)); }
+
+/// What was heard so far is no longer what sounds.
+void Ear::settle() noexcept {
+  smooth_ = smoother_ = smooth_glide_ = smoother_glide_ = 0;
+  wait_ = static_cast<int>(delay_ * sample_rate_ / kPeriod);
+  astray_ = 0;
 }
 
 /// The trim at the pitch meant, by what it is to change; pitches that have not sounded go along.
@@ -98,13 +116,11 @@ void Ear::mean(double frequency_hz) noexcept {
   // Two poles at an eighth of the pitch leave 1/64 of what lies a pitch away.
   const double corner = std::clamp(frequency_hz / 8, 2.0, 100.0);
   pole_ = 1 / (1 + kTwoPi * corner * kPeriod / sample_rate_);
-  const double delay = 2 / (kTwoPi * corner);
-  time_ = std::max(1.5 * delay, 0.03);
+  delay_ = 2 / (kTwoPi * corner);
+  time_ = std::max(1.5 * delay_, 0.012);
   sound_pole_ = 1 / (1 + frequency_hz * kPeriod / (2 * sample_rate_));
-  if (leap) {
-    smooth_ = smoother_ = smooth_glide_ = smoother_glide_ = 0;
-    wait_ = static_cast<int>(delay * sample_rate_ / kPeriod);
-  }
+  if (leap)
+    settle();
 }
 
 void Ear::listen(const double* bore_pressure, int count) noexcept {
@@ -162,6 +178,7 @@ void Ear::hear() noexcept {
   }
   if (amplitude < kQuiet || amplitude * amplitude < kShare * kShare * loudness_) {
     wait_ = std::max(wait_, static_cast<int>(time_ * sample_rate_ / kPeriod));
+    stray(loudness_ > kQuiet * kQuiet);
     return;
   }
   if (wait_ > 0) {
@@ -171,13 +188,16 @@ void Ear::hear() noexcept {
   const double period = kPeriod / sample_rate_;
   const double heard_error =
       std::arg(smoother_ * std::conj(before)) / (kTwoPi * frequency_ * period);
-  if (!(std::abs(heard_error) < kFarthest))
+  if (!(std::abs(heard_error) < kFarthest)) {
+    stray(true);
     return;
+  }
   const double error = heard_error + asked_ - smoother_asked_;
   const double speed = smoother_glide_ / (period * kSlow);
   const double step = -error * period / (time_ * (1 + speed * speed));
   asked_ += step;
   change(step);
+  stray(std::abs(trim_) > 0.98 * kLimit && trim_ * step > 0);
   if (std::abs(error) < kInTune) {
     known_[note_].sure |= share_ < 0.7;
     known_[note_ + 1].sure |= share_ > 0.3;

@@ -41,9 +41,15 @@ public:
   /// Natural logarithm of the factor by which the pitch is to be changed from what linear theory
   /// chose.
   [[nodiscard]] double trim() const noexcept { return trim_; }
+  /// Whether something else than the pitch meant, or one within reach, has sounded for kLost:
+  /// another register, which no trim brings back.
+  [[nodiscard]] bool lost() const noexcept { return astray_ * kPeriod > 2 * kLost * sample_rate_; }
+  /// The pitch meant is to be found again from where linear theory has it.
+  void start_over() noexcept;
   /// Time constant of the integral controller at the pitch meant, s.
   [[nodiscard]] double time() const noexcept { return time_; }
 
+  static constexpr double kLost = 0.2;  // s
   static constexpr double kLeap = 0.03; // half a semitone within kPeriod samples
 
 private:
@@ -60,6 +66,8 @@ private:
 
   void place(double frequency_hz, bool leap) noexcept;
   void change(double difference) noexcept;
+  void settle() noexcept;
+  void stray(bool astray) noexcept;
 
   double sample_rate_ = 48000, frequency_ = 0;
   std::array<double, kPeriod> cosine_{}, sine_{};
@@ -68,11 +76,12 @@ private:
   double glide_ = 0, smooth_glide_ = 0, smoother_glide_ = 0; // of ln f, per hearing
   // The changes asked for, as the sound shows them, and as the smoothing does.
   double asked_ = 0, heard_asked_ = 0, smooth_asked_ = 0, smoother_asked_ = 0, sound_pole_ = 0;
-  int wait_ = 0; // hearings until the filters have settled
+  int wait_ = 0;   // hearings until the filters have settled
+  int astray_ = 0; // hearings of something else, twice
   std::array<Known, kCount> known_{};
   std::size_t note_ = 0; // the known pitch below the one meant,
   double share_ = 0;     // and the share of the one above
-  double pole_ = 0, time_ = 0.1, loudness_ = 0, power_pole_ = 0, trim_ = 0;
+  double pole_ = 0, delay_ = 0, time_ = 0.1, loudness_ = 0, power_pole_ = 0, trim_ = 0;
   int place_ = 0;
 };
 

@@ -7,6 +7,13 @@
 #include <cmath>
 
 namespace tactus::reed {
+namespace {
+
+// How far from its own length, counted in turns of the round trip, a bore is taken by a glide. A
+// cone that is made twice as long opens wide, and lips lose their hold on its modes.
+constexpr double kShort = 0.3, kLongCylinder = 2.5, kLongCone = 1.6;
+
+} // namespace
 
 void LengthTable::set(const Parameters& parameters) noexcept {
   parameters_ = parameters;
@@ -47,7 +54,8 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
         turns_of(parameters_, bore_frequency, wanted_length(parameters_, bore_frequency, end));
     const double nearest = turns + std::round(own - turns);
     turns += std::round(turns_ - turns);
-    if (leap || turns < 0.3 * own || turns > 3 * own)
+    const double most = parameters_.shape == BoreShape::kCone ? kLongCone : kLongCylinder;
+    if (leap || turns < kShort * own || turns > most * own)
       turns = nearest;
   }
   turns_ = turns;

@@ -13,8 +13,8 @@ namespace tactus::reed {
 /// Between the steps the round trip of the bore runs straight: its phase at the note, in turns, is
 /// what valve and open end ask of it, and that varies slowly with the note. A blown-open valve
 /// plays a mode of a longer bore: while f_b glides it stays on that mode (slide and lips move
-/// together), as long as the bore is neither half nor twice as long as the instrument's own;
-/// a note that is struck anew takes the mode nearest to that.
+/// together), as long as the bore is not much shorter or longer than the instrument's own; a note
+/// that is struck anew takes the mode nearest to that.
 ///
 /// Fixed size, no allocation; two searches at most for each call of length().
 class LengthTable {

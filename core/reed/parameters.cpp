@@ -104,7 +104,7 @@ Parameters between(const Parameters& from, const Parameters& to, double share) n
 }
 
 bool near(const Parameters& a, const Parameters& b) noexcept {
-  constexpr double kFactor = 1.5;
+  constexpr double kFactor = 1.25;
   constexpr double kCents = 100;
   if (a.type != b.type || a.shape != b.shape || a.end != b.end || a.flow != b.flow ||
       a.sweep != b.sweep || a.tune != b.tune || a.ear != b.ear ||

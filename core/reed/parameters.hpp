@@ -92,7 +92,7 @@ struct Parameters {
 
 /// Whether an instrument that sounds can become the other one on the straight way of between()
 /// without a thump: no switch or word differs, nor what a 0 switches off, and no size is more than
-/// half as large again.
+/// a quarter as large again.
 [[nodiscard]] bool near(const Parameters& a, const Parameters& b) noexcept;
 /// The note meant, Hz: that of the fingering, else the bore frequency as given.
 [[nodiscard]] double note_of(const Parameters& parameters, double bore_frequency) noexcept;

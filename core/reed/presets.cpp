@@ -32,10 +32,13 @@ constexpr Parameters clarinet() {
           .gain = 0.2,
           .aim = -8,
           .lip_opening = 0.82,
+          .tongue = 0.2,
           .breath_reference = 2000,
           .breath_opening = 0.41,
           .breath_tension = 0.37,
-          .breath_quality = 1.1};
+          .breath_quality = 1.1,
+          .lowest_note = 146.8,
+          .highest_note = 1174.7};
 }
 
 constexpr Parameters saxophone() {
@@ -60,13 +63,17 @@ constexpr Parameters saxophone() {
           .bell_quality = 3.4,
           .brassiness = 5,
           .gain = 0.11,
+          .steepening = 0.06,
           .aim = -20,
-          .lip_opening = 1.55,
-          .lip_width = 1.14,
+          .lip_opening = 2.2,
+          .lip_width = 1.5,
           .lip_quality = 1.4,
+          .tongue = 0.15,
           .breath_reference = 2000,
           .breath_opening = 0.45,
-          .breath_tension = 0.48};
+          .breath_tension = 0.48,
+          .lowest_note = 103.8,
+          .highest_note = 622.3};
 }
 
 constexpr Parameters oboe() {
@@ -91,13 +98,16 @@ constexpr Parameters oboe() {
           .bell_quality = 2.5,
           .brassiness = 2.5,
           .gain = 0.12,
-          .lip_mass = 1.24,
-          .lip_opening = 1.5,
+          .lip_mass = 0.8,
+          .lip_opening = 2.1,
           .lip_width = 1.53,
           .lip_quality = 2.1,
+          .tongue = 0.15,
           .breath_reference = 2000,
           .breath_opening = 0.45,
-          .breath_tension = 0.45};
+          .breath_tension = 0.45,
+          .lowest_note = 233.1,
+          .highest_note = 1046.5};
 }
 
 constexpr Parameters trumpet() {
@@ -134,7 +144,9 @@ constexpr Parameters trumpet() {
           .tongue = 1,
           .breath_reference = 3000,
           .breath_opening = 0.5,
-          .breath_tension = 0.477};
+          .breath_tension = 0.477,
+          .lowest_note = 164.8,
+          .highest_note = 830.6};
 }
 
 constexpr Parameters trombone() {
@@ -157,19 +169,21 @@ constexpr Parameters trombone() {
           .bell_quality = 3,
           .brassiness = 2.5,
           .gain = 0.035,
-          .embouchure = 0.729,
-          .embouchure_slope = 0.05,
+          .embouchure = 0.8,
+          .embouchure_slope = -0.02,
           .highest_mode = 2,
-          .steepening = 3.62,
+          .steepening = 3.4,
           .aim = -25,
           .lip_mass = 0.33,
-          .lip_opening = 0.39,
-          .lip_width = 0.294,
-          .lip_quality = 4.49,
+          .lip_opening = 0.4,
+          .lip_width = 0.33,
+          .lip_quality = 8,
           .tongue = 1,
           .breath_reference = 2000,
           .breath_opening = 0.52,
-          .breath_tension = 0.449};
+          .breath_tension = 0.449,
+          .lowest_note = 82.4,
+          .highest_note = 523.3};
 }
 
 constexpr Parameters voice() {
@@ -196,7 +210,9 @@ constexpr Parameters voice() {
           .lip_opening = 0.604,
           .lip_width = 1.094,
           .lip_quality = 1.113,
-          .breath_reference = 2000};
+          .breath_reference = 2000,
+          .lowest_note = 98.0,
+          .highest_note = 392.0};
 }
 
 constexpr Parameters syrinx() {
@@ -221,7 +237,9 @@ constexpr Parameters syrinx() {
           .lip_mass = 0.674,
           .lip_width = 0.804,
           .lip_quality = 1.103,
-          .breath_reference = 700};
+          .breath_reference = 700,
+          .lowest_note = 587.3,
+          .highest_note = 1661.2};
 }
 
 constexpr std::array<Preset, 7> kPresets{{{"clarinet", clarinet()},

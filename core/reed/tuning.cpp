@@ -168,7 +168,7 @@ double length_of(const Parameters& parameters, double bore_frequency, double tur
   const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
   const double speed = air_at(parameters.temperature).sound_speed;
   double length = parameters.length;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 6; ++i) {
     const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
     length = std::max(5e-3, (2 * kPi * turns - loss * std::sqrt(omega / 2)) * speed / (2 * omega));
   }

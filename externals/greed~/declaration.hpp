@@ -110,6 +110,18 @@ inline constexpr std::array kParameters{
               "with tune: wavelengths that brassiness counts; 0: lengths of the bore"},
     Parameter{"tongue_burst", "", 0, 0, 3,
               "with tune: by how much the tongued breath exceeds p_m at first; 0: no tongue"},
+    Parameter{"breath_ref", "Pa", kInitial.breath_reference, 0, 50000,
+              "with tune: mouth pressure at which the lips are as given; they follow others; 0: not"},
+    Parameter{"breath_opening", "", kInitial.breath_opening, 0, 2,
+              "with breath_ref: theta0 times p_m/breath_ref to this power"},
+    Parameter{"breath_tension", "", kInitial.breath_tension, 0, 2,
+              "with breath_ref: stiffness and mass times p_m/breath_ref to this power"},
+    Parameter{"breath_q", "", kInitial.breath_quality, -2, 2,
+              "with breath_ref: q times p_m/breath_ref to this power"},
+    Parameter{"lowest_note", "Hz", kInitial.lowest_note, 0, 20000,
+              "with tune: f_b below it is refused; 0: no limit"},
+    Parameter{"highest_note", "Hz", kInitial.highest_note, 0, 20000,
+              "with tune: f_b above it is refused; 0: no limit"},
     Parameter{"gain", "1/Pa", kInitial.gain, 0, 1000, "of the sound, before its soft clip"},
 };
 
@@ -158,6 +170,12 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::highest_mode>(),
     number<&Parameters::steepening>(),
     number<&Parameters::tongue>(),
+    number<&Parameters::breath_reference>(),
+    number<&Parameters::breath_opening>(),
+    number<&Parameters::breath_tension>(),
+    number<&Parameters::breath_quality>(),
+    number<&Parameters::lowest_note>(),
+    number<&Parameters::highest_note>(),
     number<&Parameters::gain>(),
 };
 

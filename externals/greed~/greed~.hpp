@@ -50,6 +50,15 @@ public:
                            block.out(2), block.out(3));
   }
 
+  /// Notes that were refused since: one message each, with the limits.
+  void report(Host& host) {
+    const reed::Refusal& refusal = instrument_.refusal();
+    if (refusal.count == told_) return;
+    told_ = refusal.count;
+    const reed::Parameters& now = instrument_.parameters();
+    host.info({"range", refusal.note, now.lowest_note, now.highest_note});
+  }
+
   void dump(Host& host) {
     const reed::Parameters& now = instrument_.parameters();
     host.info({"P_M", reed::closing_pressure(now)});
@@ -59,6 +68,7 @@ public:
 
 private:
   reed::Instrument instrument_;
+  unsigned told_ = 0; // of the notes refused
 };
 
 }  // namespace tactus
