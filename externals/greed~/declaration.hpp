@@ -17,6 +17,7 @@ using reed::Parameters;
 inline constexpr std::array<std::string_view, 3> kTypes{"closed", "open", "swing"};
 inline constexpr std::array<std::string_view, 2> kBores{"cyl", "cone"};
 inline constexpr std::array<std::string_view, 2> kFlows{"implicit", "paper"};
+inline constexpr std::array<double, 4> kOversamplings{0, 1, 2, 4};
 
 /// How a number of a message becomes a member of reed::Parameters, and back.
 struct Member {
@@ -82,7 +83,8 @@ inline constexpr std::array kParameters{
     Parameter{"brassiness", "", kInitial.brassiness, 0, 100,
               "bore lengths over which a loud wave steepens before it is radiated"},
     Parameter{"temp", "degC", kInitial.temperature, -20, 50, "temperature of the air"},
-    Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1"},
+    Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1", {},
+              kOversamplings},
     Parameter{"flow", "", 0, 0, 1, "jet solved implicitly, or as printed in the paper", kFlows},
     Parameter{"noise", "", kInitial.breath_noise, 0, 1, "breath noise, of the jet's pressure"},
     Parameter{"seed", "", 1, 0, 16777215, "of the breath noise"},
