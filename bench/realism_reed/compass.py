@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """How well the presets' sustained notes are in tune with `tune 1`, over compass and pressure.
 
-  bench/realism_reed/compass.py --programs build/bench/realism_reed [--rate 48000]
+  bench/realism_reed/compass.py --programs build/bench/realism_reed [--rate 48000] [--presets sax,oboe]
 
 Prints, for each preset and mouth pressure, the largest error in cents over the keys that sound, and
 the keys that do not: silent, or in another register (more than 50 cents away)."""
@@ -31,10 +31,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--programs", type=Path, required=True)
     parser.add_argument("--rate", type=int, default=48000)
+    parser.add_argument("--presets", default=",".join(COMPASS))
     arguments = parser.parse_args()
     print("| preset | keys | p_m Pa | largest error, cents | silent | other register |\n"
           "|---|---|---|---|---|---|")
-    for preset, (first, last, pressures) in COMPASS.items():
+    for preset in arguments.presets.split(","):
+        first, last, pressures = COMPASS[preset]
         keys = range(first, last + 1)
         for pressure in pressures:
             requests = [Request(preset, pressure, key_frequency(key), rate=arguments.rate,
