@@ -17,6 +17,9 @@ struct Parameter {
   std::string_view text;   ///< one line for people
   /// When not empty the parameter is one of these words, its value the word's index.
   std::span<const std::string_view> choices{};
+  /// When not empty the parameter is one of these numbers, in ascending order from lowest to
+  /// highest; another one between them is refused.
+  std::span<const double> values{};
 };
 
 /// An inlet or outlet.

@@ -28,6 +28,16 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// "closed, open or swing"
+template <class List, class Text> std::string alternatives(const List& list, Text text) {
+  std::string sentence;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (i > 0) sentence += i + 1 == list.size() ? " or " : ", ";
+    sentence += text(list[i]);
+  }
+  return sentence;
+}
+
 }  // namespace
 
 std::string number_text(double value) {
@@ -50,19 +60,23 @@ std::optional<std::size_t> find_choice(const Parameter& parameter, std::string_v
   return std::nullopt;
 }
 
+bool allows(const Parameter& parameter, double value) {
+  return value >= parameter.lowest && value <= parameter.highest &&
+         (parameter.values.empty() ||
+          std::find(parameter.values.begin(), parameter.values.end(), value) !=
+              parameter.values.end());
+}
+
 std::string expectation(const Parameter& parameter, std::string_view given) {
   std::string sentence = std::string(parameter.name) + " " + std::string(given);
-  if (parameter.choices.empty()) {
-    if (!parameter.unit.empty()) sentence += " " + std::string(parameter.unit);
-    return sentence + ": expected " + number_text(parameter.lowest) + ".." +
-           number_text(parameter.highest);
-  }
+  if (!parameter.choices.empty())
+    return sentence + ": expected " +
+           alternatives(parameter.choices, [](std::string_view word) { return std::string(word); });
+  if (!parameter.unit.empty()) sentence += " " + std::string(parameter.unit);
   sentence += ": expected ";
-  for (std::size_t i = 0; i < parameter.choices.size(); ++i) {
-    if (i > 0) sentence += i + 1 == parameter.choices.size() ? " or " : ", ";
-    sentence += parameter.choices[i];
-  }
-  return sentence;
+  return parameter.values.empty()
+             ? sentence + number_text(parameter.lowest) + ".." + number_text(parameter.highest)
+             : sentence + alternatives(parameter.values, number_text);
 }
 
 std::string unknown_name(const Declaration& declaration, std::string_view name) {

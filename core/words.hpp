@@ -15,10 +15,13 @@ namespace tactus {
 /// Index of the parameter or message of that name.
 [[nodiscard]] std::optional<std::size_t> find_parameter(const Declaration&, std::string_view name);
 [[nodiscard]] std::optional<std::size_t> find_message(const Declaration&, std::string_view name);
+/// Whether the number is within the parameter's range and among its values, if it has some.
+[[nodiscard]] bool allows(const Parameter&, double value);
 /// Index of the word among the parameter's choices.
 [[nodiscard]] std::optional<std::size_t> find_choice(const Parameter&, std::string_view word);
 
-/// "theta0 9 rad: expected -1..1", "type oval: expected closed, open or swing".
+/// "theta0 9 rad: expected -1..1", "type oval: expected closed, open or swing",
+/// "os 3: expected 0, 1, 2 or 4".
 [[nodiscard]] std::string expectation(const Parameter&, std::string_view given);
 /// "no message 'presset'; did you mean 'preset'?"
 [[nodiscard]] std::string unknown_name(const Declaration&, std::string_view name);

@@ -49,6 +49,8 @@ def number(value):
 def range_text(parameter):
     if parameter["choices"]:
         return " | ".join(parameter["choices"])
+    if parameter["values"]:
+        return " | ".join(map(number, parameter["values"]))
     unit = f" {parameter['unit']}" if parameter["unit"] else ""
     return f"{number(parameter['lowest'])}..{number(parameter['highest'])}{unit}"
 

@@ -30,7 +30,7 @@ std::string set_parameter(const Declaration& declaration, std::size_t index,
   // A bound such as 1e-6 need not be a t_float; the t_float nearest to it means the bound.
   for (const double bound : {parameter.lowest, parameter.highest})
     if (static_cast<t_float>(value) == static_cast<t_float>(bound)) value = bound;
-  if (!(value >= parameter.lowest && value <= parameter.highest))
+  if (!allows(parameter, value))
     return expectation(parameter, number_text(given.number));
   receiver.set(index, value);
   return {};

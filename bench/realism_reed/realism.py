@@ -2,6 +2,7 @@
 """How near the virtual reed's presets come to recorded instruments, beside STK's physical models.
 
   bench/realism_reed/realism.py --programs build/bench/realism_reed --out out/reed [--quick]
+  bench/realism_reed/realism.py --programs build/bench/realism_reed --table sax,oboe
 
 Measures, the same way for all, the sound font's recorded notes, greed~'s presets and STK's
 Clarinet, Saxofony and Brass: H1..H10 in dB, brightness, attack and pitch. Writes realism.csv,
@@ -90,9 +91,11 @@ def measure_recordings() -> list[Row]:
     return rows
 
 
-def measure_presets(program: Path, options: dict, others: bool) -> list[Row]:
+def measure_presets(program: Path, options: dict, others: bool,
+                    presets: tuple[str, ...] = tuple(PRESETS)) -> list[Row]:
     rows = []
-    for preset, instrument in PRESETS.items():
+    for preset in presets:
+        instrument = PRESETS[preset]
         keys = [key for name, key in TARGETS if name == instrument]
         for key in keys + (list(OTHER_KEYS[preset]) if others else []):
             target, centroid = target_of(instrument, key)
@@ -181,11 +184,18 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="the table's notes alone, without STK")
     parser.add_argument("--plain", action="store_true",
                         help="presets without bell, brassiness and ear: how they sounded before")
+    parser.add_argument("--table", metavar="PRESETS",
+                        help="print the rows of these presets at the table's notes, no more: needs "
+                             "neither recordings nor STK")
     arguments = parser.parse_args()
     options: dict = {"tune": 1}
     if arguments.plain:
         options |= {"bell": 0, "ear": 0, "embouchure": 0, "lip_mass": 1, "lip_opening": 1,
                     "lip_width": 1, "lip_q": 1, "gain": 0.5}
+    if arguments.table:
+        print(markdown(measure_presets(arguments.programs / "render_reed", options, False,
+                                       tuple(arguments.table.split(",")))))
+        return 0
     rows = measure_recordings()
     rows += measure_presets(arguments.programs / "render_reed", options, not arguments.quick)
     stk = arguments.programs / "render_stk"

@@ -11,8 +11,9 @@
 namespace tactus::reed {
 
 /// Eight reeds of one instrument, side by side in vector registers, each with its own mouth
-/// pressure and reed frequency, each followed by its own judge. They share the bore frequency.
-/// Equal to as many scalar instruments within single precision (docs/guidance.md says how near).
+/// pressure and reed frequency, each followed by its own estimator of playability. They share the
+/// bore frequency. Equal to as many scalar instruments within single precision (docs/guidance.md
+/// says how near).
 class ReedEnsemble {
 public:
   static constexpr std::size_t kLanes = 8;
@@ -38,7 +39,8 @@ public:
 
   /// Only the first count lanes are judged from now on (all from the start).
   virtual void judge_first(std::size_t count) noexcept = 0;
-  /// theta, rad, and f_p of a lane as they are now.
+  /// theta, rad, and f_p of a lane as they are now. f_p is that of the paper's mode: lanes have no
+  /// analysis of periodicity, which would cost more than the reeds and lag by 85 ms.
   [[nodiscard]] virtual double angle(std::size_t lane) const noexcept = 0;
   [[nodiscard]] virtual double bore_pressure(std::size_t lane) const noexcept = 0;
   [[nodiscard]] virtual double playability(std::size_t lane) const noexcept = 0;

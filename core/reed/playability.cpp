@@ -16,10 +16,22 @@ void Playability::prepare(double sample_rate, std::shared_ptr<RealTransform> tra
   analysis_.prepare(sample_rate, std::move(transform));
 }
 
+void Playability::set(const PlayabilityParameters& parameters) noexcept {
+  follower_.set(parameters);
+  choose_analysis();
+}
+
 void Playability::set_analysis(bool on) noexcept {
-  if (on == analysing_)
+  requested_ = on;
+  choose_analysis();
+}
+
+void Playability::choose_analysis() noexcept {
+  const bool needed =
+      requested_ || follower_.parameters().mode == PlayabilityParameters::Mode::kRobust;
+  if (needed == analysing_)
     return;
-  analysing_ = on;
+  analysing_ = needed;
   analysis_.reset();
   frames_ = 0;
   regime_ = candidate_ = Regime::kSilent;
@@ -37,22 +49,22 @@ void Playability::tick(double angle) noexcept {
   follower_.tick(angle);
   if (analysing_ && analysis_.tick(angle)) {
     ++frames_;
-    judge();
+    update_regime();
   }
 }
 
-void Playability::judge() noexcept {
+void Playability::update_regime() noexcept {
   const double level = follower_.envelope() / follower_.parameters().reference_rad;
   sounding_ = level > (sounding_ ? kSilenceBegins : kSilenceEnds);
   const double periodicity = analysis_.result().periodicity;
-  Regime heard = Regime::kSilent;
+  Regime found = Regime::kSilent;
   if (sounding_)
-    heard = periodicity >= kPeriodic        ? Regime::kPeriodic
+    found = periodicity >= kPeriodic        ? Regime::kPeriodic
             : periodicity >= kQuasiPeriodic ? Regime::kQuasiPeriodic
                                             : Regime::kChaotic;
-  if (heard == candidate_)
-    regime_ = heard; // a label holds for two frames before it is believed
-  candidate_ = heard;
+  if (found == candidate_)
+    regime_ = found; // a new label needs two frames in succession
+  candidate_ = found;
 }
 
 double Playability::playability() const noexcept {

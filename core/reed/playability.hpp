@@ -7,17 +7,19 @@
 
 namespace tactus::reed {
 
-/// What kind of oscillation the analysis hears. The boundaries (periodicity 0.985 and 0.85) are
+/// What kind of oscillation the analysis finds. The boundaries (periodicity 0.985 and 0.85) are
 /// choices; weakly chaotic motion passes as periodic. See docs/playability.md.
 enum class Regime { kSilent, kPeriodic, kQuasiPeriodic, kChaotic };
 
-/// The judge of one reed: how well it plays, from the angle of its valve alone.
+/// Playability estimator of one reed, from the angle of its valve alone.
 class Playability {
 public:
-  /// Allocates; keeps its state when nothing changed. Without a transform there is no analysis,
-  /// and the robust mode falls back to the paper's.
+  /// Allocates; keeps its state when nothing changed. Without a transform (null) there is no
+  /// analysis, and aperiodicity counts as 0 in every mode.
   void prepare(double sample_rate, std::shared_ptr<RealTransform> transform);
-  void set(const PlayabilityParameters& parameters) noexcept { follower_.set(parameters); }
+  void set(const PlayabilityParameters& parameters) noexcept;
+  /// Whether periodicity and regime are asked for. The robust mode needs the analysis and runs it
+  /// whether or not they are.
   void set_analysis(bool on) noexcept;
   void reset() noexcept;
   /// The next angle, rad.
@@ -27,16 +29,18 @@ public:
   [[nodiscard]] const PlayabilityFollower<double>& follower() const noexcept { return follower_; }
   [[nodiscard]] const Periodicity& periodicity() const noexcept { return analysis_.result(); }
   [[nodiscard]] Regime regime() const noexcept { return regime_; }
-  [[nodiscard]] bool analysing() const noexcept { return analysing_; }
+  /// As last given to set_analysis().
+  [[nodiscard]] bool analysis() const noexcept { return requested_; }
   /// Number of frames analysed since reset.
   [[nodiscard]] std::size_t frames() const noexcept { return frames_; }
 
 private:
-  void judge() noexcept;
+  void choose_analysis() noexcept;
+  void update_regime() noexcept;
 
   PlayabilityFollower<double> follower_;
   PeriodicityAnalysis analysis_;
-  bool analysing_ = true, sounding_ = false;
+  bool requested_ = true, analysing_ = true, sounding_ = false;
   std::size_t frames_ = 0;
   Regime regime_ = Regime::kSilent, candidate_ = Regime::kSilent;
 };

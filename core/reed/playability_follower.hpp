@@ -17,7 +17,7 @@ struct PlayabilityParameters {
   double reference_rad = 0.03; // amplitude of half playability
   double window_s = 50e-3;     // over which zero crossings are counted, at most 0.25
   double hysteresis = 0.2;     // of the counter, relative to the envelope
-  Mode mode = Mode::kPaper;
+  Mode mode = Mode::kRobust;
 };
 
 /// Follows the oscillation of one valve or of several side by side (V a double, or simd::Lanes):
@@ -26,9 +26,11 @@ struct PlayabilityParameters {
 ///          else the release (Smyth, Smyth & Kirkpatrick, eq. 3, on the alternating part),
 ///   a zero crossing whenever t~ goes from below -h to above +h, h = hysteresis y,
 ///   A    = y/(y + reference),
-///   C    = clip((z/z_mean - 1.5)/1.5, 0, 1), z the crossings a second in the window, z_mean their
+///   J    = clip((z/z_mean - 1.5)/1.5, 0, 1), z the crossings a second in the window, z_mean their
 ///          mean over 0.5 s of sound: a jump to twice the usual rate or more. It is 0 until one
 ///          window of sound has passed, so that the start of a note is no jump.
+///   H    = clip((z - 4000 Hz)/2000 Hz, 0, 1), more crossings than any note has,
+///   C    = max(J, H), the paper's "suddenly jumps to a very high number".
 /// Allocates nothing; one valve's input that is no number counts as the last one that was. Several
 /// valves' angles must be numbers, as a ReedBank's are.
 template <class V> class PlayabilityFollower {
@@ -55,7 +57,7 @@ public:
     if (hop_ < 1)
       hop_ = 1;
     const double hops = parameters.window_s * sample_rate_ / hop_;
-    const int window = hops < 2 ? 2 : hops > kMostHops ? kMostHops : static_cast<int>(hops + 0.5);
+    const int window = hops < 2 ? 2 : hops > kMaxHops ? kMaxHops : static_cast<int>(hops + 0.5);
     if (window != window_) {
       window_ = window;
       clear_counts();
@@ -78,7 +80,7 @@ public:
     }
   }
 
-  /// Only the first 1 <= count <= lanes are judged; the others' playability means nothing.
+  /// Only the first 1 <= count <= lanes are followed; the others' playability means nothing.
   void follow_first(int count) noexcept { followed_ = count; }
 
   /// The next angle, rad.
@@ -106,12 +108,19 @@ public:
   [[nodiscard]] double envelope(int i = 0) const noexcept { return simd::lane(envelope_, i); }
   /// z, crossings a second, brought up to date every half millisecond.
   [[nodiscard]] double crossing_rate(int i = 0) const noexcept { return rate_[i]; }
-  /// C.
+  /// J.
   [[nodiscard]] double jump(int i = 0) const noexcept {
     if (sounding_[i] <= window_ || !(mean_[i] > 0))
       return 0;
     const double c = (rate_[i] / mean_[i] - 1.5) / 1.5;
     return c < 0 ? 0 : c > 1 ? 1 : c;
+  }
+  /// C.
+  [[nodiscard]] double crossing_penalty(int i = 0) const noexcept {
+    double high = (rate_[i] - kHighestRate) / kHighestRateWidth;
+    high = high < 0 ? 0 : high > 1 ? 1 : high;
+    const double sudden = jump(i);
+    return sudden > high ? sudden : high;
   }
   /// Standard deviation over mean of the last intervals between crossings, up to 16 and no older
   /// than half a second; 0 when there are fewer than three.
@@ -133,11 +142,12 @@ public:
     const double mean = sum / n, variance = squares / n - mean * mean;
     return variance > 0 ? std::sqrt(variance) / mean : 0;
   }
-  /// f_p in [0, 1) given how aperiodic the analysis finds the sound (0 without it):
-  /// A (1 - C), or in the robust mode A (1 - max(C, smoothstep(0.04, 0.25, aperiodicity))).
+  /// f_p in [0, 1) given the aperiodicity that an analysis measures (0 without one):
+  /// A (1 - C) in the paper's mode, A (1 - max(C, smoothstep(0.04, 0.25, aperiodicity))) in the
+  /// robust mode. Without an analysis the two are the same.
   [[nodiscard]] double playability(int i = 0, double aperiodicity = 0) const noexcept {
     const double y = envelope(i);
-    double penalty = jump(i);
+    double penalty = crossing_penalty(i);
     if (parameters_.mode == PlayabilityParameters::Mode::kRobust) {
       double t = (aperiodicity - 0.04) / (0.25 - 0.04);
       t = t < 0 ? 0 : t > 1 ? 1 : t;
@@ -151,8 +161,11 @@ public:
 
 private:
   static constexpr double kHop = 0.5e-3;   // s between updates of the counts
-  static constexpr int kMostHops = 500;    // the longest window, in hops
+  static constexpr int kMaxHops = 500;     // the longest window, in hops
   static constexpr double kMeanTime = 0.5; // s
+  // greed~'s highest f_b, which a periodic reed crosses no more often; and the width of H's ramp.
+  // White noise at 44.1 kHz and above crosses 8000 times a second or more with hysteresis 0.2.
+  static constexpr double kHighestRate = 4000, kHighestRateWidth = 2000; // Hz
   static constexpr double kAudible = 0.02; // of the reference: above, the valve sounds
   static constexpr std::uint32_t kTimes = 17;
 
@@ -241,7 +254,7 @@ private:
     hop_index_ = 0;
     for (int i = 0; i < lanes; ++i) {
       total_[i] = 0;
-      for (int k = 0; k < kMostHops; ++k)
+      for (int k = 0; k < kMaxHops; ++k)
         counts_[i][k] = 0;
     }
   }
@@ -256,7 +269,7 @@ private:
   V last_{0.0}, high_{0.0}, envelope_{0.0};
   typename simd::LaneTraits<V>::MaskType armed_{};
   std::int64_t now_ = 0;
-  std::uint16_t counts_[lanes][kMostHops] = {};
+  std::uint16_t counts_[lanes][kMaxHops] = {};
   std::uint32_t crossings_[lanes] = {};
   int total_[lanes] = {}, sounding_[lanes] = {};
   double times_[lanes][kTimes] = {}, rate_[lanes] = {}, mean_[lanes] = {};

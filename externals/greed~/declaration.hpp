@@ -18,6 +18,7 @@ inline constexpr std::array<std::string_view, 3> kTypes{"closed", "open", "swing
 inline constexpr std::array<std::string_view, 2> kBores{"cyl", "cone"};
 inline constexpr std::array<std::string_view, 4> kEnds{"open", "clarinet", "saxophone", "oboe"};
 inline constexpr std::array<std::string_view, 2> kFlows{"implicit", "paper"};
+inline constexpr std::array<double, 4> kOversamplings{0, 1, 2, 4};
 
 /// How a number of a message becomes a member of reed::Parameters, and back.
 struct Member {
@@ -86,7 +87,8 @@ inline constexpr std::array kParameters{
     Parameter{"end", "", 0, 0, 3,
               "with tune: an open end, or holes and bell of an instrument, for radius_end and bell",
               kEnds},
-    Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1"},
+    Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1", {},
+              kOversamplings},
     Parameter{"flow", "", 0, 0, 1, "jet solved implicitly, or as printed in the paper", kFlows},
     Parameter{"noise", "", kInitial.breath_noise, 0, 1, "breath noise, of the jet's pressure"},
     Parameter{"seed", "", 1, 0, 16777215, "of the breath noise"},

@@ -20,9 +20,12 @@ struct PlayabilityObject {
       Parameter{"ref", "rad", 0.03, 1e-6, 10, "amplitude that counts as half playable"},
       Parameter{"window", "ms", 50, 5, 250, "time over which zero crossings are counted"},
       Parameter{"hyst", "", 0.2, 0, 0.9, "hysteresis of the count, relative to the envelope"},
-      Parameter{"mode", "", 0, 0, 1, "what lowers playability: leaps of the rate, or aperiodicity",
-                kModes},
-      Parameter{"analysis", "", 1, 0, 1, "1: analyse periodicity (outlets 5 and 6)"},
+      Parameter{
+          "mode", "", 1, 0, 1,
+          "what lowers playability: zero crossings alone (paper), or aperiodicity too (robust)",
+          kModes},
+      Parameter{"analysis", "", 1, 0, 1,
+                "1: outlets 5 and 6 tell periodicity and regime; robust analyses with 0 as well"},
   };
   static constexpr std::array kInlets{
       Port{Port::Kind::kSignal, "angle", "rad", "angle of the valve, outlet theta of greed~"},
@@ -39,25 +42,27 @@ struct PlayabilityObject {
            "0 silent, 1 periodic, 2 quasi-periodic, 3 chaotic; with each analysis"},
   };
   static constexpr std::array kMessages{
-      Message{"reset", "", 0, 0, "forget everything heard so far"},
+      Message{"reset", "", 0, 0, "start anew: envelope, crossings and analysis"},
   };
+  static constexpr std::array kArguments{CreationArgument{"mode"}};
   static constexpr Declaration declaration{
       "playability~",
-      "how well a reed plays, judged from its motion",
+      "how well a reed plays, from its motion",
       "Follows the oscillation of a valve and says how playable its state is: the envelope of the "
-      "alternating part, lowered when the rate of zero crossings leaps (paper) or when the motion "
-      "is not periodic (robust). Differences of this number between neighbouring states guide the "
-      "hand.",
+      "alternating part, lowered when zero crossings suddenly jump to a very high number (paper) "
+      "and when the motion is not periodic (robust, the default). Differences of this number "
+      "between neighbouring states guide the hand.",
       "reed playability envelope zero-crossing periodicity chaos",
       kInlets,
       kOutlets,
       kParameters,
-      kMessages};
+      kMessages,
+      kArguments};
 
-  void prepare(double sample_rate, std::size_t) { judge.prepare(sample_rate, transform); }
+  void prepare(double sample_rate, std::size_t) { estimator.prepare(sample_rate, transform); }
 
   void set(std::size_t parameter, double value) noexcept {
-    PlayabilityParameters p = judge.follower().parameters();
+    PlayabilityParameters p = estimator.follower().parameters();
     switch (parameter) {
     case 0:
       p.attack_s = 1e-3 * value;
@@ -82,14 +87,14 @@ struct PlayabilityObject {
           value > 0 ? PlayabilityParameters::Mode::kRobust : PlayabilityParameters::Mode::kPaper;
       break;
     default:
-      judge.set_analysis(value >= 0.5);
+      estimator.set_analysis(value >= 0.5);
       break;
     }
-    judge.set(p);
+    estimator.set(p);
   }
 
   [[nodiscard]] double get(std::size_t parameter) const noexcept {
-    const PlayabilityParameters& p = judge.follower().parameters();
+    const PlayabilityParameters& p = estimator.follower().parameters();
     switch (parameter) {
     case 0:
       return 1e3 * p.attack_s;
@@ -106,34 +111,34 @@ struct PlayabilityObject {
     case 6:
       return p.mode == PlayabilityParameters::Mode::kRobust ? 1 : 0;
     default:
-      return judge.analysing() ? 1 : 0;
+      return estimator.analysis() ? 1 : 0;
     }
   }
 
   void message(std::size_t, std::span<const Atom>, Host&) {
-    judge.reset();
+    estimator.reset();
     reported = 0;
   }
 
   template <class S> void process(const Block<S>& block) noexcept {
     for (const S angle : block.in(0))
-      judge.tick(static_cast<double>(angle));
+      estimator.tick(static_cast<double>(angle));
   }
 
   void report(Host& host) {
-    if (judge.frames() != reported) {
-      reported = judge.frames();
-      const Periodicity& p = judge.periodicity();
-      host.send(5, {static_cast<double>(judge.regime())});
+    if (estimator.analysis() && estimator.frames() != reported) {
+      reported = estimator.frames();
+      const Periodicity& p = estimator.periodicity();
+      host.send(5, {static_cast<double>(estimator.regime())});
       host.send(4, {p.frequency_hz, p.periodicity, p.harmonicity_db, p.centroid_hz});
     }
-    host.send(3, {judge.follower().interval_variation()});
-    host.send(2, {judge.follower().crossing_rate()});
-    host.send(1, {judge.follower().envelope()});
-    host.send(0, {judge.playability()});
+    host.send(3, {estimator.follower().interval_variation()});
+    host.send(2, {estimator.follower().crossing_rate()});
+    host.send(1, {estimator.follower().envelope()});
+    host.send(0, {estimator.playability()});
   }
 
-  Playability judge;
+  Playability estimator;
   std::shared_ptr<RealTransform> transform = std::make_shared<FftwTransform>();
   std::size_t reported = 0;
 };

@@ -48,7 +48,8 @@ std::string parameter(const Parameter& p) {
   return "{" + field("name", quoted(p.name)) + ", " + field("unit", quoted(p.unit)) + ", " +
          field("initial", number(p.initial)) + ", " + field("lowest", number(p.lowest)) + ", " +
          field("highest", number(p.highest)) + ", " + field("text", quoted(p.text)) + ", " +
-         field("choices", array(p.choices, quoted)) + "}";
+         field("choices", array(p.choices, quoted)) + ", " +
+         field("values", array(p.values, number)) + "}";
 }
 
 std::string message(const Message& m) {

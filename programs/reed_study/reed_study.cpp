@@ -2,7 +2,7 @@
 //
 // Does the feel help? Simulated hands that know nothing of the notes explore the plane of mouth
 // pressure and reed frequency, from a silent start, with and without force; one line a trial:
-//   preset,hand,stiffness,yield,ceiling,feel,seed,playing,losses,first_s,silence_s,
+//   preset,hand,stiffness,yield,gain,ceiling,feel,seed,playing,losses,first_s,silence_s,
 //   force_n,playing_force_n,speed_mm_s,places
 // The columns are explained in trial.hpp and docs/results/reed_study.md. A seed is one person with
 // one start and one search, whatever is felt, so trials of one seed are pairs.
@@ -177,10 +177,10 @@ void print(const Order& order, const study::TrialSettings& trial, const study::W
   }
   const study::TrialResult r = run(world, trial);
   const char* hand = trial.habits.manner == study::Manner::kWanders ? "wanders" : "searches";
-  std::printf("%s,%s,%g,%g,%g,%s,%llu,%.6f,%d,%.4f,%.4f,%.4f,%.4f,%.3f,%d\n", order.preset.c_str(),
-              hand, trial.hand.stiffness_n_per_m, trial.hand.yield_s, trial.ceiling_n, feel.data(),
-              seed, r.playing, r.losses, r.first_s, r.silence_s, r.force_n, r.playing_force_n,
-              1e3 * r.speed_m_per_s, r.places);
+  std::printf("%s,%s,%g,%g,%g,%g,%s,%llu,%.6f,%d,%.4f,%.4f,%.4f,%.4f,%.3f,%d\n",
+              order.preset.c_str(), hand, trial.hand.stiffness_n_per_m, trial.hand.yield_s,
+              trial.gain_n, trial.ceiling_n, feel.data(), seed, r.playing, r.losses, r.first_s,
+              r.silence_s, r.force_n, r.playing_force_n, 1e3 * r.speed_m_per_s, r.places);
 }
 
 } // namespace
@@ -196,8 +196,8 @@ int main(int argc, char** argv) {
   const study::World world(parameters, plane_of(order.preset, parameters));
   if (order.part == 1)
     std::puts(order.trace ? "feel,seed,t,y,z,f_p,force_y,force_z"
-                          : "preset,hand,stiffness,yield,ceiling,feel,seed,playing,losses,first_s,"
-                            "silence_s,force_n,playing_force_n,speed_mm_s,places");
+                          : "preset,hand,stiffness,yield,gain,ceiling,feel,seed,playing,losses,"
+                            "first_s,silence_s,force_n,playing_force_n,speed_mm_s,places");
   std::size_t number = 0;
   study::TrialSettings trial = order.trial;
   for (const double stiffness : order.stiffnesses)

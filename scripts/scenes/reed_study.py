@@ -3,26 +3,27 @@
 Twenty simulated hands explore the plane of mouth pressure and reed frequency for a minute each,
 from a silent start, knowing nothing of where the notes are: with no force, with the slope of five
 reeds' playability (the paper's), with the slope of linear theory's growth rate, and with the
-guidance that leads to the nearest quick note and leaves the hand alone there. A hand is the same
-person with the same search whatever it feels, so differences are paired. Intervals are 95 %,
-by 10000 bootstrap samples of the hands.
+guidance that leads to the nearest quick note and leaves the hand alone there. The hands give way to a
+lasting force within about a second. A hand is the same person with the same search whatever it feels,
+so differences are paired. Intervals are 95 %, by 10000 bootstrap samples of the hands.
 
 How the hands are made, what the numbers mean and what they do not show: docs/results/reed_study.md.
 """
 import csv
 import io
-import os
+import pathlib
 import subprocess
+import sys
 
 import matplotlib.pyplot as plt
 import numpy
 from harness import stage_folder
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "programs" / "reed_study"))
+import study  # noqa: E402
+
 PATCH = "patches/reed/reed_haptic.pd"
 PLANES = {"trumpet": ("0", "8000", "80", "900"), "clarinet": ("0", "5000", "1000", "3500")}
-NAMES = {"off": "no force", "reeds": "five reeds", "growth": "growth rate",
-         "height": "height of the growth map", "guidance": "guidance"}
-HANDS = {"searches": "a hand that searches", "wanders": "a hand that wanders"}
 COLOURS = {"off": "#8a8a8a", "reeds": "#c98b2b", "growth": "#7aa36f", "height": "#4d8fac",
            "guidance": "#2f4f9f"}
 SHOWN_SEED = 2
@@ -30,73 +31,6 @@ SHOWN_SEED = 2
 
 def program(name):
     return str(stage_folder().parent / "programs" / name / f"tactus_{name}")
-
-
-def study(*arguments):
-    """Rows of the program's table; the work is shared among the machine's cores."""
-    parts = min(os.cpu_count() or 1, 8)
-    runs = [subprocess.Popen([program("reed_study"), *map(str, arguments), "--part", f"{i}/{parts}"],
-                             stdout=subprocess.PIPE, text=True) for i in range(1, parts + 1)]
-    texts = [run.communicate()[0] for run in runs]
-    if any(run.returncode for run in runs):
-        raise RuntimeError("tactus_reed_study failed")
-    text = "".join(texts)
-    rows = list(csv.DictReader(io.StringIO(text)))
-    for row in rows:
-        row.update({key: float(value) for key, value in row.items()
-                    if key not in ("preset", "hand", "feel")})
-    return text, rows
-
-
-def column(rows, key, **wanted):
-    """One value a seed, in order of seeds."""
-    chosen = [row for row in rows if all(row[name] == value for name, value in wanted.items())]
-    return numpy.array([row[key] for row in sorted(chosen, key=lambda row: row["seed"])])
-
-
-def interval(values, statistic=lambda x: x.mean(axis=-1)):
-    """Statistic and its 95 % interval over resampled hands. values: (hands,) or (k, hands)."""
-    values = numpy.asarray(values, float)
-    picks = numpy.random.default_rng(1).integers(values.shape[-1], size=(10000, values.shape[-1]))
-    low, high = numpy.percentile(statistic(values[..., picks]), [2.5, 97.5])
-    return float(statistic(values)), float(low), float(high)
-
-
-def time_out(rows, off, **wanted):
-    """Time out of the playable region over that without force, pairs of one hand each."""
-    pairs = [1 - column(rows, "playing", **wanted), 1 - off]
-    return interval(pairs, lambda x: x[0].mean(axis=-1) / x[1].mean(axis=-1))
-
-
-def said(triple, scale=1, digits=0, unit=""):
-    value, low, high = (f"{scale * x:.{digits}f}" for x in triple)
-    return f"{value}{unit} ({low}..{high})"
-
-
-def summary(rows, hand):
-    """Rows for a table: every feel of one instrument and hand."""
-    table = []
-    rows = [row for row in rows if row["hand"] == hand]
-    off = column(rows, "playing", feel="off")
-    for feel in NAMES:
-        for ceiling in sorted({row["ceiling"] for row in rows if row["feel"] == feel}):
-            one = {"feel": feel, "ceiling": ceiling}
-            values = lambda key: column(rows, key, **one)
-            ratio = "1" if feel == "off" else said(time_out(rows, off, **one), 1, 2)
-            table.append([NAMES[feel] + (f", {ceiling:g} N" if ceiling else ""),
-                          said(interval(values("playing")), 100, 0, " %"), ratio,
-                          said(interval(values("losses")), 1, 1),
-                          said(interval(values("first_s")), 1, 1, " s"),
-                          said(interval(values("silence_s")), 1, 1, " s"),
-                          f"{values('force_n').mean():.2f} N",
-                          f"{values('playing_force_n').mean():.2f} N",
-                          f"{values('speed_mm_s').mean():.0f} mm/s",
-                          f"{values('places').mean():.0f}"])
-    return table
-
-
-HEADER = ["force", "playing", "time out / no force", "notes lost a minute", "first note after",
-          "a silence lasts", "mean force", "while playing", "hand's speed", "places played"]
 
 
 def draw_traces(axes, preset, trace, title):
@@ -116,31 +50,45 @@ def draw_traces(axes, preset, trace, title):
              xlabel="y: mouth pressure", ylabel="z: reed frequency")
 
 
-def draw_bars(axes, rows, hand):
-    rows = [row for row in rows if row["hand"] == hand]
+def draw_bars(axes, rows, preset, hand):
     labels, place = [], 0
-    for feel in NAMES:
-        for ceiling in sorted({row["ceiling"] for row in rows if row["feel"] == feel}):
-            value, low, high = interval(100 - 100 * column(rows, "playing", feel=feel,
-                                                           ceiling=ceiling))
+    for feel, name in study.NAMES.items():
+        for ceiling in (0,) if feel == "off" else (1, 2):
+            value, low, high = study.interval(100 - 100 * study.column(
+                rows, "playing", preset=preset, hand=hand, feel=feel, ceiling=ceiling))
             axes.barh(place, value, color=COLOURS[feel], alpha=0.6 if ceiling == 1 else 1)
             axes.plot([low, high], [place, place], color="black", linewidth=1.5)
             if feel == "off":
                 axes.axvline(value / 2, color="black", linestyle=":", linewidth=1)
-            labels.append(NAMES[feel].replace(" of the growth map", "")
+            labels.append(name.replace(" of the growth map", "")
                           + (f", {ceiling:g} N" if ceiling else ""))
             place += 1
     axes.set_yticks(range(place), labels)
     axes.invert_yaxis()
-    axes.set(xlim=(0, 100), xlabel="time out of the playable region, %", title=HANDS[hand])
+    axes.set(xlim=(0, 100), xlabel="time out of the playable region, %", title=study.HANDS[hand])
 
 
-def draw_sensitivity(axes, preset, rows):
-    for ceiling, mark in ((1, "o"), (2, "s"), (3.3, "^")):
-        for stiffness in (50, 100, 200, 400):
-            off = column(rows, "playing", feel="off", stiffness=stiffness)
-            value, low, high = time_out(rows, off, feel="guidance", stiffness=stiffness,
-                                        ceiling=ceiling)
+def draw_instruments(axes, rows):
+    """Paper and guidance at equal ceilings, six instruments, seeds that were not used before."""
+    for place, preset in enumerate(study.INSTRUMENTS):
+        for shift, (feel, ceiling) in enumerate((f, c) for c in (1, 2) for f in ("reeds", "guidance")):
+            value, low, high = study.time_out(rows, feel, ceiling, preset=preset, hand="searches",
+                                              seeds=study.UNSEEN)
+            x = place + 0.2 * (shift - 1.5)
+            axes.bar(x, value, 0.19, color=COLOURS[feel], alpha=0.6 if ceiling == 1 else 1,
+                     label=f"{study.NAMES[feel]}, {ceiling} N" if place == 0 else None)
+            axes.plot([x, x], [low, high], color="black", linewidth=1.2)
+    axes.axhline(0.5, color="black", linestyle=":", linewidth=1)
+    axes.set_xticks(range(len(study.INSTRUMENTS)), study.INSTRUMENTS)
+    axes.set(ylim=(0, 1), ylabel="time out / no force")
+    axes.legend(frameon=False, ncol=4, loc="upper center", bbox_to_anchor=(0.5, 1.18))
+
+
+def draw_sensitivity(axes, rows, preset):
+    for ceiling, mark in zip(study.CEILINGS, "os^"):
+        for stiffness in study.STIFFNESSES:
+            value, low, high = study.time_out(rows, "guidance", ceiling, preset=preset,
+                                              hand="searches", stiffness=stiffness, seeds=(1, 10))
             reach = 1000 * ceiling / stiffness
             axes.plot([reach, reach], [low, high], color="#2f4f9f", linewidth=1)
             axes.plot(reach, value, mark, color="#2f4f9f", markersize=6,
@@ -154,41 +102,37 @@ def draw_sensitivity(axes, preset, rows):
     axes.legend(frameon=False)
 
 
+def trace(preset):
+    """The course of one trial without and with guidance."""
+    text = subprocess.run([program("reed_study"), preset, "--feel", "off", "guidance", "--ceiling",
+                           "2", "--trace", "--seeds", str(SHOWN_SEED), str(SHOWN_SEED)], check=True,
+                          capture_output=True, text=True).stdout
+    rows = list(csv.DictReader(io.StringIO(text)))
+    for row in rows:
+        row.update({key: float(value) for key, value in row.items() if key != "feel"})
+    return {feel: [row for row in rows if row["feel"] == feel] for feel in ("off", "guidance")}
+
+
 def make(scene):
-    searches, wanders, sensitive, gains, traces = {}, {}, {}, {}, {}
-    for preset in PLANES:
-        scene.progress(f"reed-study: {preset}, a hand that searches")
-        text, searches[preset] = study(preset)
-        (scene.folder / f"{preset}_searches.csv").write_text(text)
-        scene.progress(f"reed-study: {preset}, a hand that wanders")
-        text, wanders[preset] = study(preset, "--hand", "wanders")
-        (scene.folder / f"{preset}_wanders.csv").write_text(text)
-        scene.progress(f"reed-study: {preset}, other hands")
-        text, sensitive[preset] = study(preset, "--feel", "off", "guidance", "--ceiling", 1, 2, 3.3,
-                                        "--stiffness", 50, 100, 200, 400, "--seeds", 1, 10)
-        (scene.folder / f"{preset}_stiffness.csv").write_text(text)
-        for seconds in (0, 0.5, 2):
-            text, rows = study(preset, "--feel", "off", "guidance", "--ceiling", 2, "--yield",
-                               seconds, "--seeds", 1, 10)
-            sensitive[preset, seconds] = rows
-        gains[preset, 0.3] = [row for row in searches[preset]
-                              if row["seed"] <= 10 and row["ceiling"] in (0, 2)]
-        for gain in (1, 3):
-            text, rows = study(preset, "--feel", "reeds", "growth", "height", "--ceiling", 2,
-                               "--gain", gain, "--seeds", 1, 10)
-            gains[preset, gain] = rows
-        _, rows = study(preset, "--feel", "off", "guidance", "--ceiling", 2, "--trace", "--seeds",
-                        SHOWN_SEED, SHOWN_SEED)
-        traces[preset] = {feel: [row for row in rows if row["feel"] == feel]
-                          for feel in ("off", "guidance")}
+    rows = study.run_all(program("reed_study"), lambda what: scene.progress(f"reed-study: {what}"))
+    study.write(rows, scene.folder / "trials.csv")
+
+    figure, axes = plt.subplots(figsize=(9, 3.4))
+    draw_instruments(axes, rows)
+    figure.tight_layout()
+    scene.picture("reed_study_instruments", figure, "time out of the playable region over that of the "
+                  "same hands without force: the paper's force and guidance at equal ceilings, 20 hands "
+                  "that search, seeds not used before; dotted line half")
+    scene.table(*study.equal_forces(rows), "equal forces, six instruments, 20 hands that search")
 
     figure, axes = plt.subplots(2, 4, figsize=(13, 6.2),
                                 gridspec_kw={"width_ratios": [1, 1, 1.1, 1.1]})
-    for line, preset in zip(axes, PLANES):
-        draw_traces(line[0], preset, traces[preset]["off"], f"{preset}: no force")
-        draw_traces(line[1], preset, traces[preset]["guidance"], f"{preset}: guidance, 2 N")
-        draw_bars(line[2], searches[preset], "searches")
-        draw_bars(line[3], wanders[preset], "wanders")
+    for line, preset in zip(axes, study.DESIGNED_ON):
+        course = trace(preset)
+        draw_traces(line[0], preset, course["off"], f"{preset}: no force")
+        draw_traces(line[1], preset, course["guidance"], f"{preset}: guidance, 2 N")
+        draw_bars(line[2], rows, preset, "searches")
+        draw_bars(line[3], rows, preset, "wanders")
         line[3].set_yticks([])
     figure.tight_layout()
     scene.picture("reed_study", figure,
@@ -196,48 +140,18 @@ def make(scene):
                   "where a note plays, red where none does, grey the playability from rest. Right: "
                   "time out of the playable region, 20 hands, 95 % intervals; pale bars 1 N, dotted "
                   "line half of the time without force")
-    for preset in PLANES:
-        for rows, hand in ((searches, "searches"), (wanders, "wanders")):
-            scene.table(HEADER, summary(rows[preset], hand), f"{preset}, {HANDS[hand]}, 20 hands")
+    for preset in study.DESIGNED_ON:
+        for hand, name in study.HANDS.items():
+            scene.table(*study.summary(rows, preset, hand), f"{preset}, {name}, 20 hands")
 
     figure, axes = plt.subplots(1, 2, figsize=(10, 3.8))
-    stiffness_rows = []
-    for one, preset in zip(axes, PLANES):
-        draw_sensitivity(one, preset, sensitive[preset])
-        for stiffness in (50, 100, 200, 400):
-            off = column(sensitive[preset], "playing", feel="off", stiffness=stiffness)
-            ratios = [said(time_out(sensitive[preset], off, feel="guidance", stiffness=stiffness,
-                                    ceiling=ceiling), 1, 2) for ceiling in (1, 2, 3.3)]
-            stiffness_rows.append([preset, f"{stiffness} N/m",
-                                   f"{100 * (1 - off.mean()):.0f} %", *ratios])
+    for one, preset in zip(axes, study.DESIGNED_ON):
+        draw_sensitivity(one, rows, preset)
     figure.tight_layout()
     scene.picture("reed_study_hands", figure, "how the result depends on hand and ceiling: 10 hands "
                   "that search; dotted line half of the time without force")
-    scene.table(["instrument", "hand's stiffness", "time out, no force", "ratio at 1 N", "2 N",
-                 "3.3 N"], stiffness_rows, "guidance, 10 hands that search")
-    yield_rows = []
-    for preset in PLANES:
-        for seconds in (0, 0.5, 2):
-            rows = sensitive[preset, seconds]
-            off = column(rows, "playing", feel="off")
-            yield_rows.append([preset, f"{seconds:g} s" if seconds else "never",
-                               said(time_out(rows, off, feel="guidance"), 1, 2)])
-    scene.table(["instrument", "gives way within", "ratio at 2 N"], yield_rows,
-                "guidance, 10 hands that search, 200 N/m")
-    gain_rows = []
-    for preset in PLANES:
-        for feel in ("reeds", "growth", "height"):
-            cells = [preset, NAMES[feel]]
-            for gain in (0.3, 1, 3):
-                rows, off = gains[preset, gain], column(gains[preset, 0.3], "playing", feel="off")
-                ratio, low, high = time_out(rows, off, feel=feel)
-                cells.append(f"{ratio:.2f} ({low:.2f}..{high:.2f}), "
-                             f"{column(rows, 'force_n', feel=feel).mean():.1f} N, "
-                             f"{column(rows, 'speed_mm_s', feel=feel).mean():.0f} mm/s")
-            gain_rows.append(cells)
-    scene.table(["instrument", "force", "gain 0.3 N", "1 N", "3 N"], gain_rows,
-                "more gain for the slopes: time out / no force, mean force, hand's speed; at most "
-                "2 N an axis, 10 hands that search")
-    for preset in PLANES:
-        for name in ("searches", "wanders", "stiffness"):
-            scene.file(f"{preset}_{name}.csv", f"every trial: {preset}, {name}")
+    scene.table(*study.stiffness(rows), "guidance, 10 hands that search")
+    scene.table(*study.yields(rows), "guidance, 10 hands that search, 200 N/m")
+    scene.table(*study.gains(rows), "more gain for the slopes: time out / no force, mean force, hand's "
+                "speed; at most 2 N an axis, 10 hands that search")
+    scene.file("trials.csv", "every trial")

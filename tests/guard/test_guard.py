@@ -48,7 +48,7 @@ def sweep_parameters(patch, box, declaration, first_ms, step_ms):
     """Sends every choice, and the lowest, highest and initial value, one after the other."""
     ms = first_ms
     for p in declaration["parameters"]:
-        values = p["choices"] or [p["lowest"], p["highest"], p["initial"]]
+        values = p["choices"] or p["values"] or [p["lowest"], p["highest"], p["initial"]]
         for value in values:
             patch.at(ms, box, f"{p['name']} {value}")
             ms += step_ms

@@ -237,3 +237,16 @@ def test_a_tuned_clarinet_plays_the_note_it_is_given():
 def test_the_papers_flow_plays_nearly_the_same_clarinet():
     bore = window(play(clarinet(flow="paper"), 2000, f_r=2500), "p_b")
     assert abs(cents(pitch(bore, 48000, 120, 260), 172.49)) < 4
+
+
+@pytest.mark.parametrize("box", [["greed~"], ["greed_gradient~", "trumpet"]])
+@pytest.mark.parametrize("value", [3, 2.5, 5])
+def test_an_oversampling_that_is_none_is_refused_and_the_old_one_stays(box, value):
+    patch = Patch()
+    reed = patch.obj(*box)
+    patch.at(10, reed, "os 2")
+    patch.at(20, reed, f"os {value}")
+    patch.at(30, reed, "get os")
+    patch.log("info", reed[4 if box[0] == "greed~" else 3])
+    result = patch.render(0.1, expect_errors=[f"{box[0]}: os {value}: expected 0, 1, 2 or 4"])
+    assert [atoms for _, atoms in result.logs["info"] if atoms[0] == "os"] == [["os", 2]]

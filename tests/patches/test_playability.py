@@ -29,10 +29,10 @@ def sine(amplitude, frequency, seconds):
 @pytest.mark.parametrize("block", [1, 64, 4096])
 def test_a_sine_has_its_closed_form_envelope_rate_and_pitch(block):
     patch = Patch(block=block)
-    judge = patch.signal(sine(0.03, 220, 4)) >> patch.obj(
+    estimator = patch.signal(sine(0.03, 220, 4)) >> patch.obj(
         "playability~", "-attack", 100, "-release", 100)
     for outlet, name in enumerate(("f_p", "envelope", "rate", "variation", "analysis", "regime")):
-        patch.log(name, judge[outlet])
+        patch.log(name, estimator[outlet])
     result = patch.render(seconds=1.9, rate=RATE)
     envelope = last(result, "envelope")[0]
     assert abs(envelope / (0.06 / math.pi) - 1) < 0.01
@@ -45,22 +45,61 @@ def test_a_sine_has_its_closed_form_envelope_rate_and_pitch(block):
     assert last(result, "regime") == [1]
 
 
-def test_the_judge_without_analysis_keeps_two_outlets_silent():
+def test_without_analysis_two_outlets_stay_silent():
     patch = Patch()
-    judge = patch.signal(sine(0.03, 220, 0.5)) >> patch.obj("playability~", "-analysis", 0)
-    patch.log("f_p", judge[0])
-    patch.log("analysis", judge[4])
-    patch.log("regime", judge[5])
+    estimator = patch.signal(sine(0.03, 220, 0.5)) >> patch.obj("playability~", "-analysis", 0)
+    patch.log("f_p", estimator[0])
+    patch.log("analysis", estimator[4])
+    patch.log("regime", estimator[5])
     result = patch.render(seconds=0.4, rate=RATE)
     assert len(result.logs["f_p"]) > 100
     assert result.logs["analysis"] == [] and result.logs["regime"] == []
 
 
-def test_the_judge_refuses_what_is_out_of_range():
+def f_p_of(theta, *arguments, analysis=False):
     patch = Patch()
-    judge = patch.obj("playability~")
-    patch.at(10, judge, "ref -1")
-    patch.at(20, judge, "mode nice")
+    estimator = patch.signal(theta) >> patch.obj("playability~", *arguments)
+    patch.log("f_p", estimator[0])
+    patch.log("analysis", estimator[4])
+    result = patch.render(seconds=1.2, rate=RATE)
+    assert bool(result.logs["analysis"]) == analysis
+    return numpy.array(numbers(result.logs["f_p"]))[:, 0]
+
+
+def shaken_valve(seconds, level):
+    """White noise through a resonance of 600 Hz and Q = 1: as a valve moves that is shaken at random."""
+    spectrum = numpy.fft.rfft(numpy.random.default_rng(3).standard_normal(int(seconds * RATE)))
+    ratio = numpy.fft.rfftfreq(int(seconds * RATE), 1 / RATE) / 600
+    theta = numpy.fft.irfft(spectrum / (1 - ratio**2 + 1j * ratio))
+    return level * theta / theta.std()
+
+
+@pytest.mark.parametrize("arguments", [[], ["paper"], ["robust"], ["-mode", "robust", "-analysis", 0],
+                                       ["-analysis", 0, "-mode", "paper"]])
+def test_white_noise_does_not_play_and_a_sine_does(arguments):
+    analysis = 0 not in arguments
+    noise = 0.03 * numpy.random.default_rng(2).standard_normal(2 * RATE)
+    assert f_p_of(noise, *arguments, analysis=analysis)[-300:].max() < 0.1
+    tone = f_p_of(sine(0.03 * math.sqrt(2), 220, 2), *arguments, analysis=analysis)
+    # The envelope of attack 5 and release 80 ms lies between the rectified mean and the peak.
+    envelope = 0.03 * math.sqrt(2) * numpy.array([2 / math.pi, 1])
+    low, high = envelope / (envelope + 0.03)
+    assert low < tone[-1] < high
+
+
+def test_robust_is_the_default_and_never_becomes_paper():
+    theta = shaken_valve(2, 0.03)
+    assert f_p_of(theta, "paper", analysis=True)[-1] > 0.3
+    for arguments in ([], ["-analysis", 0], ["-mode", "robust", "-analysis", 0],
+                      ["-analysis", 0, "-mode", "robust"]):
+        assert f_p_of(theta, *arguments, analysis=0 not in arguments)[-300:].max() < 0.1
+
+
+def test_playability_refuses_what_is_out_of_range():
+    patch = Patch()
+    estimator = patch.obj("playability~")
+    patch.at(10, estimator, "ref -1")
+    patch.at(20, estimator, "mode nice")
     patch.render(0.1, expect_errors=["playability~: ref -1 rad: expected", "playability~: mode nice"])
 
 
@@ -87,8 +126,8 @@ def test_the_gradient_of_one_object_is_that_of_five_reeds():
         reed = patch.obj("greed~", "-preset", "trumpet")
         patch.obj("sig~", 8000 * at_y) >> reed
         patch.obj("sig~", 80 * (900 / 80) ** at_z) >> reed[1]
-        judge = reed[1] >> patch.obj("playability~", "-analysis", 0)
-        patch.log(f"f{index}", judge[0])
+        estimator = reed[1] >> patch.obj("playability~", "paper", "-analysis", 0)
+        patch.log(f"f{index}", estimator[0])
     result = patch.render(seconds=2, rate=RATE)
     f = [numpy.array(numbers(result.logs[f"f{i}"])[750:])[:, 0].mean() for i in range(5)]
     both = numpy.array(numbers(result.logs["gradient"])[750:]).mean(axis=0)

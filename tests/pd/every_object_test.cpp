@@ -142,6 +142,32 @@ TEST_CASE("every parameter takes its whole range and refuses, in one sentence, w
   }
 }
 
+TEST_CASE("a parameter of listed numbers takes each of them and nothing between") {
+  std::size_t found = 0;
+  for (const Described& described : objects()) {
+    const Declaration& declaration = *described.declaration;
+    CAPTURE(declaration.name);
+    for (const Parameter& parameter : declaration.parameters) {
+      if (parameter.values.empty()) continue;
+      CAPTURE(parameter.name);
+      ++found;
+      CHECK(parameter.lowest == parameter.values.front());
+      CHECK(parameter.highest == parameter.values.back());
+      Box box(declaration.name);
+      for (std::size_t i = 0; i < parameter.values.size(); ++i) {
+        box.send(parameter.name, {parameter.values[i]});
+        CHECK(errors().empty());
+        CHECK(value_of(box, parameter.name) == Words{Word(parameter.values[i])});
+        if (i + 1 == parameter.values.size()) continue;
+        box.send(parameter.name, {0.5 * (parameter.values[i] + parameter.values[i + 1])});
+        CHECK(errors().size() == 1);
+        CHECK(value_of(box, parameter.name) == Words{Word(parameter.values[i])});
+      }
+    }
+  }
+  CHECK(found >= 2); // os of greed~ and greed_gradient~
+}
+
 TEST_CASE("every parameter is a creation flag, and an unknown flag makes no object") {
   for (const Described& described : objects()) {
     const Declaration& declaration = *described.declaration;

@@ -1,0 +1,190 @@
+#!/usr/bin/python3
+"""Tables of the docs that programs write, and whether they still hold.
+
+    scripts/measured_tables.py write [--build build] [FILE...]
+    scripts/measured_tables.py check [--build build] [FILE...]
+
+A measured block of a Markdown page names the command that prints it:
+
+    <!-- measured by: COMMAND
+         check by: COMMAND
+         within: TOLERANCE; COLUMN: TOLERANCE; ... -->
+    | the | table |
+    <!-- end of measured -->
+
+`write` runs the first command in the repository's root and puts what it prints between the marks.
+`check` runs the second one (the first, where there is none), which may print a part of the tables:
+of each table that it prints, and of each group of rows with the same first cell, the page must have the
+same rows in the same order, equal but for numbers that differ by no more than the tolerance of their
+column: a number, or a share of the larger one (`20 %`); 0 unless told. {build} and {python} in a command are the build folder and this Python. Without
+FILE all pages under docs/. Ends with status 1 and one line for each difference."""
+import argparse
+import dataclasses
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+BLOCK = re.compile(r"(<!-- measured by:(.*?)-->\n)(.*?)(<!-- end of measured -->)", re.DOTALL)
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+# 0.05..0.10 is two numbers, and the sign of one is no hyphen.
+APART = re.compile(r"\.\.|(?<=[\w)])-")
+
+
+@dataclasses.dataclass
+class Table:
+    header: list
+    rows: list
+
+    def groups(self):
+        """The rows by their first cell."""
+        found = {}
+        for row in self.rows:
+            found.setdefault(row[0], []).append(row)
+        return found
+
+
+@dataclasses.dataclass(frozen=True)
+class Tolerance:
+    absolute: float = 0
+    relative: float = 0
+
+    @classmethod
+    def read(cls, text):
+        text = text.strip()
+        return (cls(relative=float(text[:-1]) / 100) if text.endswith("%") else cls(absolute=float(text)))
+
+    def allows(self, a, b):
+        limit = max(self.absolute, self.relative * max(abs(a), abs(b)))
+        return abs(a - b) <= limit * (1 + 1e-9)
+
+    def __str__(self):
+        return f"{100 * self.relative:g} %" if self.relative else f"{self.absolute:g}"
+
+
+@dataclasses.dataclass
+class Orders:
+    write: str
+    check: str
+    tolerance: Tolerance
+    columns: dict
+
+
+def orders_of(comment):
+    """The commands and tolerances of an opening mark; ValueError when it is none."""
+    parts = re.split(r"\n\s*(check by|within):", "\nmeasured by:" + comment)
+    found = {"measured by": " ".join(parts[0].split()).removeprefix("measured by:").strip()}
+    found.update({name: " ".join(text.split()) for name, text in zip(parts[1::2], parts[2::2])})
+    tolerance, columns = Tolerance(), {}
+    for item in filter(None, (item.strip() for item in found.get("within", "").split(";"))):
+        name, _, value = item.rpartition(":")
+        if name:
+            columns[name.strip()] = Tolerance.read(value)
+        else:
+            tolerance = Tolerance.read(value)
+    if not found["measured by"]:
+        raise ValueError("measured by: expected a command")
+    return Orders(found["measured by"], found.get("check by", found["measured by"]), tolerance, columns)
+
+
+def tables_of(text):
+    """The Markdown tables of a text."""
+    tables, header = [], None
+    for line in [*text.splitlines(), ""]:
+        if not line.lstrip().startswith("|"):
+            header = None
+            continue
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if header is None:
+            header = cells
+            tables.append(Table(cells, []))
+        elif not all(re.fullmatch(r":?-+:?", cell) for cell in cells):
+            tables[-1].rows.append(cells)
+    return tables
+
+
+def agree(committed, fresh, tolerance):
+    """Whether two cells say the same, their numbers within the tolerance."""
+    ours, theirs = (APART.sub(" ", cell) for cell in (committed, fresh))
+    if NUMBER.sub("#", ours) != NUMBER.sub("#", theirs):
+        return False
+    return all(tolerance.allows(float(a), float(b))
+               for a, b in zip(NUMBER.findall(ours), NUMBER.findall(theirs)))
+
+
+def differences(committed, fresh, orders):
+    """One sentence for each cell, row or table of the fresh text that the committed one has not."""
+    by_header = {tuple(table.header): table for table in tables_of(committed)}
+    found = tables_of(fresh)
+    if not found:
+        yield "the command prints no table"
+    for table in found:
+        ours = by_header.get(tuple(table.header))
+        if ours is None:
+            yield f"no table with the columns {' | '.join(table.header)}"
+            continue
+        groups = ours.groups()
+        for name, rows in table.groups().items():
+            mine = groups.get(name, [])
+            if len(mine) != len(rows):
+                yield f"{name}: {len(mine)} rows, a fresh run has {len(rows)}"
+                continue
+            for old, new in zip(mine, rows):
+                for column, a, b in zip(table.header, old, new):
+                    limit = orders.columns.get(column, orders.tolerance)
+                    if not agree(a, b, limit):
+                        yield (f"{' | '.join(old[:3])}: {column} is '{a}', a fresh run has '{b}' "
+                               f"(within {limit})")
+
+
+def output_of(command, build):
+    words = [word.format(build=build, python=sys.executable) for word in shlex.split(command)]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f"{command}: status {done.returncode}: {done.stderr.strip()[-300:]}")
+    return done.stdout.strip() + "\n"
+
+
+def rewritten(text, run):
+    """The page with every block as its command prints it now; run(command) gives the text."""
+    return BLOCK.sub(lambda block: block[1] + run(orders_of(block[2]).write) + block[4], text)
+
+
+def checked(text, run):
+    """One sentence for each difference between the page and a fresh run."""
+    for block in BLOCK.finditer(text):
+        orders = orders_of(block[2])
+        yield from differences(block[3], run(orders.check), orders)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("command", choices=("write", "check"))
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
+    parser.add_argument("files", nargs="*", type=pathlib.Path)
+    arguments = parser.parse_intermixed_args()
+    build = arguments.build.resolve()
+    pages = [path.resolve() for path in arguments.files] or [
+        path for path in sorted((ROOT / "docs").rglob("*.md")) if BLOCK.search(path.read_text())]
+    wrong = 0
+    for path in pages:
+        text = path.read_text()
+        if not BLOCK.search(text):
+            sys.exit(f"{path}: no measured block")
+        try:
+            if arguments.command == "write":
+                path.write_text(rewritten(text, lambda command: output_of(command, build)))
+                continue
+            for sentence in checked(text, lambda command: output_of(command, build)):
+                print(f"{path.relative_to(ROOT) if path.is_relative_to(ROOT) else path}: {sentence}")
+                wrong += 1
+        except (RuntimeError, OSError, ValueError) as error:
+            sys.exit(f"{path}: {error}")
+    if wrong:
+        sys.exit("the pages are out of date: scripts/measured_tables.py write")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,124 @@
+"""scripts/measured_tables.py: tables of the docs against what their programs print."""
+import pathlib
+import shlex
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import measured_tables as tables  # noqa: E402
+
+PAGE = """Before.
+<!-- measured by: all
+     check by: some
+     within: 0; cents: 1; ns: 10 % -->
+| preset | key | cents | ns |
+|---|---|---|---|
+| sax | 50 | +0.4 (0.1..0.9) | 100 |
+| sax | 51 | -0.2 | 20 |
+| oboe | 60 | 3 | 7 |
+
+| other | x |
+|---|---|
+| a | 1 |
+<!-- end of measured -->
+After.
+"""
+HEAD = "| preset | key | cents | ns |\n|---|---|---|---|\n"
+SAX = HEAD + "| sax | 50 | +0.4 (0.1..0.9) | 100 |\n| sax | 51 | -0.2 | 20 |\n"
+
+
+def said(fresh):
+    """The differences between PAGE and a fresh run that prints this."""
+    asked = []
+    found = list(tables.checked(PAGE, lambda command: asked.append(command) or fresh))
+    assert asked == ["some"]
+    return found
+
+
+def test_a_part_of_the_tables_that_is_the_same_agrees():
+    assert said(SAX) == []
+    assert said("| other | x |\n|---|---|\n| a | 1 |\n") == []
+
+
+@pytest.mark.parametrize("old, new", [("+0.4", "+1.4"), ("+0.4", "-0.6"), ("0.9)", "-0.1)"),
+                                      ("100", "111"), ("100", "90"), ("-0.2", "0.8")])
+def test_numbers_within_the_column_s_tolerance_agree(old, new):
+    assert said(SAX.replace(old, new)) == []
+
+
+@pytest.mark.parametrize("old, new, column", [
+    ("+0.4", "+1.5", "cents"), ("0.1..", "1.3..", "cents"), ("| 100 |", "| 112 |", "ns"),
+    ("| 20 |", "| 17.9 |", "ns"), ("| 51 |", "| 52 |", "key"), ("+0.4 (", "+0.4 [", "cents"),
+    ("| 20 |", "| silent |", "ns"), ("| 20 |", "| |", "ns")])
+def test_anything_else_is_one_sentence_that_names_the_cell(old, new, column):
+    found = said(SAX.replace(old, new))
+    assert len(found) == 1
+    assert f"{column} is '" in found[0] and "a fresh run has" in found[0]
+
+
+def test_rows_that_are_missing_or_new_are_named():
+    assert "sax: 2 rows, a fresh run has 1" in said(SAX[:SAX.rindex("| sax")])[0]
+    assert "flute: 0 rows, a fresh run has 1" in said(SAX + "| flute | 1 | 2 | 3 |\n")[0]
+
+
+def test_a_table_with_other_columns_and_an_empty_answer_are_differences():
+    assert "no table with the columns a | b" in said("| a | b |\n|---|---|\n| 1 | 2 |\n")[0]
+    assert said("nothing") == ["the command prints no table"]
+
+
+def test_writing_replaces_what_is_between_the_marks_alone():
+    asked = []
+    fresh = tables.rewritten(PAGE, lambda command: asked.append(command) or "| new |\n")
+    assert asked == ["all"]
+    assert fresh.startswith(PAGE[:PAGE.index("| preset")]) and fresh.endswith(
+        "| new |\n<!-- end of measured -->\nAfter.\n")
+    assert tables.rewritten(fresh, lambda command: "| new |\n") == fresh
+
+
+def test_without_a_second_command_the_first_checks_and_tolerance_is_nothing():
+    orders = tables.orders_of(" make it\n all ")
+    assert (orders.write, orders.check, orders.columns) == ("make it all", "make it all", {})
+    assert orders.tolerance.allows(1, 1) and not orders.tolerance.allows(1, 1.001)
+
+
+@pytest.mark.parametrize("command, text", [
+    ("{python} -c 'raise SystemExit(3)'", "status 3"), ("no-such-program", "no-such-program")])
+def test_a_command_that_fails_leaves_the_page_and_is_one_line(tmp_path, command, text):
+    page = tmp_path / "page.md"
+    page.write_text(f"<!-- measured by: {command} -->\nold\n<!-- end of measured -->\n")
+    for what in ("write", "check"):
+        done = subprocess.run([sys.executable, ROOT / "scripts" / "measured_tables.py", what, page],
+                              capture_output=True, text=True)
+        assert done.returncode == 1 and text in done.stderr and len(done.stderr.splitlines()) == 1
+    assert "old" in page.read_text()
+
+
+def test_a_page_that_is_out_of_date_fails(tmp_path):
+    page = tmp_path / "page.md"
+    print_table = tmp_path / "print_table.py"
+    print_table.write_text("print('| a | b |\\n|---|---|\\n| x | 2 |')")
+    page.write_text(f"<!-- measured by: {{python}} {print_table} -->\n| a | b |\n|---|---|\n| x | 1 |\n"
+                    "<!-- end of measured -->\n")
+    def tell(what):
+        return subprocess.run([sys.executable, ROOT / "scripts" / "measured_tables.py", what, page],
+                              capture_output=True, text=True)
+    refused = tell("check")
+    assert refused.returncode == 1 and "b is '1', a fresh run has '2' (within 0)" in refused.stdout
+    assert tell("write").returncode == 0
+    assert tell("check").returncode == 0
+
+
+def test_the_commands_of_the_docs_are_scripts_of_this_repository():
+    found = 0
+    for path in (ROOT / "docs").rglob("*.md"):
+        for block in tables.BLOCK.finditer(path.read_text()):
+            orders = tables.orders_of(block[2])
+            for command in (orders.write, orders.check):
+                python, script, *_ = shlex.split(command)
+                assert python == "{python}" and (ROOT / script).is_file(), f"{path}: {command}"
+            found += 1
+    assert found >= 11
