@@ -24,7 +24,7 @@ public:
   /// L in m for the note at that f_r, both in Hz, on a bore that ends in `end` (null: openly).
   /// leap: it has not been reached by gliding.
   [[nodiscard]] double length(double bore_frequency, double reed_frequency, bool leap,
-                              const Termination* end) noexcept;
+                              const Termination* end = nullptr) noexcept;
 
 private:
   static constexpr double kLowest = 8; // Hz, of the first step

@@ -64,7 +64,9 @@ const Player::Hold& Player::control(double bore_frequency, double reed_frequency
     ear_.mean(note_);
   if (listens_ && ear_.lost()) { // the note anew, as one that has not been glided to
     ear_.start_over();
-    hold_.length = std::clamp(lengths_.length(note_, reed_frequency, true), 5e-3, bore_.longest());
+    finger(note_, true);
+    hold_.length = std::clamp(lengths_.length(note_, reed_frequency, true, hold_.end), 5e-3,
+                              bore_.longest());
     set_trim(0, true);
   }
   if (plays_ && follow_breath(mouth_pressure))
