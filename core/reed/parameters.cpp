@@ -60,6 +60,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   for (double Parameters::*lip : {&Parameters::lip_mass, &Parameters::lip_opening,
                                   &Parameters::lip_width, &Parameters::lip_quality})
     p.*lip = bounded(p.*lip, 0.01, 100, 1);
+  p.played_gain = bounded(p.played_gain, 0, 100, kInitial.played_gain);
   p.tongue = bounded(p.tongue, 0, 3, kInitial.tongue);
   p.breath_reference = bounded(p.breath_reference, 0, 50e3, kInitial.breath_reference);
   p.breath_opening = bounded(p.breath_opening, 0, 2, kInitial.breath_opening);

@@ -13,6 +13,9 @@ constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, of the breath that l
 /// Whether notes need the same length and lips with both.
 bool same_notes(const Parameters& a, Parameters b) {
   b.gain = a.gain;
+  b.played_gain = a.played_gain;
+  b.tongue = a.tongue;
+  b.steepening = a.steepening;
   b.breath_noise = a.breath_noise;
   b.seed = a.seed;
   b.brassiness = a.brassiness;

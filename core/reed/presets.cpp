@@ -101,6 +101,7 @@ constexpr Parameters oboe() {
           .lip_opening = 2.4,
           .lip_width = 1.53,
           .lip_quality = 2.1,
+          .played_gain = 0.7,
           .tongue = 0.15,
           .breath_reference = 2000,
           .breath_opening = 0.45,
@@ -135,17 +136,18 @@ constexpr Parameters trumpet() {
           .embouchure_slope = -0.07,
           .highest_mode = 1,
           .steepening = 1.8,
-          .aim = -145,
+          .aim = -90,
           .lip_mass = 0.517,
           .lip_opening = 0.9,
           .lip_width = 0.82,
           .lip_quality = 8.7,
+          .played_gain = 1.2,
           .tongue = 1,
           .breath_reference = 3000,
           .breath_opening = 0.5,
           .breath_tension = 0.477,
           .lowest_note = 164.8,
-          .highest_note = 830.6};
+          .highest_note = 740.0};
 }
 
 constexpr Parameters trombone() {
@@ -177,6 +179,7 @@ constexpr Parameters trombone() {
           .lip_opening = 0.4,
           .lip_width = 0.33,
           .lip_quality = 8,
+          .played_gain = 2.5,
           .tongue = 1,
           .breath_reference = 2000,
           .breath_opening = 0.52,
@@ -202,16 +205,11 @@ constexpr Parameters voice() {
           .input_radius = 8e-3,
           .end_radius = 8e-3,
           .gain = 1.5,
-          .embouchure = 0.982,
-          .embouchure_slope = 0.234,
-          .aim = -210,
-          .lip_mass = 1.231,
-          .lip_opening = 0.604,
-          .lip_width = 1.094,
-          .lip_quality = 1.113,
+          .embouchure = 0.95,
+          .aim = -70,
           .breath_reference = 2000,
-          .lowest_note = 98.0,
-          .highest_note = 392.0};
+          .lowest_note = 110.0,
+          .highest_note = 329.6};
 }
 
 constexpr Parameters syrinx() {
