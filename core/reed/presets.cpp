@@ -37,7 +37,7 @@ constexpr Parameters clarinet() {
           .breath_tension = 0.37,
           .breath_quality = 1.1,
           .lowest_note = 146.8,
-          .highest_note = 1174.7};
+          .highest_note = 1108.7};
 }
 
 constexpr Parameters saxophone() {
@@ -106,7 +106,7 @@ constexpr Parameters oboe() {
           .breath_reference = 2000,
           .breath_opening = 0.45,
           .breath_tension = 0.47,
-          .lowest_note = 233.1,
+          .lowest_note = 246.9,
           .highest_note = 1046.5};
 }
 
