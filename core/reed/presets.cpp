@@ -173,7 +173,7 @@ constexpr Parameters trombone() {
           .embouchure = 0.8,
           .embouchure_slope = -0.02,
           .highest_mode = 2,
-          .steepening = 3.4,
+          .steepening = 4,
           .aim = -135,
           .lip_mass = 0.33,
           .lip_opening = 0.4,
