@@ -22,8 +22,12 @@
 #endif
 
 #include <array>
+#include <cmath>
 #include <cstdio>
+#include <deque>
 #include <span>
+#include <string>
+#include <tuple>
 
 namespace {
 
@@ -79,6 +83,40 @@ private:
   Filled mouth_{};
   Filled reed_{}, bore_{};
   Signal sound_{}, angle_{}, pressure_{}, flow_{};
+};
+
+/// One greed~ with `tune`, its f_b still or in a vibrato of 50 cents at 6 Hz, that has played for a
+/// second.
+class Tuned {
+public:
+  Tuned(std::string_view preset, double pressure, double note, bool vibrato)
+      : note_(note), vibrato_(vibrato) {
+    Parameters p = *find_preset(preset);
+    p.tune = true;
+    instrument_.set(p);
+    instrument_.prepare(kRate, kBlock);
+    mouth_.fill(static_cast<float>(pressure));
+    bore_.fill(static_cast<float>(note));
+    for (int n = 0; n < 750; ++n)
+      block();
+  }
+  void block() {
+    if (vibrato_)
+      for (float& f : bore_) {
+        // The benchmark is not to pay for a sine: a parabola, upside down every half period.
+        place_ = place_ < 1 ? place_ + 12 / kRate : -1;
+        f = static_cast<float>(note_ * (1 + 0.0293 * 4 * place_ * (1 - std::abs(place_))));
+      }
+    instrument_.process<float>(mouth_, reed_, bore_, sound_, angle_, pressure_, flow_);
+    benchmark::DoNotOptimize(sound_);
+  }
+
+private:
+  using Signal = std::array<float, kBlock>;
+  Instrument instrument_;
+  double note_, place_ = 0;
+  bool vibrato_;
+  Signal mouth_{}, reed_{}, bore_{}, sound_{}, angle_{}, pressure_{}, flow_{};
 };
 
 /// One greed_gradient~ that has played for a second.
@@ -237,6 +275,24 @@ int main(int argc, char** argv) {
   add("greed~ clarinet, tune 1, tone holes", holed);
   add("greed~ clarinet, silent", silence);
   add("greed~ trumpet, playing", trumpet);
+  struct Pair {
+    std::string preset;
+    Tuned still, moving;
+  };
+  std::deque<Pair> pairs;
+  for (const auto& [preset, pressure, note] : {std::tuple{"clarinet", 2500.0, 175.0},
+                                               {"sax", 2500.0, 175.0},
+                                               {"oboe", 2000.0, 330.0},
+                                               {"trumpet", 4000.0, 233.0},
+                                               {"trombone", 2000.0, 147.0},
+                                               {"voice", 2500.0, 147.0},
+                                               {"syrinx", 600.0, 880.0}})
+    pairs.push_back(
+        {preset, Tuned(preset, pressure, note, false), Tuned(preset, pressure, note, true)});
+  for (Pair& pair : pairs) {
+    add(("greed~ " + pair.preset + ", tuned, f_b still").c_str(), pair.still);
+    add(("greed~ " + pair.preset + ", tuned, vibrato").c_str(), pair.moving);
+  }
   add("part: valve and jet", valve);
   add("part: bore filters", filters);
   add("part: delay line", delay);
@@ -254,6 +310,8 @@ int main(int argc, char** argv) {
   benchmark::RunSpecifiedBenchmarks();
 
   std::printf("\nratio, median of paired rounds\n");
+  for (Pair& pair : pairs)
+    print_ratio(("greed~ vibrato / f_b still, " + pair.preset).c_str(), pair.moving, pair.still);
   print_ratio("greed_gradient~ / greed~, clarinet", lanes, clarinet);
   print_ratio("greed_gradient~ / greed~, trumpet", lip_lanes, trumpet);
   print_ratio("greed_gradient~ / greed~, clarinet, f_r always moving", moved, moving_reed);

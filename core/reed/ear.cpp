@@ -12,8 +12,10 @@ constexpr double kFarthest = 0.28; // four semitones, as relative frequency
 constexpr double kLimit = 0.25;
 constexpr double kInTune = 0.006; // ten cents: what is remembered as right
 constexpr double kQuiet = 10;     // Pa
-constexpr double kShare = 0.1;    // of the whole pressure's rms
-constexpr double kSlow = 2;    // 1/s, of ln f: what moves faster is heard with less trust
+constexpr double kShare = 0.1;    // of the whole pressure's rms: heard at all,
+constexpr double kMain = 0.35;    // and so much that no other register sounds
+constexpr double kLoud = 100;     // Pa, of a sound that has settled on another register
+constexpr double kSlow = 2;       // 1/s, of ln f: what moves faster is heard with less trust
 
 } // namespace
 
@@ -178,7 +180,7 @@ void Ear::hear() noexcept {
   }
   if (amplitude < kQuiet || amplitude * amplitude < kShare * kShare * loudness_) {
     wait_ = std::max(wait_, static_cast<int>(time_ * sample_rate_ / kPeriod));
-    stray(loudness_ > kQuiet * kQuiet);
+    stray(loudness_ > kLoud * kLoud);
     return;
   }
   if (wait_ > 0) {
@@ -197,7 +199,8 @@ void Ear::hear() noexcept {
   const double step = -error * period / (time_ * (1 + speed * speed));
   asked_ += step;
   change(step);
-  stray(std::abs(trim_) > 0.98 * kLimit && trim_ * step > 0);
+  const bool other = loudness_ > kLoud * kLoud && amplitude * amplitude < kMain * kMain * loudness_;
+  stray(other || (std::abs(trim_) > 0.98 * kLimit && trim_ * step > 0));
   if (std::abs(error) < kInTune) {
     known_[note_].sure |= share_ < 0.7;
     known_[note_ + 1].sure |= share_ > 0.3;

@@ -49,7 +49,7 @@ public:
   /// Time constant of the integral controller at the pitch meant, s.
   [[nodiscard]] double time() const noexcept { return time_; }
 
-  static constexpr double kLost = 0.2;  // s
+  static constexpr double kLost = 0.3;  // s
   static constexpr double kLeap = 0.03; // half a semitone within kPeriod samples
 
 private:

@@ -28,7 +28,8 @@ void follow(double& kept, double given) noexcept {
 
 /// Straight to the parameters' gain within ParameterGlide::kTime; at once before the first sample.
 void Instrument::move_gain() noexcept {
-  const double wanted = bank_.parameters().gain;
+  const Parameters& p = bank_.parameters();
+  const double wanted = p.tune ? p.gain * p.played_gain : p.gain;
   if (gain_due_) {
     gain_ = wanted;
     gain_due_ = false;

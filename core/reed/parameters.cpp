@@ -61,6 +61,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   for (double Parameters::*lip : {&Parameters::lip_mass, &Parameters::lip_opening,
                                   &Parameters::lip_width, &Parameters::lip_quality})
     p.*lip = bounded(p.*lip, 0.01, 100, 1);
+  p.played_gain = bounded(p.played_gain, 0, 100, kInitial.played_gain);
   p.tongue = bounded(p.tongue, 0, 3, kInitial.tongue);
   p.breath_reference = bounded(p.breath_reference, 0, 50e3, kInitial.breath_reference);
   p.breath_opening = bounded(p.breath_opening, 0, 2, kInitial.breath_opening);
@@ -74,31 +75,18 @@ Parameters clamped(const Parameters& parameters) noexcept {
 
 Parameters between(const Parameters& from, const Parameters& to, double share) noexcept {
   Parameters p = to;
-  for (double Parameters::*member : {&Parameters::rest_angle,
-                                     &Parameters::arm_length,
-                                     &Parameters::mass,
-                                     &Parameters::reed_frequency,
-                                     &Parameters::quality,
-                                     &Parameters::width,
-                                     &Parameters::mouth_length,
-                                     &Parameters::bore_length,
-                                     &Parameters::flow_length,
-                                     &Parameters::channel_length,
-                                     &Parameters::leak_area,
-                                     &Parameters::restitution,
-                                     &Parameters::displacement_limit,
-                                     &Parameters::length,
-                                     &Parameters::input_radius,
-                                     &Parameters::end_radius,
-                                     &Parameters::apex_distance,
-                                     &Parameters::cup_volume,
-                                     &Parameters::wall_loss,
-                                     &Parameters::bell,
-                                     &Parameters::bell_quality,
-                                     &Parameters::brassiness,
-                                     &Parameters::scalar_reflection,
-                                     &Parameters::temperature,
-                                     &Parameters::breath_noise})
+  for (double Parameters::*member : {&Parameters::rest_angle,     &Parameters::arm_length,
+                                     &Parameters::mass,           &Parameters::reed_frequency,
+                                     &Parameters::width,          &Parameters::mouth_length,
+                                     &Parameters::bore_length,    &Parameters::flow_length,
+                                     &Parameters::channel_length, &Parameters::leak_area,
+                                     &Parameters::restitution,    &Parameters::displacement_limit,
+                                     &Parameters::length,         &Parameters::input_radius,
+                                     &Parameters::end_radius,     &Parameters::apex_distance,
+                                     &Parameters::cup_volume,     &Parameters::wall_loss,
+                                     &Parameters::bell,           &Parameters::bell_quality,
+                                     &Parameters::brassiness,     &Parameters::scalar_reflection,
+                                     &Parameters::temperature,    &Parameters::breath_noise})
     p.*member = from.*member + share * (to.*member - from.*member);
   return p;
 }
@@ -110,14 +98,15 @@ bool near(const Parameters& a, const Parameters& b) noexcept {
       a.sweep != b.sweep || a.tune != b.tune || a.ear != b.ear ||
       oversampling_of(a) != oversampling_of(b))
     return false;
-  // The sign of the rest angle goes with the type, but for the swinging valve.
-  if (a.rest_angle * b.rest_angle < 0 || std::abs(a.aim - b.aim) > kCents)
+  // Another rest of the valve is only another force on it, and other losses not even that.
+  constexpr double kAngle = 0.1;
+  constexpr double kLosses = 10;
+  if (std::abs(a.rest_angle - b.rest_angle) > kAngle || std::abs(a.aim - b.aim) > kCents ||
+      a.quality > kLosses * b.quality || b.quality > kLosses * a.quality)
     return false;
-  for (double Parameters::*size : {&Parameters::rest_angle,
-                                   &Parameters::arm_length,
+  for (double Parameters::*size : {&Parameters::arm_length,
                                    &Parameters::mass,
                                    &Parameters::reed_frequency,
-                                   &Parameters::quality,
                                    &Parameters::width,
                                    &Parameters::mouth_length,
                                    &Parameters::bore_length,

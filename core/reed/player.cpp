@@ -8,11 +8,15 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, of the breath that lips follow
+constexpr double kRiseTime = 3e-3, kFallTime = 60e-3;     // s, of the breath that lips follow
+constexpr double kTongueTime = 50e-3, kTongueMove = 4e-3; // s, of a note begun anew
 
 /// Whether notes need the same length and lips with both.
 bool same_notes(const Parameters& a, Parameters b) {
   b.gain = a.gain;
+  b.played_gain = a.played_gain;
+  b.tongue = a.tongue;
+  b.steepening = a.steepening;
   b.breath_noise = a.breath_noise;
   b.seed = a.seed;
   b.brassiness = a.brassiness;
@@ -30,6 +34,7 @@ bool same_notes(const Parameters& a, Parameters b) {
 void Player::prepare(double sample_rate) noexcept {
   rise_ = 1 - std::exp(-Ear::kPeriod / (kRiseTime * sample_rate));
   fall_ = 1 - std::exp(-Ear::kPeriod / (kFallTime * sample_rate));
+  control_rate_ = sample_rate / Ear::kPeriod;
   ear_.prepare(sample_rate);
 }
 
@@ -47,6 +52,8 @@ void Player::reset() noexcept {
   ear_.reset();
   note_ = 0;
   breath_ = kSoftest;
+  hold_.breath = 1;
+  tongue_ = tries_ = 0;
   due_ = true;
 }
 
@@ -62,13 +69,9 @@ const Player::Hold& Player::control(double bore_frequency, double reed_frequency
     choose(reed_frequency);
   else if (listens_)
     ear_.mean(note_);
-  if (listens_ && ear_.lost()) { // the note anew, as one that has not been glided to
-    ear_.start_over();
-    finger(note_, true);
-    hold_.length = std::clamp(lengths_.length(note_, reed_frequency, true, hold_.end), 5e-3,
-                              bore_.longest());
-    set_trim(0, true);
-  }
+  if (listens_ && ear_.lost() && tries_ < kTries)
+    begin_anew(reed_frequency);
+  move_tongue();
   if (plays_ && follow_breath(mouth_pressure))
     hold_valve();
   if (moved || due_ || listens_)
@@ -104,6 +107,8 @@ void Player::choose(double reed_frequency) noexcept {
   if (plays_) {
     f = playable(f);
     const bool leap = !(std::abs(f - note_) < Ear::kLeap * note_);
+    if (leap)
+      tries_ = 0;
     note_ = f;
     if (listens_)
       ear_.mean(f);
@@ -136,6 +141,24 @@ void Player::finger(double frequency, bool leap) noexcept {
   if (!stays)
     hold_.end = fingering_for(parameters_.end, frequency);
   fingered_for_ = parameters_.end;
+}
+
+/// The note as one that has not been glided to, and from silence.
+void Player::begin_anew(double reed_frequency) noexcept {
+  ++tries_;
+  tongue_ = static_cast<int>(kTongueTime * control_rate_) + 1;
+  ear_.start_over();
+  finger(note_, true);
+  hold_.length = std::clamp(lengths_.length(note_, reed_frequency, true, hold_.end), 5e-3,
+                            bore_.longest());
+  set_trim(0, true);
+}
+
+/// Shuts off the air and lets it in again within kTongueMove.
+void Player::move_tongue() noexcept {
+  const double step = 1 / (kTongueMove * control_rate_);
+  tongue_ = plays_ ? std::max(0, tongue_ - 1) : 0;
+  hold_.breath = std::clamp(hold_.breath + (tongue_ > 0 ? -step : step), 0.0, 1.0);
 }
 
 /// Whether that changes the lips.

@@ -27,10 +27,14 @@ struct Refusal {
 /// A note below lowest_note or above highest_note (with half a semitone to spare) is refused: the
 /// last good note goes on, or the nearest one when there has been none.
 ///
+/// Where the instrument has settled on another register, which no trim brings back, the player
+/// stops the air with the tongue and begins the note anew, up to kTries times.
+///
 /// Called once per control period of Ear::kPeriod samples. Nothing here allocates.
 class Player {
 public:
   static constexpr double kSoftest = 0.1, kLoudest = 10; ///< bounds of p/breath_reference
+  static constexpr int kTries = 3;
 
   /// How the instrument is held.
   struct Hold {
@@ -38,6 +42,7 @@ public:
     double length = 0.48;             ///< L, m
     double reed_scale = 1;            ///< factor on the f_r that the instrument is given
     double trim = 0;                  ///< of the ear: the bore is to sound sharper by exp(trim)
+    double breath = 1;                ///< share of the mouth pressure that the tongue lets through
     const Termination* end = nullptr; ///< what the bore ends in; null: an open end
     bool valve_changed = false;       ///< since the control period before
   };
@@ -68,6 +73,8 @@ private:
   void set_trim(double logarithm, bool moved) noexcept;
   bool follow_breath(double mouth_pressure) noexcept;
   void hold_valve() noexcept;
+  void begin_anew(double reed_frequency) noexcept;
+  void move_tongue() noexcept;
 
   Parameters parameters_{};
   BoreDesign bore_{};
@@ -83,6 +90,8 @@ private:
   double own_scale_ = 1;       // of f_r: the choice for the note, without the ear's trim
   Refusal refusal_{};
   bool refuses_ = false;
+  int tongue_ = 0, tries_ = 0; // control periods that the tongue stays; begun anew so often
+  double control_rate_ = 1500; // Hz
   bool due_ = true, plays_ = false, listens_ = false;
 };
 

@@ -38,7 +38,7 @@ constexpr Parameters clarinet() {
           .breath_tension = 0.37,
           .breath_quality = 1.1,
           .lowest_note = 146.8,
-          .highest_note = 1174.7};
+          .highest_note = 1108.7};
 }
 
 constexpr Parameters saxophone() {
@@ -63,7 +63,7 @@ constexpr Parameters saxophone() {
           .bell_quality = 3.4,
           .brassiness = 5,
           .gain = 0.11,
-          .steepening = 0.06,
+          .steepening = 0.08,
           .aim = -20,
           .lip_opening = 2.2,
           .lip_width = 1.5,
@@ -98,15 +98,16 @@ constexpr Parameters oboe() {
           .bell_quality = 2.5,
           .brassiness = 2.5,
           .gain = 0.12,
-          .lip_mass = 0.8,
-          .lip_opening = 2.1,
+          .lip_mass = 0.9,
+          .lip_opening = 2.4,
           .lip_width = 1.53,
           .lip_quality = 2.1,
+          .played_gain = 0.7,
           .tongue = 0.15,
           .breath_reference = 2000,
           .breath_opening = 0.45,
-          .breath_tension = 0.45,
-          .lowest_note = 233.1,
+          .breath_tension = 0.47,
+          .lowest_note = 246.9,
           .highest_note = 1046.5};
 }
 
@@ -136,17 +137,18 @@ constexpr Parameters trumpet() {
           .embouchure_slope = -0.07,
           .highest_mode = 1,
           .steepening = 1.8,
-          .aim = -45,
+          .aim = -90,
           .lip_mass = 0.517,
           .lip_opening = 0.9,
           .lip_width = 0.82,
           .lip_quality = 8.7,
+          .played_gain = 1.2,
           .tongue = 1,
           .breath_reference = 3000,
           .breath_opening = 0.5,
           .breath_tension = 0.477,
           .lowest_note = 164.8,
-          .highest_note = 830.6};
+          .highest_note = 740.0};
 }
 
 constexpr Parameters trombone() {
@@ -172,12 +174,13 @@ constexpr Parameters trombone() {
           .embouchure = 0.8,
           .embouchure_slope = -0.02,
           .highest_mode = 2,
-          .steepening = 3.4,
-          .aim = -25,
+          .steepening = 4,
+          .aim = -135,
           .lip_mass = 0.33,
           .lip_opening = 0.4,
           .lip_width = 0.33,
           .lip_quality = 8,
+          .played_gain = 2.5,
           .tongue = 1,
           .breath_reference = 2000,
           .breath_opening = 0.52,
@@ -203,16 +206,11 @@ constexpr Parameters voice() {
           .input_radius = 8e-3,
           .end_radius = 8e-3,
           .gain = 1.5,
-          .embouchure = 0.982,
-          .embouchure_slope = 0.234,
+          .embouchure = 0.95,
           .aim = -70,
-          .lip_mass = 1.231,
-          .lip_opening = 0.604,
-          .lip_width = 1.094,
-          .lip_quality = 1.113,
           .breath_reference = 2000,
-          .lowest_note = 98.0,
-          .highest_note = 392.0};
+          .lowest_note = 110.0,
+          .highest_note = 329.6};
 }
 
 constexpr Parameters syrinx() {
@@ -233,7 +231,7 @@ constexpr Parameters syrinx() {
           .end_radius = 3e-3,
           .gain = 5,
           .embouchure = 1.122,
-          .aim = -60,
+          .aim = -120,
           .lip_mass = 0.674,
           .lip_width = 0.804,
           .lip_quality = 1.103,

@@ -121,6 +121,8 @@ public:
       holes_.finger(hold.end);
       trip_due_ = true;
     }
+    breath_from_ = fresh_ ? hold.breath : breath_to_;
+    breath_to_ = hold.breath;
     end_substeps();
     if (gliding_)
       radiation_.set(radiation_to_);
@@ -164,10 +166,13 @@ public:
     const bool fades = from < 1 || to < 1;
     std::array<double, kControlPeriod> loudness;
     std::array<V, kControlPeriod> breath;
-    if (fades) {
+    if (fades || breath_from_ < 1 || breath_to_ < 1) {
       for (int i = 0; i < count; ++i) {
-        loudness[index(i)] = from + (to - from) * (phase_ + i + 1) / kControlPeriod;
-        breath[index(i)] = V(loudness[index(i)]) * mouth_pressure[i];
+        const double share = (phase_ + i + 1.0) / kControlPeriod;
+        loudness[index(i)] = from + (to - from) * share;
+        breath[index(i)] =
+            V(loudness[index(i)] * (breath_from_ + (breath_to_ - breath_from_) * share)) *
+            mouth_pressure[i];
       }
       mouth_pressure = breath.data();
     }
@@ -591,6 +596,7 @@ private:
   RadiationPath radiation_{};
   Player player_{};
   ParameterGlide glide_{};
+  double breath_from_ = 1, breath_to_ = 1; // share of the mouth pressure
   double trim_ = 0, trim_delay_ = 0, own_delay_ = 3;
   HoledEnd<V> holes_{};
   BoreLine<V, kChunk> line_;
