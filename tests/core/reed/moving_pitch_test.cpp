@@ -186,6 +186,26 @@ TEST_CASE("the ear hears no error in a sine that follows the pitch meant") {
   }
 }
 
+TEST_CASE("the ear settles without overshoot, for it knows what it has asked for already") {
+  Ear ear;
+  ear.prepare(kRate);
+  const double sharp = 0.05; // the instrument, by nearly a semitone
+  double phase = 0, least = 0;
+  for (int n = 0; n < 1500; ++n) {
+    ear.mean(110);
+    double pressure[Ear::kPeriod];
+    for (double& p : pressure) {
+      phase += 2 * kPi * 110 * (1 + sharp + ear.trim()) / kRate;
+      p = 500 * std::sin(phase);
+    }
+    ear.listen(pressure, Ear::kPeriod);
+    ear.hear();
+    least = std::min(least, ear.trim());
+  }
+  CHECK(ear.trim() == doctest::Approx(-sharp).epsilon(0.01));
+  CHECK(least > -1.08 * sharp); // an integral controller without that goes 13 % beyond
+}
+
 TEST_CASE("what notes needed is remembered, and runs straight between them") {
   Ear ear;
   ear.prepare(kRate);
