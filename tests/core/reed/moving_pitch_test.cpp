@@ -371,6 +371,32 @@ TEST_CASE("lips follow the breath within bounds, and not without a reference or 
   CHECK(held(-1, p, 147).valve.rest_angle == lips.rest_angle); // several reeds: none to follow
 }
 
+TEST_CASE("a note that sounds in another register is tongued anew, three times at most") {
+  Parameters p = find_preset("trumpet").value();
+  p.tune = true;
+  BoreDesign bore;
+  bore.set(p, kRate);
+  Player player;
+  player.prepare(kRate);
+  player.set(p, bore);
+  double phase = 0, before = 1;
+  int shut = 0, opened = 0;
+  for (int n = 0; n < 6000; ++n) { // 4 s of the twelfth of what is meant
+    const Player::Hold& hold = player.control(233, p.reed_frequency, 4000);
+    shut += hold.breath <= 0 && before > 0;
+    opened += hold.breath >= 1 && before < 1;
+    before = hold.breath;
+    double pressure[Ear::kPeriod];
+    for (double& x : pressure) {
+      phase += 2 * kPi * 3 * 233 / kRate;
+      x = 1000 * std::sin(phase);
+    }
+    player.listen(pressure, Ear::kPeriod);
+  }
+  CHECK(shut == Player::kTries);
+  CHECK(opened == Player::kTries);
+}
+
 TEST_CASE("a note beyond the compass is refused once, and the last good one goes on") {
   Parameters p = find_preset("clarinet").value();
   p.tune = true;
