@@ -186,6 +186,26 @@ TEST_CASE("the ear hears no error in a sine that follows the pitch meant") {
   }
 }
 
+TEST_CASE("the ear settles without overshoot, for it knows what it has asked for already") {
+  Ear ear;
+  ear.prepare(kRate);
+  const double sharp = 0.05; // the instrument, by nearly a semitone
+  double phase = 0, least = 0;
+  for (int n = 0; n < 1500; ++n) {
+    ear.mean(110);
+    double pressure[Ear::kPeriod];
+    for (double& p : pressure) {
+      phase += 2 * kPi * 110 * (1 + sharp + ear.trim()) / kRate;
+      p = 500 * std::sin(phase);
+    }
+    ear.listen(pressure, Ear::kPeriod);
+    ear.hear();
+    least = std::min(least, ear.trim());
+  }
+  CHECK(ear.trim() == doctest::Approx(-sharp).epsilon(0.01));
+  CHECK(least > -1.08 * sharp); // an integral controller without that goes 13 % beyond
+}
+
 TEST_CASE("what notes needed is remembered, and runs straight between them") {
   Ear ear;
   ear.prepare(kRate);
@@ -352,6 +372,32 @@ TEST_CASE("lips follow the breath within bounds, and not without a reference or 
   }
   CHECK(held(500, p, 0).valve.rest_angle == p.rest_angle);
   CHECK(held(-1, p, 147).valve.rest_angle == lips.rest_angle); // several reeds: none to follow
+}
+
+TEST_CASE("a note that sounds in another register is tongued anew, three times at most") {
+  Parameters p = find_preset("trumpet").value();
+  p.tune = true;
+  BoreDesign bore;
+  bore.set(p, kRate);
+  Player player;
+  player.prepare(kRate);
+  player.set(p, bore);
+  double phase = 0, before = 1;
+  int shut = 0, opened = 0;
+  for (int n = 0; n < 6000; ++n) { // 4 s of the twelfth of what is meant
+    const Player::Hold& hold = player.control(233, p.reed_frequency, 4000);
+    shut += hold.breath <= 0 && before > 0;
+    opened += hold.breath >= 1 && before < 1;
+    before = hold.breath;
+    double pressure[Ear::kPeriod];
+    for (double& x : pressure) {
+      phase += 2 * kPi * 3 * 233 / kRate;
+      x = 1000 * std::sin(phase);
+    }
+    player.listen(pressure, Ear::kPeriod);
+  }
+  CHECK(shut == Player::kTries);
+  CHECK(opened == Player::kTries);
 }
 
 TEST_CASE("a note beyond the compass is refused once, and the last good one goes on") {
