@@ -118,7 +118,7 @@ TEST_CASE("a sine steepens and breaks as Blackstock's series says, at any sample
         CAPTURE(n);
         // What interpolation and the window over a sample leave of 10 kHz at 44.1 kHz.
         const double found = std::abs(component(late, rate, n * frequency)) / amplitude;
-        CHECK(std::abs(20 * std::log10(found / expected)) < 0.25);
+        CHECK(std::abs(20 * std::log10(found / expected)) < (sigma < 1 ? 0.06 : 0.25));
       }
     }
 }
@@ -134,7 +134,7 @@ TEST_CASE("where a wave overtakes itself it is cut at equal areas, without a spi
            bump(6e-3, 4e-4, 1200);
   };
   for (const double rate : {48000.0, 96000.0})
-    for (const double lead : {5e-8, 1.2e-7, 2.2e-7}) {
+    for (const double lead : {5e-8, 1.2e-7, 2.2e-7, 3.5e-7, 1e-6}) { // the last two to the reach
       Steepening steepening;
       steepening.prepare(rate);
       steepening.set_rate(rate);
@@ -150,8 +150,8 @@ TEST_CASE("where a wave overtakes itself it is cut at equal areas, without a spi
       }
       CAPTURE(rate);
       CAPTURE(lead);
-      CHECK(highest < 1.1 * 2200);            // the sharpening beside a shock
-      CHECK(std::abs(area) < 1e-3 * 2200e-4); // of one crest
+      CHECK(highest < 1.1 * 2200); // the sharpening beside a shock
+      CHECK(std::abs(area) < 1e-3 * 2200 * 2e-4 * std::sqrt(2 * kPi)); // of the largest crest
       // A shock's one sample is sharpened: nowhere else does it differ.
       CHECK(worst < 0.15 * 3700);
       CHECK(wrong < 4 * 0.15 * 3700);
@@ -192,6 +192,25 @@ TEST_CASE("a piece goes no farther than the reach, and a wave beyond it keeps it
   for (std::size_t n = 2400; n < 4700; ++n)
     worst = std::max(worst, std::abs(wave[n] - 0.5 * (before[n - late] + before[n - late - 1])));
   CHECK(worst < 3); // Pa: what a sine of 300 Hz bends within half a sample
+}
+
+TEST_CASE("a steady pressure stays what it is, whatever its lead does") {
+  // Also at the reach itself, where rounding may put a piece a hair beyond it.
+  for (const double rate : {44100.0, 48000.0, 192000.0})
+    for (const double pressure : {1000.0, 6000.0}) {
+      Steepening steepening;
+      steepening.prepare(192000);
+      steepening.set_rate(rate);
+      for (int i = 0; i < 600; ++i) {
+        double wave[32];
+        std::fill(std::begin(wave), std::end(wave), pressure);
+        steepening.set_rate(rate); // the same: nothing begins anew
+        steepening.run(wave, 32, (1.1e-7 + 1e-10 * i) * rate);
+        if (i > 40)
+          for (const double value : wave)
+            REQUIRE(std::abs(value - pressure) < 1e-6);
+      }
+    }
 }
 
 TEST_CASE("steepening stays bounded for waves of any size and says when they are no numbers") {
