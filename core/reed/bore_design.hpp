@@ -29,8 +29,8 @@ struct RoundTrip {
 /// pole at q_k e^(-delta/2) and a zero at q_k e^(delta/2), delta_k = G h/pi sqrt(q_k) times a share
 /// that fits attenuation and phase at once (bore_design.cpp). Bilinear, exact at q_k. Every section
 /// has |H| <= 1, so has the row of them; its partial fractions are what is computed. The open end
-/// is OpenEnd, bilinear. The delay makes the phase of the whole round trip exact at the ideal lowest
-/// resonance; modes 1 to 6 of tubes from 0.3 to 5 m then lie within 1 cent.
+/// is OpenEnd, bilinear. The delay makes the phase of the whole round trip exact at the ideal
+/// lowest resonance; modes 1 to 6 of tubes from 0.3 to 5 m then lie within 1 cent.
 class BoreDesign {
 public:
   /// Lowest bore frequency a line has room for, Hz.
