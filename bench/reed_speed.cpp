@@ -312,19 +312,20 @@ int main(int argc, char** argv) {
   std::printf("\nratio, median of paired rounds\n");
   for (Pair& pair : pairs)
     print_ratio(("greed~ vibrato / f_b still, " + pair.preset).c_str(), pair.moving, pair.still);
-  print_ratio("greed_gradient~ / greed~, clarinet", lanes, clarinet);
+  print_ratio("greed_gradient~ / greed~, clarinet (at most 1.3)", lanes, clarinet);
   print_ratio("greed_gradient~ / greed~, trumpet", lip_lanes, trumpet);
   print_ratio("greed_gradient~ / greed~, clarinet, f_r always moving", moved, moving_reed);
   print_ratio("greed_gradient~ with SSE2 only / greed~, clarinet", plain, clarinet);
   print_ratio("greed~ trumpet / clarinet (cone, cup, steepening)", trumpet, clarinet);
-  print_ratio("greed~ clarinet, f_b always moving / still", moving_bore, clarinet);
+  print_ratio("greed~ clarinet, f_b moving / still (at most 2)", moving_bore, clarinet);
   print_ratio("greed~ trumpet, tune 1 / 0", tuned_trumpet, trumpet);
-  print_ratio("greed~ trumpet, tune 1, f_b always moving / still", moving_tuned, tuned_trumpet);
+  print_ratio("greed~ trumpet, tune 1, f_b moving / still (at most 2)", moving_tuned,
+              tuned_trumpet);
   print_ratio("greed~ silent / playing, clarinet", silence, clarinet);
   print_ratio("greed~ with tone holes / with an open end, clarinet, tune 1", holed, open);
   print_ratio("greed_gradient~ silent / playing, clarinet", silent_lanes, lanes);
 #ifdef TACTUS_HAS_STK
-  print_ratio("greed~ / STK Clarinet", clarinet, peer);
+  print_ratio("greed~ / STK Clarinet (at most 2, aim 1)", clarinet, peer);
   print_ratio("greed_gradient~ / STK Clarinet", lanes, peer);
 #endif
 }

@@ -17,6 +17,12 @@ constexpr double kShortest = 5e-3; // m
 // Nepers of one section. A bore so long and narrow that one has more is silent behind all of
 // them; the limit keeps the poles apart, by a factor of two or more in frequency.
 constexpr double kMostAttenuation = 2;
+constexpr double kLowestPole = 3, kHighestPole = 20e3; // Hz
+// What the sections take of G h/pi sqrt(q_k): least squares of their sum, with a delay beside it,
+// to the complex sqrt(s) from 12 Hz to 6 kHz at 48 kHz, none below 0. The ends stand for the
+// integral beyond them.
+constexpr std::array<double, RoundTrip::kLossSections> kShare{2.7428, 0.5631, 1.0936, 0.964,
+                                                              1.0219, 0.9896, 1.2104, 2.2469};
 
 /// A section whose continuous form is (1 + s/zero)/(1 + s/pole), s = K (1 - z^-1)/(1 + z^-1).
 struct Section {
@@ -59,16 +65,15 @@ void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcep
   air_ = air_at(parameters.temperature);
   impedance_ =
       air_.density * air_.sound_speed / (kPi * parameters.input_radius * parameters.input_radius);
-  const double low = 2 * kPi * 8;
-  const double high = 2 * kPi * std::min(0.4 * rate_, 20000.0);
+  const double low = 2 * kPi * kLowestPole;
+  const double high = 2 * kPi * std::min(0.4 * rate_, kHighestPole);
   spacing_ = std::log(high / low) / (RoundTrip::kLossSections - 1);
   for (std::size_t k = 0; k < frequency_.size(); ++k) {
     const double q = low * std::exp(spacing_ * static_cast<double>(k));
     frequency_[k] = q;
     bilinear_[k] = q / std::tan(q / (2 * rate_));
-    weight_[k] = spacing_ / kPi * std::sqrt(q);
+    weight_[k] = kShare[k] * spacing_ / kPi * std::sqrt(q);
   }
-  weight_[0] *= 1 + 1 / std::expm1(spacing_ / 2);
 
   const double scale = 2 * rate_ * parameters.end_radius / air_.sound_speed;
   const Section first = section(scale * OpenEnd::kNumerator, scale / OpenEnd::kFirstPole);

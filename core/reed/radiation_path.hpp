@@ -25,7 +25,8 @@ namespace tactus::reed {
 /// arrives earlier by
 ///   (gamma + 1)/(2 gamma P_0 c) * brassiness * L * a       (simple wave in a tube)
 /// (Hirschberg, Gilbert, Msallam & Wijnands 1996). The bore inside is linear; a wave that leaves it
-/// has travelled it several times over, so that brassiness may be above 1.
+/// has travelled it several times over, so that brassiness may be above 1. Where pieces overtake
+/// one another the wave breaks: Steepening.
 struct RadiationConstants {
   bool plain = true;
   // Bilinear, exact at w_c; the plain end as the difference between samples.

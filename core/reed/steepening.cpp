@@ -26,7 +26,7 @@ constexpr double kSharpen0 = 1 + 2.0 / 24 + 18.0 / 640, kSharpen1 = -1.0 / 24 - 
 } // namespace
 
 void Steepening::prepare(double highest_rate) {
-  const auto needed = static_cast<std::size_t>(2 * std::ceil(kReach * highest_rate)) + kMaxRun + 16;
+  const auto needed = static_cast<std::size_t>(2 * kReach * highest_rate) + kMaxRun + 16;
   std::size_t size = 1;
   while (size < needed)
     size *= 2;
@@ -40,7 +40,7 @@ void Steepening::set_rate(double rate) noexcept {
     return;
   rate_ = rate;
   limit_ = kReach * rate;
-  reach_ = static_cast<int>(std::ceil(limit_));
+  reach_ = static_cast<int>(limit_) + 1; // strictly farther, whatever rounding does
   reset();
 }
 
@@ -71,17 +71,18 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
   // Nodes 0 to count; node 0 is the last one of the run before. Times are counted from the node's
   // own, so that rounding does not depend on how the stream is cut into runs.
   const double largest = std::min(limit_ / lead, 1e300); // a lead of 0 moves nothing
-  std::array<double, kMaxRun + 1> early, loss;
+  std::array<double, kMaxRun + 1> bounded, early, loss;
   for (int i = 0; i <= count; ++i) {
     const double value = a[index(i + kPast - kAhead)];
-    const double bounded = value < largest ? value : largest;
-    const double c = bounded > -largest ? bounded : -largest;
+    const double below = value < largest ? value : largest;
+    const double c = below > -largest ? below : -largest;
+    bounded[index(i)] = c;
     early[index(i)] = lead * c;
     loss[index(i)] = 0.5 * lead * c * c;
   }
-  // Between nodes Psi rises by w (slope + u (second + u third)), w what has passed since the first
+  // Between nodes Psi rises by w (first + u (second + u third)), w what has passed since the first
   // and u = w share the part of the whole.
-  std::array<double, kMaxRun> rise, share, second, third;
+  std::array<double, kMaxRun> rise, share, first, second, third;
   for (int i = 0; i < count; ++i) {
     const double* x = a.data() + i;
     const auto at = index(i);
@@ -89,8 +90,13 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
                (loss[at + 1] - loss[at]);
     share[at] = 1 / (1 + early[at] - early[at + 1]);
     const double chord = rise[at] * share[at];
-    second[at] = 3 * chord - 2 * x[2] - x[3];
-    third[at] = x[2] + x[3] - 2 * chord;
+    // Between pieces of different shifts lie those whose shift is not at its bound.
+    const bool together = early[at] == early[at + 1];
+    const double a0 = x[2], a1 = x[3], c0 = bounded[at], c1 = bounded[at + 1];
+    const double from = together ? a0 : c0, to = together ? a1 : c1;
+    first[at] = from;
+    second[at] = 3 * chord - 2 * from - to;
+    third[at] = from + to - 2 * chord;
   }
 
   double potential = potential_;
@@ -109,7 +115,7 @@ void Steepening::run(double* wave, int count, double lead) noexcept {
     const int end = i + 1 + floor(-early[at + 1]);
     for (int n = place + 1; n <= end; ++n) {
       const double way = (n - i) + early[at], u = way * share[at];
-      cover(n, potential + way * (a[at + 2] + u * (second[at] + u * third[at])));
+      cover(n, potential + way * (first[at] + u * (second[at] + u * third[at])));
     }
     place = end;
     potential += rise[at];

@@ -63,7 +63,7 @@ private:
   std::vector<double> grid_{}; // Psi at whole samples, a ring
   std::size_t mask_ = 0;
   int first_ = 0; // slot of the last node's own time
-  int reach_ = 0; // kReach in samples, rounded up
+  int reach_ = 0; // whole samples, more than kReach
   double limit_ = 0, rate_ = 0;
   double past_[kPast] = {};
   double early_ = 0, potential_ = 0, lead_ = 0; // of the last node

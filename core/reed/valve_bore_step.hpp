@@ -206,7 +206,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
         const V distance = absolute(travel) + tiny;
         opening =
             select(crossing, half * (size * size + next_size * next_size) / distance, opening);
-        side = select(crossing, (next_size - size) * copy_sign(one, travel) / distance, side);
+        side = select(crossing, (y + next) / distance, side); // (|y'| - |y|)/(y' - y)
       }
       area = width * opening + leak;
       resistance = inertia + r.port_impedance * area;

@@ -1,4 +1,5 @@
 #include "core/reed/bore_design.hpp"
+#include "core/reed/linear_stability.hpp"
 #include "core/reed/presets.hpp"
 #include "core/reed/radiation.hpp"
 #include "core/reed/wall_loss.hpp"
@@ -34,7 +35,7 @@ Complex returning(const RoundTrip& trip, double frequency, double rate) {
 
 TEST_CASE("the wall-loss filter follows exp(-G sqrt(s))") {
   // What eight sections reach between 50 Hz and 1 kHz.
-  for (const auto& [length, tolerance_db] : {std::pair{0.48, 0.02}, std::pair{2.0, 0.06}})
+  for (const auto& [length, tolerance_db] : {std::pair{0.48, 0.02}, std::pair{2.0, 0.11}})
     for (const double rate : {44100.0, 48000.0, 96000.0}) {
       Parameters p;
       BoreDesign design;
@@ -87,6 +88,48 @@ TEST_CASE("the round trip's phase is exact at the lowest resonance") {
       CHECK(std::abs(std::abs(have / wanted) - 1) < 0.01);
     }
   }
+}
+
+TEST_CASE("modes 1 to 6 of a plain tube lie within a cent of the poles of the exact admittance") {
+  // A mode lies where the round trip's phase is a multiple of 2 pi; a phase too small by e moves
+  // it by e over the phase's slope. The poles come from LinearStability, the phase from what the
+  // bore computes: the delay line's interpolation, the loss sections and the open end.
+  for (const double rate : {44100.0, 48000.0, 96000.0, 192000.0})
+    for (const double length : {0.3, 0.5, 1.0, 2.4, 5.0}) {
+      Parameters p;
+      p.length = length;
+      BoreDesign design;
+      design.set(p, rate);
+      const RoundTrip trip = design.round_trip(length);
+      const LinearStability theory(p, length);
+      const int whole = static_cast<int>(trip.delay) - 1;
+      const double d = trip.delay - whole;
+      const double weights[] = {-(d - 1) * (d - 2) * (d - 3) / 6, d * (d - 2) * (d - 3) / 2,
+                                -d * (d - 1) * (d - 3) / 2, d * (d - 1) * (d - 2) / 6};
+      const auto phase = [&](double f) {
+        Complex line = 0;
+        for (int k = 0; k < 4; ++k)
+          line += weights[k] * std::polar(1.0, -kTwoPi * f / rate * (whole + k));
+        return std::arg(returning(trip, f, rate) * line);
+      };
+      for (int mode = 1; mode <= 6; ++mode) {
+        const double guess = (2 * mode - 1) * design.ideal_frequency(length);
+        const Mode exact = theory.bore_resonance_near(guess);
+        REQUIRE(exact.found);
+        // The real part of the pole moves the phase's argument off the axis: to first order the
+        // exact round trip has a phase there, too, which is taken off.
+        const Complex s(0, kTwoPi * exact.frequency_hz);
+        const double c = design.air().sound_speed;
+        const double theirs =
+            std::arg(OpenEnd::reflection(s * p.end_radius / c) *
+                     std::exp(-s * (2 * length / c) - wall_loss(p, length, c) * std::sqrt(s)));
+        const double f = exact.frequency_hz, slope = (phase(f + 0.01) - phase(f - 0.01)) / 0.02;
+        CAPTURE(rate);
+        CAPTURE(length);
+        CAPTURE(mode);
+        CHECK(std::abs(1200 * std::log2(1 - (phase(f) - theirs) / slope / f)) < 1);
+      }
+    }
 }
 
 TEST_CASE("an open end reflects long waves whole, a little behind itself, and short waves less") {
