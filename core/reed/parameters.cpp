@@ -55,8 +55,9 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.breath_noise = bounded(p.breath_noise, 0, 10, kInitial.breath_noise);
   p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
   p.aim = bounded(p.aim, -1200, 1200, kInitial.aim);
-  for (double Parameters::*lip : {&Parameters::lip_mass, &Parameters::lip_opening,
-                                  &Parameters::lip_width, &Parameters::lip_quality})
+  for (double Parameters::*lip :
+       {&Parameters::lip_mass, &Parameters::lip_opening, &Parameters::lip_width,
+        &Parameters::lip_quality, &Parameters::lip_channel})
     p.*lip = bounded(p.*lip, 0.01, 100, 1);
   p.gain = bounded(p.gain, 0, 1e6, kInitial.gain);
   return p;

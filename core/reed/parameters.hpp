@@ -63,6 +63,7 @@ struct Parameters {
   double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
+  double lip_channel = 1; // of lambda: air that follows the lay, and inside and outside the tip
 };
 
 /// The nearest parameters with which a model can be computed: finite, within wide physical bounds,

@@ -31,7 +31,11 @@ constexpr Parameters clarinet() {
           .end = BoreEnd::kClarinet,
           .gain = 0.2,
           .aim = -8,
-          .lip_opening = 0.82};
+          .lip_mass = 1.02,
+          .lip_opening = 0.81,
+          .lip_width = 0.96,
+          .lip_quality = 0.45,
+          .lip_channel = 3};
 }
 
 constexpr Parameters saxophone() {

@@ -102,6 +102,7 @@ inline constexpr std::array kParameters{
     Parameter{"lip_opening", "", 1, 0.01, 100, "with tune: times theta0"},
     Parameter{"lip_width", "", 1, 0.01, 100, "with tune: times width"},
     Parameter{"lip_q", "", 1, 0.01, 100, "with tune: times q"},
+    Parameter{"lip_channel", "", 1, 0.01, 100, "with tune: times lambda"},
     Parameter{"gain", "1/Pa", kInitial.gain, 0, 1000, "of the sound, before its soft clip"},
 };
 
@@ -146,6 +147,7 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::lip_opening>(),
     number<&Parameters::lip_width>(),
     number<&Parameters::lip_quality>(),
+    number<&Parameters::lip_channel>(),
     number<&Parameters::gain>(),
 };
 
