@@ -190,8 +190,8 @@ def main() -> int:
     arguments = parser.parse_args()
     options: dict = {"tune": 1}
     if arguments.plain:
-        options |= {"bell": 0, "ear": 0, "embouchure": 0, "lip_mass": 1, "lip_opening": 1,
-                    "lip_width": 1, "lip_q": 1, "gain": 0.5}
+        options |= {"bell": 0, "end": 0, "ear": 0, "embouchure": 0, "lip_mass": 1, "lip_opening": 1,
+                    "lip_width": 1, "lip_q": 1, "lip_channel": 1, "gain": 0.5}
     if arguments.table:
         print(markdown(measure_presets(arguments.programs / "render_reed", options, False,
                                        tuple(arguments.table.split(",")))))

@@ -1,4 +1,4 @@
-"""Bores of the woodwinds and brass: what lies beyond the tube that [greed~] computes as a line.
+"""Bores of the woodwinds: what lies beyond the tube that [greed~] computes as a line.
 
 Lengths in metres. A woodwind has one tone hole a semitone, as the clarinet of Noreland et al. (2013);
 the note's first open hole is where the line ends. Hole sizes follow from one figure, the lattice's
@@ -89,18 +89,6 @@ class Woodwind:
         return Beyond(corners, holes, start if self.apex > 0 else 0.0)
 
 
-def bessel_bell(length: float, throat: float, mouth: float, exponent: float,
-                points: int = 60) -> Beyond:
-    """Flare a = B (y + y0)^-exponent, y the distance from the mouth: the Bessel horns of Benade &
-    Jansson (1974), exponent 0.5 to 1 for brass."""
-    offset = length / ((mouth / throat) ** (1 / exponent) - 1)
-    scale = mouth * offset ** exponent
-    # Corners where the radius grows by equal ratios.
-    radii = throat * (mouth / throat) ** np.linspace(0, 1, points)
-    distance = length + offset - (scale / radii) ** (1 / exponent)
-    return Beyond([(float(d), float(r)) for d, r in zip(distance, radii)])
-
-
 WOODWINDS = {
     # Bore 15 mm; the lower joint opens before the bell, which ends 60 mm wide (Nederveen 1969).
     "clarinet": Woodwind(range(50, 71), 7.5e-3, 0.0, 1500.0, 8e-3,
@@ -110,9 +98,4 @@ WOODWINDS = {
                           [(0.0, 1.0), (0.10, 1.25), (0.18, 2.2)]),
     "oboe": Woodwind(range(57, 82), 3e-3, 0.1, 1500.0, 5e-3,
                      [(0.0, 1.0), (0.05, 1.2), (0.09, 1.7)]),
-}
-BELLS = {  # bore, frequency above which little comes back, delay taken out (m)
-    # Flares of a B flat trumpet and a tenor trombone: throat, mouth and length.
-    "trumpet": (bessel_bell(0.48, 5.8e-3, 61e-3, 0.65), 1200.0, 0.1),
-    "trombone": (bessel_bell(0.55, 10e-3, 108e-3, 0.7), 700.0, 0.15),
 }

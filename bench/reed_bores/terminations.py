@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bores import BELLS, SOUND_SPEED, WOODWINDS
+from bores import SOUND_SPEED, WOODWINDS
 from transfer_matrix import bore_radius_at, respond
 from vector_fit import evaluate, fit, residues
 
@@ -42,7 +42,7 @@ def minimum_phase(magnitude_at, frequency):
 def blocks_of(poles, found):
     """Rows (oscillates, a, b, c, d): pole a +- jb with residue c +- jd, or real poles a and b with
     residues c and d."""
-    rows = [(True, p.imag and p.real, p.imag, r.real, r.imag)
+    rows = [(True, p.real, p.imag, r.real, r.imag)
             for p, r in zip(poles, found) if p.imag]
     real = [(p.real, r.real) for p, r in zip(poles, found) if not p.imag]
     if len(real) % 2:
@@ -96,11 +96,8 @@ class Row:
 
 
 def rows_of(name: str) -> list[Row]:
-    if name in WOODWINDS:
-        wind = WOODWINDS[name]
-        return [Row(key, wind.beyond(key), wind.cutoff) for key in wind.keys]
-    beyond, lattice, delay = BELLS[name]
-    return [Row(0, beyond, lattice, delay)]
+    wind = WOODWINDS[name]
+    return [Row(key, wind.beyond(key), wind.cutoff) for key in wind.keys]
 
 
 def main() -> int:
@@ -117,9 +114,6 @@ def main() -> int:
         text += (f"constexpr std::array<Termination, {len(rows)}> k{name.capitalize()}{{{{\n" +
                  "".join(row.text() for row in rows) + "}};\n")
         cases.append(name)
-        for r in rows:
-            if r.error > 0.02 or r.largest > 1.0001:
-                print("   key", r.key, "largest %.4f error %.4f" % (r.largest, r.error))
         print(f"{name}: largest |R| before scaling {max(r.largest for r in rows):.6f}, error of R "
               f"below the cut-off {max(r.error for r in rows):.4f}, of the radiated level "
               f"{np.median([r.level_error for r in rows]):.1f} dB (median of the fingerings' largest)")

@@ -85,7 +85,6 @@ def respond(beyond: Beyond, frequency):
         u = u + (c * outside + d) * out
         p = p + extra * u
     radius = bore_radius_at(beyond, 0.0)
-    admittance = np.pi * radius**2 / (DENSITY * SOUND_SPEED) * u / p
     unit = np.pi * radius**2 / (DENSITY * SOUND_SPEED)
     bend = SOUND_SPEED / (s * beyond.apex) if beyond.apex > 0 else 0 * s
     admittance = u / p / unit

@@ -60,8 +60,7 @@ def fit(s, responses, weights, at_zero, start, rounds=40):
         free = np.concatenate([np.ones((s.size, 1)), basis], axis=1)
         for response, weight, zero in zip(responses, weights, at_zero):
             w = weight[:, None]
-            left = np.concatenate([basis * w, -(response - 0 * zero)[:, None] * free * w
-                                   + zero * 0], axis=1)
+            left = np.concatenate([basis * w, -response[:, None] * free * w], axis=1)
             # (sigma f) - zero sigma(0) has the basis as its numerator: sigma(0) = d.
             left[:, order] += zero * weight
             q, r = np.linalg.qr(_stack(left))

@@ -66,6 +66,7 @@ struct Parameters {
   double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
+  double lip_channel = 1; // of lambda: air that follows the lay, and inside and outside the tip
   double played_gain = 1; // times gain
   double tongue = 0; // by how much of p_m the breath's first push exceeds it; 0: no tongue
 

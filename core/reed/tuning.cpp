@@ -99,6 +99,7 @@ Playing lips_for(const Parameters& parameters, double aimed) {
   valve.rest_angle *= parameters.lip_opening;
   valve.width *= parameters.lip_width;
   valve.quality *= parameters.lip_quality;
+  valve.channel_length *= parameters.lip_channel;
   if (parameters.embouchure > 0) {
     playing.reed_scale = embouchure_at(parameters, aimed) * aimed / parameters.reed_frequency;
     valve.mass /= playing.reed_scale * playing.reed_scale;

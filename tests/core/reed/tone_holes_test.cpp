@@ -257,10 +257,34 @@ TEST_CASE("linear theory and tune know the holes") {
       if (found.found)
         CHECK(std::abs(cents(found.frequency_hz, f)) < 1);
     }
+  Parameters player = find_preset("clarinet").value();
+  player.tune = true;
+  player.lip_channel = 2.5;
+  CHECK(tuned(player, 200, 2500).valve.channel_length ==
+        doctest::Approx(2.5 * player.channel_length));
+  CHECK(tuned(player, 200, 2500).end == fingering_for(BoreEnd::kClarinet, 200));
+  CHECK(embouchure_for(player, 200, 0.4).end == fingering_for(BoreEnd::kClarinet, 200));
   CHECK(fingering_for(BoreEnd::kOpen, 200) == nullptr);
   CHECK(fingering_for(BoreEnd::kClarinet, 10)->key == 50);
   CHECK(fingering_for(BoreEnd::kClarinet, 1e5)->key == 70);
-  CHECK(fingering_for(BoreEnd::kClarinet, 262)->key == 60);
+  for (const double semitones : {-0.45, 0.0, 0.45})
+    CHECK(fingering_for(BoreEnd::kClarinet, 261.63 * std::exp2(semitones / 12))->key == 60);
+  // The end's own length is what the bore's ideal frequency leaves out.
+  for (const BoreEnd end : kEnds) {
+    const Parameters p = bore_of(end);
+    BoreDesign bore;
+    bore.set(p, 48000);
+    const Termination* fingering = fingering_for(end, 262);
+    bore.set_end(fingering);
+    CHECK(bore.ideal_frequency(bore.length_for(262)) == doctest::Approx(262));
+    if (end != BoreEnd::kClarinet) // a shut cone without its tip's volume resonates elsewhere
+      continue;
+    const double length = bore.length_for(262);
+    // Wall friction alone is between it and the resonance of theory.
+    const Mode mode = LinearStability(p, length, fingering).bore_resonance_near(262);
+    CHECK(mode.found);
+    CHECK(std::abs(cents(mode.frequency_hz, 262)) < 35);
+  }
 }
 
 TEST_CASE("fingering plays the note without a bore frequency, and stands above one") {
