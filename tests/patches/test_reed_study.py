@@ -50,13 +50,13 @@ def test_guidance_at_least_halves_the_time_out_of_the_playable_region(preset, ha
 
 @pytest.mark.parametrize("preset", page.INSTRUMENTS)
 def test_committed_trials_are_those_of_a_fresh_run(preset):
-    """One seed, without force and with guidance, of each instrument. Single precision differs between
-    instruction sets, and what a hand then feels: 0.03 of the time and 0.1 N are allowed for it."""
+    """One seed, without force and with guidance, of each instrument. Rounding differs between instruction
+    sets, SSE2 and AVX-512 by 0.003 of the time: 0.02 of it, 0.1 N and 2 mm/s are allowed."""
     fresh = rows(study(preset, "--feel", "off", "guidance", "--ceiling", 2, "--seeds", 105, 105))
     for trial in fresh:
         common = {"preset": preset, "hand": "searches", "feel": trial["feel"], "seeds": (105, 105),
                   "ceiling": float(trial["ceiling"])}
-        for key, allowed in (("playing", 0.03), ("force_n", 0.1), ("speed_mm_s", 2)):
+        for key, allowed in (("playing", 0.02), ("force_n", 0.1), ("speed_mm_s", 2)):
             assert page.column(page.committed(), key, **common) == pytest.approx(
                 [float(trial[key])], abs=allowed)
 

@@ -380,6 +380,7 @@ TEST_CASE("the regime tells silence, periodic motion and noise apart, two frames
   CHECK(run(2, [](double) { return 0.0; }) == Regime::kSilent);
 }
 
+static_assert(PlayabilityParameters{}.mode == PlayabilityParameters::Mode::kRobust);
 constexpr PlayabilityParameters::Mode kModes[] = {PlayabilityParameters::Mode::kPaper,
                                                   PlayabilityParameters::Mode::kRobust};
 
