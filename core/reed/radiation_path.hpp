@@ -24,9 +24,9 @@ namespace tactus::reed {
 /// Loud waves steepen on their way, for they travel faster where the pressure is high: each piece
 /// arrives earlier by
 ///   (gamma + 1)/(2 gamma P_0 c) * brassiness * L * a       (simple wave in a tube)
-/// (Hirschberg, Gilbert, Msallam & Wijnands 1996). The bore inside is linear; a wave that leaves it
-/// has travelled it several times over, so that brassiness may be above 1. Where pieces overtake
-/// one another the wave breaks: Steepening.
+/// (Hirschberg, Gilbert, Msallam & Wijnands 1996). The bore inside is linear, for there the way
+/// back undoes the way out. Above 1, brassiness stands for a louder wave than the bore's own. Where
+/// pieces overtake one another the wave breaks: Steepening.
 struct RadiationConstants {
   bool plain = true;
   // Bilinear, exact at w_c; the plain end as the difference between samples.
