@@ -280,18 +280,16 @@ int main(int argc, char** argv) {
     Tuned still, moving;
   };
   std::deque<Pair> pairs;
-  for (const auto& [preset, pressure, note] : {std::tuple{"clarinet", 2500.0, 175.0},
-                                               {"sax", 2500.0, 175.0},
-                                               {"oboe", 2000.0, 330.0},
-                                               {"trumpet", 4000.0, 233.0},
-                                               {"trombone", 2000.0, 147.0},
-                                               {"voice", 2500.0, 147.0},
-                                               {"syrinx", 600.0, 880.0}})
+  using Note = std::tuple<const char*, double, double>; // preset, Pa, Hz
+  for (const auto& [preset, pressure, note] :
+       {Note{"clarinet", 2500, 175}, Note{"sax", 2500, 175}, Note{"oboe", 2000, 330},
+        Note{"trumpet", 4000, 233}, Note{"trombone", 2000, 147}, Note{"voice", 2500, 147},
+        Note{"syrinx", 600, 880}})
     pairs.push_back(
         {preset, Tuned(preset, pressure, note, false), Tuned(preset, pressure, note, true)});
   for (Pair& pair : pairs) {
-    add(("greed~ " + pair.preset + ", tuned, f_b still").c_str(), pair.still);
-    add(("greed~ " + pair.preset + ", tuned, vibrato").c_str(), pair.moving);
+    add("greed~ " + pair.preset + ", tuned, f_b still", pair.still);
+    add("greed~ " + pair.preset + ", tuned, vibrato", pair.moving);
   }
   add("part: valve and jet", valve);
   add("part: bore filters", filters);
