@@ -146,7 +146,6 @@ constexpr Parameters trumpet() {
           .lip_opening = 0.9,
           .lip_width = 0.82,
           .lip_quality = 8.7,
-          .played_gain = 1.2,
           .tongue = 1,
           .breath_reference = 3000,
           .breath_opening = 0.5,
@@ -212,7 +211,7 @@ constexpr Parameters voice() {
           .gain = 1.5,
           .embouchure = 0.95,
           .aim = -70,
-          .breath_reference = 2000,
+          .breath_reference = 2500,
           .lowest_note = 110.0,
           .highest_note = 329.6};
 }

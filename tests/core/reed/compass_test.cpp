@@ -136,7 +136,7 @@ TEST_CASE("from soft to loud the level grows by 20 dB, and brass grows twice as 
   const Compass compasses[] = {{"clarinet", {53}, {700, 5500}},
                                {"sax", {58}, {500, 6000}},
                                {"oboe", {70}, {500, 5000}},
-                               {"trumpet", {60, 70}, {700, 7000}},
+                               {"trumpet", {60, 67}, {700, 7000}},
                                {"trombone", {50, 60}, {400, 4500}}};
   for (const Compass& compass : compasses)
     for (const int key : compass.keys) {
