@@ -17,9 +17,9 @@ from notes import Heard, hear, held, short, slow, swell
 
 # preset: lowest and highest key of the written compass, pressures pp, mf, ff in Pa
 COMPASS = {
-    "clarinet": (50, 85, (700, 2000, 5500)),
+    "clarinet": (50, 84, (800, 2000, 5500)),
     "sax": (44, 75, (500, 2000, 6000)),
-    "oboe": (59, 84, (500, 2000, 5000)),
+    "oboe": (58, 84, (500, 2000, 5000)),
     "trumpet": (52, 78, (700, 3000, 7000)),
     "trombone": (40, 72, (400, 2000, 4500)),
     "voice": (45, 64, (500, 1500, 4000)),
