@@ -17,7 +17,7 @@ from notes import Heard, hear, held, short, slow, swell
 
 # preset: lowest and highest key of the written compass, pressures pp, mf, ff in Pa
 COMPASS = {
-    "clarinet": (50, 84, (800, 2000, 5500)),
+    "clarinet": (50, 83, (850, 2000, 5500)),
     "sax": (44, 75, (500, 2000, 6000)),
     "oboe": (58, 84, (500, 2000, 5000)),
     "trumpet": (52, 78, (700, 3000, 7000)),

@@ -42,7 +42,7 @@ constexpr Parameters clarinet() {
           .breath_tension = 0.32,
           .breath_quality = 1.5,
           .lowest_note = 146.8,
-          .highest_note = 1046.6};
+          .highest_note = 987.8};
 }
 
 constexpr Parameters saxophone() {
@@ -75,7 +75,7 @@ constexpr Parameters saxophone() {
           .tongue = 0.15,
           .breath_reference = 2000,
           .breath_opening = 0.45,
-          .breath_tension = 0.48,
+          .breath_tension = 0.5,
           .lowest_note = 103.8,
           .highest_note = 622.3};
 }
@@ -211,7 +211,7 @@ constexpr Parameters voice() {
           .gain = 1.5,
           .embouchure = 0.95,
           .aim = -70,
-          .breath_reference = 2500,
+          .breath_reference = 2000,
           .lowest_note = 110.0,
           .highest_note = 329.6};
 }
