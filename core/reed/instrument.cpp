@@ -84,7 +84,7 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
                                         : before;
       }
     last_pressure_ = mouth[count - 1];
-    if (bore_frequency_ > 0)
+    if (bank_.played())
       tongue_.shape(mouth.data(), static_cast<int>(count));
     bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
               static_cast<int>(count));

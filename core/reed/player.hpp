@@ -58,6 +58,9 @@ public:
   const Hold& control(double bore_frequency, double reed_frequency, double mouth_pressure) noexcept;
   /// Whether a player plays a note: valve and bore then follow the hold at once.
   [[nodiscard]] bool plays() const noexcept { return plays_; }
+  /// The note that the player plays, Hz, which is not f_b where that is refused or `fingering` set;
+  /// 0 when nobody plays.
+  [[nodiscard]] double note() const noexcept { return note_; }
   [[nodiscard]] const Refusal& refusal() const noexcept { return refusal_; }
   /// Whether the player wants to hear the bore pressure (listen()).
   [[nodiscard]] bool listens() const noexcept { return listens_; }

@@ -96,6 +96,8 @@ public:
     still_air();
   }
 
+  /// Whether a player plays a note (`tune`, with f_b or `fingering`).
+  [[nodiscard]] bool played() const noexcept { return player_.plays(); }
   /// Samples that run() may compute before control() is due.
   [[nodiscard]] int until_control() const noexcept { return kControlPeriod - phase_; }
 
@@ -155,7 +157,7 @@ public:
     move_bore(std::abs(hold.length - next) < 1e-7 * hold.length ? hold.length : next);
     if (fresh_)
       delay_from_ = trip_.delay;
-    steepen_over(bore_frequency);
+    steepen_over(player_.note());
     fresh_ = false;
   }
 
@@ -353,13 +355,11 @@ private:
   }
 
   /// What brassiness counts: the bore's own length, or a share of a player's wavelength.
-  void steepen_over(double bore_frequency) noexcept {
-    if (!parameters_.tune || !(parameters_.steepening > 0) || !(bore_frequency > 0)) {
+  void steepen_over(double note) noexcept {
+    if (!(parameters_.steepening > 0) || !(note > 0)) {
       steepening_length_ = length_to_;
       return;
     }
-    const double note =
-        std::clamp(bore_frequency, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
     const double length = parameters_.steepening * design_.air().sound_speed / note;
     steepening_length_ += (fresh_ ? 1 : slew_) * (length - steepening_length_);
   }

@@ -6,6 +6,7 @@ import sys
 
 import numpy
 import pytest
+import scipy.signal
 
 from harness import Patch
 
@@ -21,24 +22,6 @@ PLAYED = wind_stream.timetable()
 LONG = [p for p in PLAYED if p.note.duration >= 1 and not p.note.bends]
 BENT = next(p for p in PLAYED if p.note.bends)
 INSTRUMENTS = {"clarinet": 0, "sax": 0, "oboe": 0, "trumpet": 0, "trombone": -12}  # transposition
-# What the reed below the patch does not do yet: (test, instrument, note's onset in the stream or None).
-EAR = "the pitch tracker starts anew at every change of f_b, so that vibrato ends out of tune"
-LIPS = "lips start slowly: a single note of 0.12 s does not speak"
-SLUR = "between registers a slur falls silent"
-DYNAMICS = "an embouchure that does not follow the breath has a few dB of dynamics"
-AWAITED = {
-    ("tune", "oboe", 5.1): EAR, ("tune", "oboe", 14.9): EAR, ("tune", "trumpet", 5.1): EAR,
-    ("tune", "trombone", 5.1): EAR, ("tune", "trombone", 14.9): EAR,
-    ("slur", "trumpet", 7.4): SLUR, ("slur", "trumpet", 14.4): SLUR,
-    ("short", "trumpet", None): LIPS, ("short", "trombone", None): LIPS,
-} | {("louder", name, None): DYNAMICS for name in INSTRUMENTS}
-
-
-def awaits(request, test, instrument, onset=None):
-    """Marks a test as expected to fail where the core is known not to be there yet."""
-    reason = AWAITED.get((test, instrument, None if onset is None else round(onset, 1)))
-    if reason:
-        request.applymarker(pytest.mark.xfail(strict=False, reason=reason))
 
 
 def frequency(key, cents=0):
@@ -50,6 +33,18 @@ def cents(sound, start, end, key):
     stretch = sound[int(start * RATE):int(end * RATE)].astype(float)
     found = measure.pitch(*measure.spectrum(stretch, RATE), frequency(key))
     return 1200 * math.log2(found / frequency(key)) if found > 0 else math.nan
+
+
+def mean_cents(sound, start, end, key):
+    """Mean frequency of the fundamental, by its phase's advance over whole periods of a vibrato, beside
+    the key's, in cents. A spectrum's highest peak may be a sideband of the vibrato: 20 cents at 5.5 Hz
+    are a modulation index of 2.5 in the third partial of key 67."""
+    tone = sound.astype(float) * numpy.exp(
+        -2j * math.pi * frequency(key) / RATE * numpy.arange(len(sound)))
+    near = scipy.signal.sosfiltfilt(scipy.signal.butter(3, 40, fs=RATE, output="sos"), tone)
+    phase = numpy.unwrap(numpy.angle(near[int(start * RATE):int(end * RATE)]))
+    turns = (phase[-1] - phase[0]) / (2 * math.pi)
+    return 1200 * math.log2(1 + turns / (end - start) / frequency(key))
 
 
 def level(sound, start, end):
@@ -101,13 +96,14 @@ def test_the_fingers_of_the_stream_arrive_in_time(performance):
 
 @pytest.mark.parametrize("played", [
     pytest.param(p, id=f"{p.onset:.1f}s-key{p.note.key}") for p in LONG])
-def test_long_notes_are_in_tune(request, performance, played):
+def test_long_notes_are_in_tune(performance, played):
     sound, _, instrument = performance
-    awaits(request, "tune", instrument, played.onset)
     # Whole periods of the vibrato, after it has begun.
     periods = 5 / wind_stream.VIBRATO_HZ
     end = START_S + played.end - 0.1
-    assert abs(cents(sound, end - periods, end, played.note.key + INSTRUMENTS[instrument])) <= 10
+    key = played.note.key + INSTRUMENTS[instrument]
+    assert abs(cents(sound, end - periods, end, key)) <= 10 + played.note.vibrato  # this note at all
+    assert abs(mean_cents(sound, end - periods, end, key)) <= 10
 
 
 def test_rests_are_silent(performance):
@@ -119,9 +115,8 @@ def test_rests_are_silent(performance):
             assert level(sound, start, start + 0.09) < loudest - 60
 
 
-def test_more_breath_is_louder(request, performance):
-    sound, _, instrument = performance
-    awaits(request, "louder", instrument)
+def test_more_breath_is_louder(performance):
+    sound, _, _ = performance
     swelling = PLAYED[0]
     assert swelling.phrase.breath[0] < swelling.phrase.breath[-1] and not swelling.slurred
     begin, end = START_S + swelling.onset, START_S + swelling.end
@@ -133,9 +128,8 @@ def test_more_breath_is_louder(request, performance):
 
 @pytest.mark.parametrize("played", [pytest.param(p, id=f"{p.onset:.1f}s-key{p.note.key}")
                                     for p in PLAYED if p.slurred])
-def test_a_slur_has_no_gap(request, performance, played):
-    sound, _, instrument = performance
-    awaits(request, "slur", instrument, played.onset)
+def test_a_slur_has_no_gap(performance, played):
+    sound, _, _ = performance
     at = START_S + played.onset
     steps = [level(sound, at + s, at + s + 0.02) for s in numpy.arange(-0.2, 0.2, 0.01)]
     assert min(steps) > numpy.median(steps) - 10
@@ -149,9 +143,8 @@ def test_pitch_bend_is_in_cents(performance, after, expected):
                - expected) <= 10
 
 
-def test_single_notes_speak(request, performance):
-    sound, _, instrument = performance
-    awaits(request, "short", instrument)
+def test_single_notes_speak(performance):
+    sound, _, _ = performance
     short = [p for p in PLAYED if p.note.duration < 0.2]
     held = max(level(sound, START_S + p.onset + 0.2, START_S + p.end) for p in LONG)
     for played in short:
@@ -168,7 +161,7 @@ def player(*events):
     for ms, message in events:
         patch.at(ms, box, message)
     patch.record("p_m", box[0])
-    for outlet, name in enumerate(("f_b", "key", "source"), 1):
+    for outlet, name in enumerate(("f_b", "key", "source", "tongue"), 1):
         patch.log(name, box[outlet])
     return patch.render((events[-1][0] + 200) / 1000, RATE, path=[REED])
 
@@ -177,13 +170,13 @@ def pressure_at(result, ms):
     return result["p_m"][int(ms * RATE / 1000)]
 
 
-def test_breath_is_the_mouth_pressure_between_low_and_high():
+def test_equal_steps_of_breath_are_equal_steps_in_decibels_between_low_and_high():
     events = [(10, "low 1000"), (10, "high 4000"), (20, "note 60 90")]
     values = (1, 64, 127, 0)
     events += [(100 * (i + 1), f"control 2 {value}") for i, value in enumerate(values)]
     result = player(*events)
     for i, value in enumerate(values):
-        expected = 0 if value == 0 else 1000 + 3000 * (value - 1) / 126
+        expected = 0 if value == 0 else 1000 * 4 ** ((value - 1) / 126)
         assert pressure_at(result, 100 * (i + 1) + 15) == pytest.approx(expected, rel=1e-5)
 
 
@@ -205,13 +198,21 @@ def test_a_new_note_on_the_same_breath_is_slurred(then, order):
     assert result.logs["f_b"][-1][1][0] == pytest.approx(frequency(62), rel=1e-5)
 
 
+def test_detached_and_repeated_notes_are_tongued_and_slurred_ones_are_not():
+    result = player((10, "control 2 100"), (100, "note 60 90"), (200, "note 62 90"), (200, "note 60 0"),
+                    (300, "note 62 90"), (400, "note 62 0"), (410, "note 64 90"), (500, "note 64 0"),
+                    (600, "note 64 90"), (700, "silence"), (800, "note 65 90"))
+    # From silence; the same key anew; after a rest; after silence.
+    assert [ms for ms, _ in result.logs["tongue"]] == pytest.approx([100, 300, 600, 800], abs=2)
+
+
 def test_velocity_plays_until_breath_is_seen_and_again_once_it_is_forgotten():
     result = player((10, "note 60 127"), (100, "note 60 0"), (200, "control 11 64"),
                     (220, "note 60 127"), (300, "note 60 0"), (310, "control 11 0"),
                     (400, "forget"), (410, "note 60 127"))
     assert pressure_at(result, 90) == pytest.approx(3000)
     assert pressure_at(result, 190) == 0
-    assert pressure_at(result, 290) == pytest.approx(1500 + 1500 * 63 / 126)
+    assert pressure_at(result, 290) == pytest.approx(1500 * math.sqrt(2))
     assert pressure_at(result, 500) == pytest.approx(3000)
     assert [atoms[0] for _, atoms in result.logs["source"]][-1] == 0
 

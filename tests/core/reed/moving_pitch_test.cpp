@@ -437,5 +437,27 @@ TEST_CASE("a note beyond the compass is refused once, and the last good one goes
   CHECK(fresh.refusal().count == 1);
 }
 
+TEST_CASE("tongue and steepening are those of the note played, refused or fingered ones too") {
+  const double note = 440 * std::exp2(-7.0 / 12);
+  const auto sound = [note](double fingering, double begin, double end) {
+    Parameters p = find_preset("trumpet").value();
+    p.tune = true;
+    p.fingering = fingering;
+    Instrument instrument;
+    instrument.set(p);
+    instrument.prepare(kRate, 64);
+    const std::vector<double> mouth = ramp(4000, 1, kRate);
+    std::vector<double> both = play(instrument, mouth, kRate, 0, begin).sound;
+    const std::vector<double> held(mouth.size(), 4000.0);
+    const Recording after = play(instrument, held, kRate, 0, end);
+    both.insert(both.end(), after.sound.begin(), after.sound.end());
+    return both;
+  };
+  const std::vector<double> plain = sound(0, note, note);
+  CHECK(rms(std::span(plain).last(24000)) > 0.005);
+  CHECK(sound(0, note, 4000) == plain);
+  CHECK(sound(62, 0, 0) == plain);
+}
+
 } // namespace
 } // namespace tactus::reed
