@@ -172,9 +172,10 @@ public:
       for (int i = 0; i < count; ++i) {
         const double share = (phase_ + i + 1.0) / kControlPeriod;
         loudness[index(i)] = from + (to - from) * share;
+        // A sound that fades out keeps its breath: a reed that is let go sends a pulse.
+        const double blown = to < from ? 1 : loudness[index(i)];
         breath[index(i)] =
-            V(loudness[index(i)] * (breath_from_ + (breath_to_ - breath_from_) * share)) *
-            mouth_pressure[i];
+            V(blown * (breath_from_ + (breath_to_ - breath_from_) * share)) * mouth_pressure[i];
       }
       mouth_pressure = breath.data();
     }
