@@ -95,45 +95,29 @@ def learn_reed(preset, pitches, frequency, shares=numpy.arange(0.66, 0.80, 0.02)
             float(QUIET * 0.2 / peak))
 
 
-def learn_lips(preset, pitches, frequency, pressures, shares=(0.50, 0.56, 0.62, 0.68, 0.74),
-               slowest=500):
-    """A blown-open or swinging valve with `tune 1`, where the lips go with the note.
+def learn_lips(preset, pitches, frequency, tongue_burst, slowest=100):
+    """A valve whose lips go with note and breath (`tune 1`, `breath_ref` above 0), where loudness goes as
+    the mouth pressure and every pitch plays from soft to loud.
 
-    Lips that are blown too hard stay open: a pitch has a highest pressure, the last of `pressures` at
-    which it is in tune within 10 cents and at most 10 dB below its loudest. The player stays at one of
-    the shares of it, which leaves room for accents: the one that brings the pitch nearest to the
-    level of the others. Returns (pressure Pa, reed Hz, {pitch: dB}, {pitch: s}, gain): the breath of
-    each pitch in dB of the common pressure, the time it takes to speak from silence at 1.3 times
-    that, and the gain with which the loudest peaks at 0.25.
-    RuntimeError when a pitch does not play or takes longer than `slowest` ms."""
+    Returns (pressure Pa, reed Hz, {pitch: dB}, {pitch: s}, gain): the preset's breath_ref, how much more
+    or less breath makes all pitches equally loud (5 dB less to 2 dB more), the time that each takes to speak
+    from silence, and the gain with which the loudest peaks at 0.25 in a fortissimo 6 dB above, below the
+    soft clip. RuntimeError when a pitch is out of tune by 10 cents, or takes longer than
+    `slowest` ms."""
     own = own_settings(preset)
+    pressure = own["breath_ref"]
     pitches = sorted(pitches)
-    trials = [(frequency(p), pressure, 0) for p in pitches for pressure in pressures]
-    heard = blow(preset, trials, ("-tune", 1, "-gain", QUIET), hold=1.0)
-    highest = {}
-    for i, p in enumerate(pitches):
-        ways = [(pressure, level) for (hz, pressure, _), (sound, level, speaks)
-                in list(zip(trials, heard))[i * len(pressures):(i + 1) * len(pressures)]
-                if speaks < 1000 and abs(1200 * numpy.log2(pitch_of(sound, hz) / hz)) < 10]
-        loudest = max((level for _, level in ways), default=0)
-        usable = [pressure for pressure, level in ways if level > loudest - 10]
-        if not usable:
-            raise RuntimeError(f"{preset}: no pressure makes {frequency(p):.0f} Hz play in tune")
-        highest[p] = max(usable)
-    trials = [(frequency(p), share * highest[p], 0) for p in pitches for share in shares]
-    levels = numpy.reshape([level for _, level, _ in blow(
-        preset, trials, ("-tune", 1, "-gain", QUIET), hold=1.0)], (len(pitches), len(shares)))
-    wanted = numpy.median(levels)
-    breath = {p: highest[p] * shares[int(numpy.argmin(abs(row - wanted)))]
-              for p, row in zip(pitches, levels)}
-    again = blow(preset, [(frequency(p), f * breath[p], 0) for p in pitches for f in (1, 1.3)],
-                 ("-tune", 1, "-gain", QUIET), hold=1.0)
-    speaks = {p: again[2 * i + 1][2] for i, p in enumerate(pitches)}
-    late = {frequency(p): ms for p, ms in speaks.items() if not ms < slowest}
-    if late:
-        raise RuntimeError(f"{preset}: too slow to speak: {late} (Hz: ms)")
-    usual = float(numpy.median(list(breath.values())))
-    peak = max(abs(sound).max() for sound, *_ in again)
-    return (usual, reed_frequency(own),
-            {p: float(20 * numpy.log10(b / usual)) for p, b in breath.items()},
-            {p: ms / 1000 for p, ms in speaks.items()}, float(QUIET * 0.25 / peak))
+    hz = [frequency(p) for p in pitches]
+    flags = ("-tune", 1, "-gain", QUIET, "-tongue_burst", tongue_burst)
+    levels = [level for _, level, _ in blow(preset, [(f, pressure, 0) for f in hz], flags)]
+    trims = numpy.clip(numpy.median(levels) - levels, -5, 2)
+    heard = blow(preset, [(f, pressure * 10 ** (d / 20), 0) for f, d in zip(hz, trims)], flags)
+    wrong = {f: (off, ms) for f, (sound, _, ms) in zip(hz, heard)
+             for off in [1200 * numpy.log2(pitch_of(sound, f) / f)]
+             if not (abs(off) < 10 and ms < slowest)}
+    if wrong:
+        raise RuntimeError(f"{preset}: out of tune or slow to speak: {wrong} (Hz: cents, ms)")
+    loud = blow(preset, [(f, 2 * pressure * 10 ** (d / 20), 0) for f, d in zip(hz, trims)], flags)
+    peak = max(abs(sound[len(sound) // 2:]).max() for sound, *_ in loud)
+    return (pressure, reed_frequency(own), dict(zip(pitches, trims.tolist())),
+            {p: ms / 1000 for p, (_, _, ms) in zip(pitches, heard)}, float(QUIET * 0.25 / peak))
