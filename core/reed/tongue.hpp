@@ -43,7 +43,8 @@ public:
   /// The next samples of mouth pressure, Pa, become what the valve feels.
   void shape(double* mouth_pressure, int count) noexcept {
     if (!(burst_ > 0)) {
-      articulation_ = false;
+      if (count > 0)
+        stay_away(mouth_pressure[count - 1]);
       return;
     }
     for (int i = 0; i < count; ++i)
@@ -61,6 +62,15 @@ private:
     return static_cast<int>(seconds * sample_rate_);
   }
 
+  /// Without a tongue: a breath that goes on is not stopped by one that comes later.
+  void stay_away(double pressure) noexcept {
+    reset();
+    if (pressure < kStill)
+      return;
+    state_ = State::kOpen;
+    since_ = 0;
+    open_ = 1;
+  }
   double next(double pressure) noexcept {
     switch (state_) {
     case State::kResting:

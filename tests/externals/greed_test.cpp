@@ -179,11 +179,11 @@ TEST_CASE("a note out of range is told once, with the limits") {
   Playing playing("clarinet", true, 2200, 233);
   playing.play(0.1);
   CHECK(playing.host.ranges.empty());
-  playing.play_note(1047, 0.2);
+  playing.play_note(1397, 0.2);
   REQUIRE(playing.host.ranges.size() == 1);
   const double low = playing.object.get(Playing::index("lowest_note"));
   const double high = playing.object.get(Playing::index("highest_note"));
-  CHECK(playing.host.ranges[0] == std::vector<double>{1047, low, high});
+  CHECK(playing.host.ranges[0] == std::vector<double>{1397, low, high});
   playing.play_note(262, 0.1);
   playing.play_note(82, 0.1);
   CHECK(playing.host.ranges.size() == 2);

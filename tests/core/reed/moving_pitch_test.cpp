@@ -439,7 +439,7 @@ TEST_CASE("a note beyond the compass is refused once, and the last good one goes
 
 TEST_CASE("tongue and steepening are those of the note played, refused or fingered ones too") {
   const double note = 440 * std::exp2(-7.0 / 12);
-  const auto sound = [note](double fingering, double begin, double end) {
+  const auto sound = [](double fingering, double begin, double end) {
     Parameters p = find_preset("trumpet").value();
     p.tune = true;
     p.fingering = fingering;
