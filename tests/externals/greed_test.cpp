@@ -111,13 +111,10 @@ TEST_CASE("no parameter clicks when it changes while greed~ sounds" * doctest::s
         if (wanted == now || wanted < parameter.lowest || wanted > parameter.highest ||
             (words > 0 && wanted != std::floor(wanted)))
           continue;
-        // What has no bounds in physics drives the model far beyond any instrument: the thump is
-        // the instrument's own then.
-        const bool wild =
-            (parameter.name == "lambda" || parameter.name == "lambda_b" || parameter.name == "mu" ||
-             parameter.name == "refl" || parameter.name == "bell_q") &&
-            wanted == parameter.highest;
-        if (wild)
+        // A reed or a channel of 10 cm drives the model far beyond any instrument.
+        if ((parameter.name == "lambda" || parameter.name == "width" ||
+             parameter.name == "lip_width") &&
+            wanted == parameter.highest)
           continue;
         CAPTURE(std::string(note.preset));
         CAPTURE(note.tune);
@@ -130,8 +127,15 @@ TEST_CASE("no parameter clicks when it changes while greed~ sounds" * doctest::s
         playing.play(0.4);
         const double during = playing.step(0.4);
         playing.play(0.3);
-        // Steady sounds, the note's own beginning, which a change of instrument brings anew.
-        CHECK(during <= 2 * std::max({before, beginning, playing.step(0.2)}));
+        // Steady sounds, and the note's own beginning, which a change of instrument brings anew.
+        double largest = std::max({before, beginning, playing.step(0.2)});
+        if (during > 2 * largest) {
+          Playing alone(note.preset, note.tune, note.pressure, note.note);
+          alone.object.set(k, wanted);
+          alone.play(0.75);
+          largest = std::max(largest, alone.step(0.7499));
+        }
+        CHECK(during <= 2 * largest);
       }
     }
 }
