@@ -1,5 +1,6 @@
-// How dear is a reed? One greed~ in silence and playing, its parts, eight reeds with their judges
-// in vector lanes ([greed_gradient~]), and STK's Clarinet, a reed without memory, beside them.
+// How dear is a reed? One greed~ in silence and playing, its parts, eight reeds with their
+// playability in vector lanes ([greed_gradient~]), and STK's Clarinet, a reed without memory,
+// beside them.
 //
 //   bench_reed_speed --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
 //
@@ -200,7 +201,7 @@ public:
     path_.run(radiated_.data(), static_cast<int>(kBlock), parameters_.length);
     benchmark::DoNotOptimize(radiated_);
   }
-  void judge() {
+  void playability() {
     follower_.prepare(kRate);
     for (const double x : source_)
       follower_.tick(1e-5 * x);
@@ -269,7 +270,8 @@ int main(int argc, char** argv) {
   Scalar moving_tuned("trumpet", 4000, {.moving_bore = true, .tune = true});
   Parts parts;
   Part valve{parts, &Parts::valve}, filters{parts, &Parts::filters}, delay{parts, &Parts::delay},
-      radiation{parts, &Parts::radiation}, holes{parts, &Parts::holes}, judge{parts, &Parts::judge};
+      radiation{parts, &Parts::radiation}, holes{parts, &Parts::holes},
+      playability{parts, &Parts::playability};
   add("greed~ clarinet, playing", clarinet);
   add("greed~ clarinet, tune 1, open end", open);
   add("greed~ clarinet, tune 1, tone holes", holed);
@@ -296,7 +298,7 @@ int main(int argc, char** argv) {
   add("part: delay line", delay);
   add("part: bell", radiation);
   add("part: tone holes, inside and outside", holes);
-  add("playability~ without analysis", judge);
+  add("playability~ without analysis", playability);
   add("greed_gradient~ clarinet, playing", lanes);
   add("greed_gradient~ clarinet, silent", silent_lanes);
   add("greed_gradient~ trumpet, playing", lip_lanes);

@@ -85,7 +85,7 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
       }
     last_pressure_ = mouth[count - 1];
     if (bank_.played())
-      tongue_.shape(mouth.data(), static_cast<int>(count));
+      tongue_.shape(mouth.data(), static_cast<int>(count), kHighestPressure);
     bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
               static_cast<int>(count));
     if (gain_step_ != 0) {

@@ -31,7 +31,7 @@ public:
     tongue_.set_burst(bank_.parameters().tune ? bank_.parameters().tongue : 0);
   }
   [[nodiscard]] const Parameters& parameters() const noexcept { return bank_.parameters(); }
-  /// The note is tongued: the breath stops for some 12 ms and comes back at once. Only a player
+  /// The note is tongued: the breath stops for some 5 ms and comes back at once. Only a player
   /// (`tune 1`) has a tongue.
   void articulate() noexcept { tongue_.articulate(); }
   /// Valve at rest, air still, noise from its beginning.

@@ -52,8 +52,8 @@ public:
     if (sample_rate == sample_rate_)
       return;
     sample_rate_ = sample_rate;
-    line_.prepare(longest_delay(sample_rate * kMostOversampling));
-    radiation_.prepare(sample_rate * kMostOversampling);
+    line_.prepare(longest_delay(sample_rate * kMaxOversampling));
+    radiation_.prepare(sample_rate * kMaxOversampling);
     slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
     at_once_ = kAtOnce * kControlPeriod / sample_rate;
     player_.prepare(sample_rate);
@@ -198,7 +198,7 @@ public:
 private:
   static constexpr bool kSeveral = !std::is_same_v<V, double>;
   static constexpr int kChunk = 64; // internal samples computed in one go
-  static constexpr int kMostOversampling = 4;
+  static constexpr int kMaxOversampling = 4;
   static constexpr double kSlewTime = 5e-3; // s
   static constexpr int kSubsteps = 4;       // of the valve, in a control period
   static constexpr double kAtOnce = 25;     // 1/s: an octave in 30 ms is followed without delay

@@ -37,18 +37,18 @@ public:
     before_ = extra_ = open_ = 0;
     articulation_ = false;
   }
-  /// Stops the breath for some 12 ms and lets it go.
+  /// Stops the breath for some 5 ms (up to 14 while it rises) and lets it go.
   void articulate() noexcept { articulation_ = true; }
 
-  /// The next samples of mouth pressure, Pa, become what the valve feels.
-  void shape(double* mouth_pressure, int count) noexcept {
+  /// The next samples of mouth pressure, Pa, become what the valve feels, at most `highest`.
+  void shape(double* mouth_pressure, int count, double highest) noexcept {
     if (!(burst_ > 0)) {
       if (count > 0)
         stay_away(mouth_pressure[count - 1]);
       return;
     }
     for (int i = 0; i < count; ++i)
-      mouth_pressure[i] = next(mouth_pressure[i]);
+      mouth_pressure[i] = std::min(next(mouth_pressure[i]), highest);
   }
 
 private:
