@@ -1,6 +1,7 @@
 #include "core/reed/bore_line.hpp"
 #include "core/reed/holed_end.hpp"
 #include "core/reed/linear_stability.hpp"
+#include "core/reed/player.hpp"
 #include "core/reed/presets.hpp"
 #include "core/reed/round_trip_filter.hpp"
 #include "core/reed/tuning.hpp"
@@ -303,6 +304,26 @@ TEST_CASE("fingering plays the note without a bore frequency, and stands above o
       CHECK(std::abs(cents(pitch(heard, 48000, 0.95 * note, 1.05 * note), note)) < 10);
     }
   }
+}
+
+TEST_CASE("a bend of 70 cents keeps its fingering, and a semitone takes the next") {
+  Parameters p = find_preset("clarinet").value();
+  p.tune = true;
+  BoreDesign bore;
+  bore.set(p, 48000);
+  Player player;
+  player.prepare(48000);
+  player.set(p, bore);
+  const auto end_at = [&](double cents) {
+    return player.control(220 * std::exp2(cents / 1200), p.reed_frequency, 2000).end;
+  };
+  const Termination* const end = end_at(0);
+  REQUIRE(end != nullptr);
+  for (int cents = 10; cents <= 70; cents += 10)
+    CHECK(end_at(cents) == end);
+  const Termination* const next = end_at(100);
+  REQUIRE(next != nullptr);
+  CHECK(next->key == end->key + 1);
 }
 
 } // namespace tactus::reed
