@@ -49,12 +49,14 @@ struct Rig {
   Rig& operator=(const Rig&) = delete;
 
   [[nodiscard]] bool prepare() const {
-    for (int i = 0; i < 60000 && !solver->prepare(); ++i) {
+    for (int i = 0; i < 60000; ++i) {
+      if (solver->prepare())
+        return true; // not asked again: a child that leaves may be gone by then
       if (refused())
         return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    return solver->prepare();
+    return false;
   }
   [[nodiscard]] bool refused() const {
     if (auto found = solver->poll()) {
