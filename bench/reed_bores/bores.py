@@ -88,6 +88,17 @@ class Woodwind:
                  for place, radius in (self.hole(k) for k in range(key, lowest, -1))]
         return Beyond(corners, holes, start if self.apex > 0 else 0.0)
 
+    def fingered(self, closed: list[float]) -> tuple[int, Beyond]:
+        """Key and bore beyond the first open hole for any state of the holes, from the reed down: 1
+        closed (pad or finger fill the chimney), 0 open, in between the share of its area covered."""
+        keys = range(self.keys[-1], self.keys[0], -1)
+        share = {k: 1 - c for k, c in zip(keys, closed, strict=True)}
+        key = next((k for k in keys if share[k] > 0), self.keys[0])
+        full = self.beyond(key)
+        holes = [Hole(hole.distance, hole.radius * np.sqrt(share[k]), hole.height)
+                 for k, hole in zip(range(key, self.keys[0], -1), full.holes) if share[k] > 0]
+        return key, Beyond(full.corners, holes, full.apex)
+
 
 WOODWINDS = {
     # Bore 15 mm; the lower joint opens before the bell, which ends 60 mm wide (Nederveen 1969).

@@ -22,6 +22,18 @@ from bores import DENSITY, GAMMA, PRANDTL, SOUND_SPEED, VISCOSITY, WOODWINDS
 TABLE = Path(__file__).resolve().parents[2] / "tests/core/reed/bore_reference.hpp"
 KEYS = {"clarinet": (50, 51, 54, 57, 60, 63, 66, 70), "saxophone": (47, 50, 54, 58, 62, 66, 70),
         "oboe": (58, 62, 66, 70, 74, 78)}
+# Holes from the reed down: c closed, o open, h half covered, q covered to three quarters.
+STATES = {"clarinet": (
+    "cccccccccccccccccccc",  # the bell's note
+    "cccccccccccccccchooo",  # half holes
+    "ccccccccccqooooooooo", "ccccchohohohohohohoh",
+    "ccccccccoccooooooooo",  # forks
+    "ccccccccoccccooooooo", "ccccccocccoooooooooo", "cccccccccccocccooooo", "cccccccccccchccccooo",
+    "ccccccccccccocococcc", "cccccccococooooooooo",
+    "cccccccccccccoccccco",  # one hole far from the next
+    "ccccccccccoccccccccc", "cccccccccccccccccooc",
+)}
+CLOSED = {"c": 1.0, "o": 0.0, "h": 0.5, "q": 0.75}
 ELEMENT = 15e-3  # m
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
 KNOTS = np.array([-1, -1 / np.sqrt(5), 1 / np.sqrt(5), 1])  # Gauss-Lobatto
@@ -96,9 +108,8 @@ def radiating(radius):
     return admittance
 
 
-def bore_mesh(name, key, length):
+def bore_mesh(name, beyond, length):
     wind = WOODWINDS[name]
-    beyond = wind.beyond(key)
     start = beyond.corners[0][1]
     mesh = Mesh()
     at = mesh.node()
@@ -135,11 +146,11 @@ def line_length(name, key):
     return wind.place(key) - wind.apex
 
 
-def peaks_of(name, key):
+def peaks_of(name, key, beyond=None):
     """(Hz, dB over the input's Z_0) of the first five peaks below the lattice's cut-off."""
     wind = WOODWINDS[name]
     length = line_length(name, key)
-    mesh, at = bore_mesh(name, key, length)
+    mesh, at = bore_mesh(name, beyond or wind.beyond(key), length)
     zero = DENSITY * SOUND_SPEED / (np.pi * wind.input_radius**2)
     level = lambda f: 20 * np.log10(abs(mesh.impedance(2j * np.pi * f, at)) / zero)
     grid = np.arange(60.0, wind.cutoff, 15)
@@ -160,7 +171,7 @@ def main() -> int:
     parser.add_argument("--only", help="this instrument's alone, printed")
     arguments = parser.parse_args()
     text = ("// Written by bench/reed_bores/reference.py, by finite elements.\n#pragma once\n\n"
-            "#include \"core/reed/termination.hpp\"\n\n#include <array>\n\n"
+            "#include \"core/reed/termination.hpp\"\n\n#include <array>\n#include <string_view>\n\n"
             "namespace tactus::reed::test {\n\n"
             "/// Peaks of the input impedance of a bore with its holes, below the lattice's cut-off.\n"
             "struct BoreReference {\n  BoreEnd end;\n  int key;\n  double length; // of the line, m\n"
@@ -175,6 +186,20 @@ def main() -> int:
             print(name, key, length, " ".join(f"{f:.2f} {d:.2f}" for f, d in peaks), flush=True)
             rows = ", ".join(f"{{{f:.3f}, {d:.3f}}}" for f, d in peaks)
             text += f"    {{BoreEnd::k{name.capitalize()}, {key}, {length:.9g}, {{{{{rows}}}}}}},\n"
+    text += ("};\n\n/// The same with any state of the holes.\n"
+             "struct FingeredReference {\n  BoreEnd end;\n  std::string_view holes; "
+             "// from the reed down: c closed, o open, h half, q three quarters covered\n"
+             "  double length; // of the line, m\n  std::array<BoreReference::Peak, 5> peaks;\n};\n\n"
+             "inline constexpr FingeredReference kFingeredReference[]{\n")
+    for name, states in STATES.items():
+        if arguments.only not in (None, name):
+            continue
+        for state in states:
+            key, beyond = WOODWINDS[name].fingered([CLOSED[letter] for letter in state])
+            length, peaks = peaks_of(name, key, beyond)
+            print(name, state, length, " ".join(f"{f:.2f} {d:.2f}" for f, d in peaks), flush=True)
+            rows = ", ".join(f"{{{f:.3f}, {d:.3f}}}" for f, d in peaks)
+            text += f'    {{BoreEnd::k{name.capitalize()}, "{state}", {length:.9g}, {{{{{rows}}}}}}},\n'
     text += "};\n\n} // namespace tactus::reed::test\n"
     if arguments.only is None:
         TABLE.write_text(text)

@@ -50,6 +50,17 @@ void Instrument::prepare(double sample_rate, std::size_t) {
   gain_periods_ = ParameterGlide::kTime * sample_rate / kStretch + 1;
 }
 
+bool Instrument::finger_holes(std::span<const double> closed) noexcept {
+  for (const double hole : closed)
+    if (!(hole >= 0 && hole <= 1))
+      return false;
+  const Termination* const found = fingerings_->find(bank_.parameters().end, closed);
+  if (found == nullptr)
+    return false;
+  bank_.finger(found);
+  return true;
+}
+
 void Instrument::reset() noexcept {
   bank_.reset();
   tongue_.reset();

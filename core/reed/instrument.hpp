@@ -1,11 +1,13 @@
 #pragma once
 
+#include "core/reed/hole_fingering.hpp"
 #include "core/reed/parameters.hpp"
 #include "core/reed/reed_bank.hpp"
 #include "core/reed/tongue.hpp"
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
 
 namespace tactus::reed {
@@ -27,6 +29,8 @@ public:
   /// Takes the nearest usable parameters (see clamped()). Another oversampling stills the air.
   /// While it sounds, numbers take some 16 ms, and switches and words fade the sound out and in.
   void set(const Parameters& parameters) noexcept {
+    if (parameters.end != bank_.parameters().end)
+      bank_.finger(nullptr);
     bank_.set(parameters);
     tongue_.set_burst(bank_.parameters().tune ? bank_.parameters().tongue : 0);
   }
@@ -34,6 +38,14 @@ public:
   /// The note is tongued: the breath stops for some 5 ms and comes back at once. Only a player
   /// (`tune 1`) has a tongue.
   void articulate() noexcept { tongue_.articulate(); }
+  /// With tune: fingers the tone holes of Parameters::end one by one, closed[i] from the reed down
+  /// (1 closed, 0 open, in between partly covered), until release_holes() or another end. A state
+  /// that has not been fingered lately takes some milliseconds of computation. False, and the
+  /// fingering as before, where the end has another number of holes, a number is not within 0..1 or
+  /// nothing is found.
+  [[nodiscard]] bool finger_holes(std::span<const double> closed) noexcept;
+  /// The fingerings of notes again.
+  void release_holes() noexcept { bank_.finger(nullptr); }
   /// Valve at rest, air still, noise from its beginning.
   void reset() noexcept;
   /// L in use, m.
@@ -59,6 +71,8 @@ private:
   static constexpr std::size_t kStretch = ReedBank<double>::kControlPeriod;
   ReedBank<double> bank_;
   Tongue tongue_;
+  // Copies of an instrument share it: what a bore ends in stays where it is.
+  std::shared_ptr<HoleFingerings> fingerings_ = std::make_shared<HoleFingerings>();
   void move_gain() noexcept;
 
   double gain_ = 0, gain_step_ = 0;        // at the end of this control period, and the way there

@@ -102,9 +102,14 @@ void Player::choose(double reed_frequency) noexcept {
   const double meant = note_of(parameters_, bore_frequency_);
   double f = std::clamp(meant, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
   const bool played = plays_;
-  plays_ = parameters_.tune && meant > 0 && !(parameters_.length_override > 0);
-  listens_ = plays_ && parameters_.ear;
-  if (plays_) {
+  plays_ =
+      parameters_.tune && (meant > 0 || holes_ != nullptr) && !(parameters_.length_override > 0);
+  listens_ = plays_ && parameters_.ear && holes_ == nullptr;
+  if (plays_ && holes_ != nullptr) {
+    hold_holes();
+    if (due_ || !played)
+      hold_valve();
+  } else if (plays_) {
     f = playable(f);
     const bool leap = !(std::abs(f - note_) < Ear::kLeap * note_);
     if (leap)
@@ -143,14 +148,27 @@ void Player::finger(double frequency, bool leap) noexcept {
   fingered_for_ = parameters_.end;
 }
 
+/// Line and lips for holes fingered one by one. An instrument's holes are where its standard
+/// fingerings are in tune at its own f_r, with the reed's compliance and swept volume: the line to
+/// the first open hole is as long as the note needs that opens all from there on.
+void Player::hold_holes() noexcept {
+  note_ = 440 * std::exp2((holes_->key - 69) / 12.0);
+  lips_ = player_lips(parameters_, note_).valve;
+  own_scale_ = 1;
+  hold_.end = holes_;
+  hold_.length = lengths_.length(note_, parameters_.reed_frequency, true,
+                                 fingering_for(parameters_.end, note_));
+  tries_ = 0;
+}
+
 /// The note as one that has not been glided to, and from silence.
 void Player::begin_anew(double reed_frequency) noexcept {
   ++tries_;
   tongue_ = static_cast<int>(kTongueTime * control_rate_) + 1;
   ear_.start_over();
   finger(note_, true);
-  hold_.length = std::clamp(lengths_.length(note_, reed_frequency, true, hold_.end), 5e-3,
-                            bore_.longest());
+  hold_.length =
+      std::clamp(lengths_.length(note_, reed_frequency, true, hold_.end), 5e-3, bore_.longest());
   set_trim(0, true);
 }
 

@@ -52,6 +52,13 @@ public:
   /// is forgotten.
   void set(const Parameters& parameters, const BoreDesign& bore) noexcept;
   void reset() noexcept;
+  /// Holes that are fingered one by one, which must live on, in place of the fingerings of notes;
+  /// null: those of notes again. The line then ends where the first open hole is, nobody corrects
+  /// the pitch, and f_b has no say.
+  void finger(const Termination* holes) noexcept {
+    holes_ = holes;
+    due_ = true;
+  }
 
   /// Due once per control period: f_b in Hz (not above 0: the parameters' length), f_r in Hz, p_m
   /// in Pa (below 0, or no number: the lips stay as at breath_reference).
@@ -73,6 +80,7 @@ private:
   [[nodiscard]] double playable(double frequency) noexcept;
   void choose(double reed_frequency) noexcept;
   void finger(double frequency, bool leap) noexcept;
+  void hold_holes() noexcept;
   void set_trim(double logarithm, bool moved) noexcept;
   bool follow_breath(double mouth_pressure) noexcept;
   void hold_valve() noexcept;
@@ -86,7 +94,8 @@ private:
   Hold hold_{};
   double bore_frequency_ = 0; // as given
   double note_ = 0;           // f_b played, Hz; 0: none yet
-  Parameters lips_{};         // for the note, at breath_reference
+  const Termination* holes_ = nullptr;
+  Parameters lips_{}; // for the note, at breath_reference
   BoreEnd fingered_for_ = BoreEnd::kOpen;
   double breath_ = 1;          // p/breath_reference, smoothed and bounded
   double rise_ = 1, fall_ = 1; // of the smoothing, per control period

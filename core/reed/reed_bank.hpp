@@ -78,6 +78,8 @@ public:
       inform_player();
   }
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
+  /// Holes fingered one by one (Player::finger).
+  void finger(const Termination* holes) noexcept { player_.finger(holes); }
   /// What the player was asked for and does not play.
   [[nodiscard]] const Refusal& refusal() const noexcept { return player_.refusal(); }
   /// L in use, m.

@@ -190,8 +190,11 @@ inline constexpr std::array kMessages{
             "all of valve and bore at once"},
     Message{"reset", "", 0, 0, "valve at rest, air still"},
     Message{"tongue", "", 0, 0, "with tune: the note is tongued anew"},
+    Message{"holes", "CLOSED...", 1, 33,
+            "with tune and tone holes: each hole from the reed down, 1 closed, 0 open, in between "
+            "partly covered; fingering ends it"},
 };
-enum MessageIndex : std::size_t { kPreset, kReset, kTongue };
+enum MessageIndex : std::size_t { kPreset, kReset, kTongue, kHoles };
 
 inline constexpr std::array kInlets{
     Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},

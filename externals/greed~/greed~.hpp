@@ -5,8 +5,10 @@
 #include "externals/greed~/declaration.hpp"
 #include "externals/greed~/settings.hpp"
 
+#include <array>
 #include <cstddef>
 #include <span>
+#include <string>
 
 namespace tactus {
 
@@ -32,6 +34,7 @@ public:
   void set(std::size_t parameter, double value) noexcept {
     reed::Parameters changed = instrument_.parameters();
     greed::kMembers[parameter].set(changed, value);
+    if (greed::kParameters[parameter].name == "fingering") instrument_.release_holes();
     instrument_.set(changed);
   }
   [[nodiscard]] double get(std::size_t parameter) const noexcept {
@@ -41,6 +44,7 @@ public:
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
     if (index == greed::kReset) return instrument_.reset();
     if (index == greed::kTongue) return instrument_.articulate();
+    if (index == greed::kHoles) return finger(arguments, host);
     if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
       instrument_.set(*preset);
   }
@@ -67,6 +71,24 @@ public:
   }
 
 private:
+  void finger(std::span<const Atom> arguments, Host& host) {
+    const reed::Woodwind* const wind = reed::woodwind(instrument_.parameters().end);
+    if (wind == nullptr)
+      return host.error("holes: expected end clarinet, saxophone or oboe, which have tone holes");
+    std::array<double, reed::Woodwind::kMaxToneHoles> closed{};
+    const std::size_t count = wind->tone_holes();
+    bool usable = arguments.size() == count;
+    for (std::size_t i = 0; i < count && usable; ++i) {
+      usable = !arguments[i].is_word && arguments[i].number >= 0 && arguments[i].number <= 1;
+      closed[i] = arguments[i].number;
+    }
+    if (!usable)
+      return host.error("holes: expected " + std::to_string(count) +
+                        " numbers in 0..1, from the reed down: 1 closed, 0 open");
+    if (!instrument_.finger_holes(std::span(closed).first(count)))
+      host.error("holes: found no filter for these, expected another fingering");
+  }
+
   reed::Instrument instrument_;
   unsigned told_ = 0; // of the notes refused
 };
