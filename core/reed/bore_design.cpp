@@ -121,16 +121,10 @@ double BoreDesign::length_for(double bore_frequency) const noexcept {
 
 double BoreDesign::longest() const noexcept { return 0.5 * air_.sound_speed / kLowestFrequency; }
 
-RoundTrip BoreDesign::round_trip(double length) const noexcept {
-  RoundTrip trip;
-  double transit = 2 * length / air_.sound_speed;
-  if (parameters_.scalar_reflection > 0) {
-    trip.returning_gain = -parameters_.scalar_reflection;
-    trip.delay = std::clamp(transit * rate_, 3.0, static_cast<double>(longest_delay(rate_)));
-    return trip;
-  }
-  const double loss = wall_loss(parameters_, length, air_.sound_speed);
+/// Of the filters, what follows from G and the end.
+void BoreDesign::set_losses(RoundTrip& trip, double loss) const noexcept {
   std::array<Section, RoundTrip::kLossSections> row;
+  trip.arriving_gain = 1;
   for (std::size_t k = 0; k < row.size(); ++k) {
     const double attenuation = std::min(loss * weight_[k], kMostAttenuation);
     const double spread = std::exp(attenuation / 2);
@@ -150,15 +144,38 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
     trip.end_pole = end_pole_;
     trip.end_excess = end_excess_;
     trip.returning_gain *= end_gain_;
-  } else {
-    transit += 2 * end_->extra_length / air_.sound_speed;
   }
+}
+
+BoreDesign::Parts BoreDesign::parts(const RoundTrip& whole, double length,
+                                    double place) const noexcept {
+  Parts parts{whole, whole};
+  const double above = wall_loss(parameters_, place, air_.sound_speed);
+  set_losses(parts.above, above);
+  set_losses(parts.below, std::max(0.0, wall_loss(parameters_, length, air_.sound_speed) - above));
+  parts.above.delay = 2 * place / air_.sound_speed * rate_;
+  parts.below.delay = whole.delay - parts.above.delay;
+  return parts;
+}
+
+RoundTrip BoreDesign::round_trip(double length) const noexcept {
+  RoundTrip trip;
+  double transit = 2 * length / air_.sound_speed;
+  if (parameters_.scalar_reflection > 0) {
+    trip.returning_gain = -parameters_.scalar_reflection;
+    trip.delay = std::clamp(transit * rate_, 3.0, static_cast<double>(longest_delay(rate_)));
+    return trip;
+  }
+  const double loss = wall_loss(parameters_, length, air_.sound_speed);
+  set_losses(trip, loss);
+  if (end_ != nullptr)
+    transit += 2 * end_->extra_length / air_.sound_speed;
 
   // What the filters' phase lacks at the lowest resonance, the delay makes up for.
   const double omega = 2 * kPi * std::min(ideal_frequency(length), 0.1 * rate_);
   const Complex s(0, omega), back = std::exp(-s / rate_);
   Complex filters = 1;
-  for (std::size_t k = 0; k < row.size(); ++k)
+  for (std::size_t k = 0; k < trip.loss_pole.size(); ++k)
     filters += trip.loss_residue[k] * back / (1.0 - trip.loss_pole[k] * back);
   filters *= trip.returning_gain;
   if (end_ == nullptr)

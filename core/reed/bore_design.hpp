@@ -52,6 +52,12 @@ public:
   [[nodiscard]] std::complex<double> end_reflection(std::complex<double> s) const noexcept;
 
   [[nodiscard]] RoundTrip round_trip(double length) const noexcept;
+  /// The same round trip in two parts, that to a place (m) on the line and back and that beyond it:
+  /// the losses and the delay of each, `whole` being that of both.
+  struct Parts {
+    RoundTrip above{}, below{};
+  };
+  [[nodiscard]] Parts parts(const RoundTrip& whole, double length, double place) const noexcept;
 
   /// L of the bore whose ideal lowest resonance is f_b: c/(4 f_b) - 0.613 r_e for the cylinder,
   /// c/(2 f_b) - r_0 - 0.613 r_e for the cone, at least 5 mm.
@@ -67,6 +73,7 @@ public:
 
 private:
   [[nodiscard]] double end_correction() const noexcept;
+  void set_losses(RoundTrip& trip, double loss) const noexcept;
 
   Parameters parameters_{};
   const Termination* end_ = nullptr;

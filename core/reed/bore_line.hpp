@@ -60,6 +60,19 @@ public:
       wave[i] = simd::select(simd::absolute(sum) < V(silence), V(0.0), sum);
     }
   }
+  /// Becomes what has come out of another line of the same size at that delay, count samples back.
+  void follow(const BoreLine& other, double delay, int count) noexcept {
+    const int whole = static_cast<int>(delay) - 2;
+    const std::array<double, 4> h = weights(delay - whole - 1);
+    count = std::min(count, static_cast<int>(mask_ + 1) - whole - 4);
+    written_ = other.written_;
+    for (int i = 1; i <= count; ++i) {
+      const std::ptrdiff_t at = written_ - i - 1 - whole;
+      line_[slot(written_ - i)] =
+          (V(h[0]) * other.line_[slot(at)] + V(h[1]) * other.line_[slot(at - 1)]) +
+          (V(h[2]) * other.line_[slot(at - 2)] + V(h[3]) * other.line_[slot(at - 3)]);
+    }
+  }
   /// Where the next samples go, so that they can be made in place: room() of them in one piece.
   [[nodiscard]] V* next() noexcept { return line_.data() + written_; }
   [[nodiscard]] int room() const noexcept { return static_cast<int>(mask_ + 1 - written_); }

@@ -23,7 +23,7 @@ void GrowthMap::prepare(std::size_t columns, std::size_t rows) {
 }
 
 void GrowthMap::begin(const Playing& playing, const ControlRange& range) noexcept {
-  theory_.emplace(playing.valve, playing.length, playing.end);
+  theory_.emplace(playing.valve, playing.length, playing.fingering.end);
   reed_scale_ = playing.reed_scale;
   range_ = range;
   next_ = 0;

@@ -54,10 +54,12 @@ bool Instrument::finger_holes(std::span<const double> closed) noexcept {
   for (const double hole : closed)
     if (!(hole >= 0 && hole <= 1))
       return false;
-  const Termination* const found = fingerings_->find(bank_.parameters().end, closed);
+  if (closed.empty())
+    return false;
+  const Termination* const found = fingerings_->find(bank_.parameters().end, closed.subspan(1));
   if (found == nullptr)
     return false;
-  bank_.finger(found);
+  bank_.finger(found, 1 - closed[0]);
   return true;
 }
 

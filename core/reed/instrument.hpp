@@ -38,11 +38,11 @@ public:
   /// The note is tongued: the breath stops for some 5 ms and comes back at once. Only a player
   /// (`tune 1`) has a tongue.
   void articulate() noexcept { tongue_.articulate(); }
-  /// With tune: fingers the tone holes of Parameters::end one by one, closed[i] from the reed down
-  /// (1 closed, 0 open, in between partly covered), until release_holes() or another end. A state
-  /// that has not been fingered lately takes some milliseconds of computation. False, and the
-  /// fingering as before, where the end has another number of holes, a number is not within 0..1 or
-  /// nothing is found.
+  /// With tune: fingers the holes of Parameters::end one by one, the register vent and then the
+  /// tone holes from the reed down (1 closed, 0 open, in between partly covered), until
+  /// release_holes() or another end. A state that has not been fingered lately takes some
+  /// milliseconds of computation. False, and the fingering as before, where the end has another
+  /// number of holes, a number is not within 0..1 or nothing is found.
   [[nodiscard]] bool finger_holes(std::span<const double> closed) noexcept;
   /// The fingerings of notes again.
   void release_holes() noexcept { bank_.finger(nullptr); }

@@ -21,37 +21,37 @@ void LengthTable::set(const Parameters& parameters) noexcept {
   turns_ = 0;
 }
 
-double LengthTable::turns_at(std::size_t step, const Termination* end) noexcept {
-  if (!steps_[step].known || steps_[step].end != end) {
+double LengthTable::turns_at(std::size_t step, const Fingering& fingering) noexcept {
+  if (!steps_[step].known || steps_[step].fingering != fingering) {
     const double f = kLowest * std::exp2(static_cast<double>(step) / kSteps);
-    const Playing playing = tuned(parameters_, f, reed_frequency_, end);
-    steps_[step] = {turns_of(parameters_, f, playing.length), true, end};
+    const Playing playing = tuned(parameters_, f, reed_frequency_, fingering);
+    steps_[step] = {turns_of(parameters_, f, playing.length), true, fingering};
   }
   return steps_[step].turns;
 }
 
 double LengthTable::length(double bore_frequency, double reed_frequency, bool leap,
-                           const Termination* end) noexcept {
+                           const Fingering& fingering) noexcept {
   constexpr double kNear = 0.01; // by how much f_r may differ from that of the table
   if (!(parameters_.embouchure > 0) &&
       !(std::abs(reed_frequency - reed_frequency_) < kNear * reed_frequency)) {
     steps_ = {};
     reed_frequency_ = reed_frequency;
   }
-  if (valve_alone(parameters_, bore_frequency, end)) {
+  if (valve_alone(parameters_, bore_frequency, fingering.end)) {
     turns_ = turns_of(parameters_, bore_frequency, parameters_.length);
     return parameters_.length;
   }
   const double at = std::clamp(kSteps * std::log2(bore_frequency / kLowest), 0.0,
                                static_cast<double>(kCount) - 2);
   const auto step = static_cast<std::size_t>(at);
-  const double share = at - static_cast<double>(step), below = turns_at(step, end);
-  double difference = turns_at(step + 1, end) - below;
+  const double share = at - static_cast<double>(step), below = turns_at(step, fingering);
+  double difference = turns_at(step + 1, fingering) - below;
   difference -= std::round(difference); // the step above may have taken another mode
   double turns = below + share * difference;
   if (parameters_.type == ValveType::kOpen) {
-    const double own =
-        turns_of(parameters_, bore_frequency, wanted_length(parameters_, bore_frequency, end));
+    const double own = turns_of(parameters_, bore_frequency,
+                                wanted_length(parameters_, bore_frequency, fingering.end));
     const double nearest = turns + std::round(own - turns);
     turns += std::round(turns_ - turns);
     const double most = parameters_.shape == BoreShape::kCone ? kLongCone : kLongCylinder;

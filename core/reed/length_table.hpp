@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/reed/parameters.hpp"
+#include "core/reed/tuning.hpp"
 
 #include <array>
 #include <cstddef>
@@ -21,10 +22,10 @@ class LengthTable {
 public:
   /// Another instrument: all lengths are searched anew. The same parameters change nothing.
   void set(const Parameters& parameters) noexcept;
-  /// L in m for the note at that f_r, both in Hz, on a bore that ends in `end` (null: openly).
+  /// L in m for the note at that f_r, both in Hz, with that fingering.
   /// leap: it has not been reached by gliding.
   [[nodiscard]] double length(double bore_frequency, double reed_frequency, bool leap,
-                              const Termination* end = nullptr) noexcept;
+                              const Fingering& fingering = {}) noexcept;
 
 private:
   static constexpr double kLowest = 8; // Hz, of the first step
@@ -33,10 +34,10 @@ private:
   struct Step {
     double turns = 0; // of the round trip
     bool known = false;
-    const Termination* end = nullptr; // of the bore that it is right for
+    Fingering fingering{}; // of the bore that it is right for
   };
 
-  double turns_at(std::size_t step, const Termination* end) noexcept;
+  double turns_at(std::size_t step, const Fingering& fingering) noexcept;
 
   Parameters parameters_{};
   double reed_frequency_ = 0; // for which the steps are right

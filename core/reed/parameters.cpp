@@ -68,6 +68,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.breath_opening = bounded(p.breath_opening, 0, 2, kInitial.breath_opening);
   p.breath_tension = bounded(p.breath_tension, 0, 2, kInitial.breath_tension);
   p.breath_quality = bounded(p.breath_quality, -2, 2, kInitial.breath_quality);
+  p.register_note = bounded(p.register_note, 0, 20000, kInitial.register_note);
   p.lowest_note = bounded(p.lowest_note, 0, 20000, kInitial.lowest_note);
   p.highest_note = bounded(p.highest_note, 0, 20000, kInitial.highest_note);
   p.gain = bounded(p.gain, 0, 1e6, kInitial.gain);

@@ -68,13 +68,15 @@ struct Parameters {
   double lip_quality = 1;
   double lip_channel = 1; // of lambda: air that follows the lay, and inside and outside the tip
   double played_gain = 1; // times gain
-  double tongue = 0; // by how much of p_m the breath's first push exceeds it; 0: no tongue
+  double tongue = 0;      // by how much of p_m the breath's first push exceeds it; 0: no tongue
 
   // how the lips go with the mouth pressure p, with tune: r = p/breath_reference
   double breath_reference = 0; // Pa at which the lips are as above; 0: they do not follow
   double breath_opening = 0.5; // theta_0 times r to this power,
   double breath_tension = 0.5; // stiffness and mass times r to this power, at the same f_r
   double breath_quality = 0;   // Q times r to this power: soft lips damp a reed
+
+  double register_note = 0; // Hz: from here on with the register vent of `end`; 0: never
 
   // what can be played in tune, with tune: f_b beyond it is refused; 0: no limit
   double lowest_note = 0;  // Hz

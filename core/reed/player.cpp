@@ -119,7 +119,7 @@ void Player::choose(double reed_frequency) noexcept {
       ear_.mean(f);
     const Playing lips = player_lips(parameters_, f);
     finger(f, leap);
-    hold_.length = lengths_.length(f, reed_frequency, leap, hold_.end);
+    hold_.length = lengths_.length(f, reed_frequency, leap, fingering_);
     own_scale_ = lips.reed_scale;
     if (due_ || !played || parameters_.embouchure > 0) {
       lips_ = lips.valve;
@@ -129,6 +129,8 @@ void Player::choose(double reed_frequency) noexcept {
     note_ = 0;
     own_scale_ = 1;
     hold_.end = nullptr;
+    hold_.vent = 0;
+    fingering_ = {};
     hold_.valve = parameters_;
     hold_.valve_changed = true;
     hold_.length = parameters_.length_override > 0 ? parameters_.length_override
@@ -141,10 +143,13 @@ void Player::choose(double reed_frequency) noexcept {
 /// The fingering for f_b. A bend or a vibrato of nearly a semitone stays on the one there is.
 void Player::finger(double frequency, bool leap) noexcept {
   constexpr double kBend = 0.8; // semitones
-  const bool stays = !leap && fingered_for_ == parameters_.end && hold_.end != nullptr &&
-                     std::abs(69 + 12 * std::log2(frequency / 440) - hold_.end->key) < kBend;
+  const bool stays =
+      !leap && fingered_for_ == parameters_.end && fingering_.end != nullptr &&
+      std::abs(69 + 12 * std::log2(frequency / 440) - key_of(parameters_, fingering_)) < kBend;
   if (!stays)
-    hold_.end = fingering_for(parameters_.end, frequency);
+    fingering_ = standard_fingering(parameters_, frequency);
+  hold_.end = fingering_.end;
+  hold_.vent = fingering_.vented ? 1 : 0;
   fingered_for_ = parameters_.end;
 }
 
@@ -157,7 +162,9 @@ void Player::hold_holes() noexcept {
   own_scale_ = 1;
   hold_.end = holes_;
   hold_.length = lengths_.length(note_, parameters_.reed_frequency, true,
-                                 fingering_for(parameters_.end, note_));
+                                 {fingering_for(parameters_.end, note_), false});
+  hold_.vent = holes_vent_;
+  fingering_ = {};
   tries_ = 0;
 }
 
@@ -168,7 +175,7 @@ void Player::begin_anew(double reed_frequency) noexcept {
   ear_.start_over();
   finger(note_, true);
   hold_.length =
-      std::clamp(lengths_.length(note_, reed_frequency, true, hold_.end), 5e-3, bore_.longest());
+      std::clamp(lengths_.length(note_, reed_frequency, true, fingering_), 5e-3, bore_.longest());
   set_trim(0, true);
 }
 

@@ -44,6 +44,7 @@ public:
     double trim = 0;                  ///< of the ear: the bore is to sound sharper by exp(trim)
     double breath = 1;                ///< share of the mouth pressure that the tongue lets through
     const Termination* end = nullptr; ///< what the bore ends in; null: an open end
+    double vent = 0;                  ///< share of the register vent that is open
     bool valve_changed = false;       ///< since the control period before
   };
 
@@ -54,9 +55,10 @@ public:
   void reset() noexcept;
   /// Holes that are fingered one by one, which must live on, in place of the fingerings of notes;
   /// null: those of notes again. The line then ends where the first open hole is, nobody corrects
-  /// the pitch, and f_b has no say.
-  void finger(const Termination* holes) noexcept {
+  /// the pitch, and f_b has no say. vent: the share of the register vent that is open.
+  void finger(const Termination* holes, double vent = 0) noexcept {
     holes_ = holes;
+    holes_vent_ = vent;
     due_ = true;
   }
 
@@ -95,7 +97,9 @@ private:
   double bore_frequency_ = 0; // as given
   double note_ = 0;           // f_b played, Hz; 0: none yet
   const Termination* holes_ = nullptr;
-  Parameters lips_{}; // for the note, at breath_reference
+  double holes_vent_ = 0;
+  Fingering fingering_{}; // of the note
+  Parameters lips_{};     // for the note, at breath_reference
   BoreEnd fingered_for_ = BoreEnd::kOpen;
   double breath_ = 1;          // p/breath_reference, smoothed and bounded
   double rise_ = 1, fall_ = 1; // of the smoothing, per control period

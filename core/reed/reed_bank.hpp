@@ -10,6 +10,7 @@
 #include "core/reed/parameters.hpp"
 #include "core/reed/player.hpp"
 #include "core/reed/radiation_path.hpp"
+#include "core/reed/register_vent.hpp"
 #include "core/reed/round_trip_filter.hpp"
 #include "core/reed/valve_bore_step.hpp"
 
@@ -53,6 +54,7 @@ public:
       return;
     sample_rate_ = sample_rate;
     line_.prepare(longest_delay(sample_rate * kMaxOversampling));
+    below_.prepare(longest_delay(sample_rate * kMaxOversampling));
     radiation_.prepare(sample_rate * kMaxOversampling);
     slew_ = 1 - std::exp(-kControlPeriod / (kSlewTime * sample_rate));
     at_once_ = kAtOnce * kControlPeriod / sample_rate;
@@ -79,7 +81,7 @@ public:
   }
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   /// Holes fingered one by one (Player::finger).
-  void finger(const Termination* holes) noexcept { player_.finger(holes); }
+  void finger(const Termination* holes, double vent = 0) noexcept { player_.finger(holes, vent); }
   /// What the player was asked for and does not play.
   [[nodiscard]] const Refusal& refusal() const noexcept { return player_.refusal(); }
   /// L in use, m.
@@ -125,6 +127,7 @@ public:
       holes_.finger(hold.end);
       trip_due_ = true;
     }
+    move_vent(hold.vent);
     breath_from_ = fresh_ ? hold.breath : breath_to_;
     breath_to_ = hold.breath;
     end_substeps();
@@ -207,7 +210,9 @@ private:
   /// Up to here noise is a share of the mouth pressure and even; it need not stop when the valve
   /// shuts, and costs a fraction of what the jet's own does.
   static constexpr double kFaintNoise = 1e-5;
-  static constexpr double kSilence = 1e-20; // below, a state is nothing: denormals are dear
+  static constexpr double kVentTime = 5e-3;  // s
+  static constexpr double kBelowVent = 0.03; // m of line that it needs beyond it
+  static constexpr double kSilence = 1e-20;  // below, a state is nothing: denormals are dear
   using Signal = std::array<V, kChunk>;
 
   /// Takes over clamped parameters at once.
@@ -226,6 +231,8 @@ private:
     radiation_.set(radiation_to_);
     gliding_ = false;
     holes_.set(rate, design_.air().sound_speed / air_at(20).sound_speed, parameters_.input_radius);
+    vent_ = RegisterVent::of(parameters_);
+    vent_filter_.set(vent_, rate);
     inform_player();
     place_valve(old);
     from_ = to_ = constants_;
@@ -355,6 +362,51 @@ private:
     // A trim changes the delay alone: what it would change in the losses is inaudible.
     trip_.delay = std::clamp(own_delay_ + trim_delay_, 3.0,
                              static_cast<double>(longest_delay(sample_rate_ * oversampling_)));
+    if (divided_)
+      divide();
+  }
+
+  /// The two parts of the bore on both sides of the vent.
+  void divide() noexcept {
+    parts_ = design_.parts(trip_, length_to_, vent_.place);
+    // Some samples of the line are below the vent, whatever the bore's length.
+    parts_.above.delay =
+        std::clamp(parts_.above.delay, 3.0, std::max(3.0, std::min(delay_from_, trip_.delay) - 4));
+  }
+
+  /// The vent opens and closes within kVentTime. The line is in two parts from its first opening
+  /// until what was sent while it was open has passed.
+  void move_vent(double open) noexcept {
+    const bool has = vent_.share > 0 && !(parameters_.scalar_reflection > 0) &&
+                     length_to_ > vent_.place + kBelowVent;
+    const double wanted = has ? open : 0, step = kControlPeriod / (kVentTime * sample_rate_);
+    vent_from_ = vent_to_;
+    vent_to_ = fresh_ ? wanted : std::clamp(wanted, vent_to_ - step, vent_to_ + step);
+    if (fresh_)
+      vent_from_ = vent_to_;
+    shut_ = vent_from_ > 0 || vent_to_ > 0 ? 0 : shut_ + kControlPeriod;
+    if (!divided_ && vent_to_ > 0) {
+      divided_ = true;
+      divide();
+      below_.follow(line_, parts_.above.delay, static_cast<int>(trip_.delay) + 8);
+      // Both parts' filters have the same poles: what is in them goes as the losses do.
+      above_filter_ = filter_;
+      share_losses(parts_.above, trip_, parts_.below, trip_);
+      vent_filter_.reset();
+    } else if (divided_ && shut_ * oversampling_ > 2 * trip_.delay + kControlPeriod) {
+      divided_ = false;
+      share_losses({}, trip_, trip_, parts_.below);
+    }
+  }
+  void share_losses(const RoundTrip& above, const RoundTrip& above_before, const RoundTrip& below,
+                    const RoundTrip& below_before) noexcept {
+    const auto share = [](const RoundTrip& now, const RoundTrip& before) {
+      const double size = before.loss_residue[0];
+      return size != 0 ? now.loss_residue[0] / size : 0.0;
+    };
+    const double more = share(above, above_before), less = share(below, below_before);
+    above_filter_.each_loss([more](auto& value) { value = value * more; });
+    filter_.each_loss([less](auto& value) { value = value * less; });
   }
 
   /// What brassiness counts: the bore's own length, or a share of a player's wavelength.
@@ -369,7 +421,10 @@ private:
 
   void still_air() noexcept {
     line_.clear();
+    below_.clear();
     filter_.reset();
+    above_filter_.reset();
+    vent_filter_.reset();
     radiation_.reset();
     holes_.reset();
     const V deflection = state_.deflection(), velocity = state_.velocity();
@@ -389,6 +444,10 @@ private:
           &state_.past, &state_.place, &state_.speed, &state_.pressure, &state_.moved_by})
       quieten(*value);
     filter_.each([](auto& value) { quieten(value); });
+    if (divided_) {
+      above_filter_.each([](auto& value) { quieten(value); });
+      vent_filter_.each([](V& value) { quieten(value); });
+    }
     radiation_.quieten();
     if (holes_.active()) {
       holes_.proceed();
@@ -450,17 +509,25 @@ private:
     for (int done = 0; done < count;) {
       const int phase = phase_ * oversampling_ + done;
       const double first = delay_from_ + phase / period() * (trip_.delay - delay_from_);
-      const int room = static_cast<int>(std::min(first, trip_.delay)) - 1;
+      const double above = divided_ ? parts_.above.delay : 0;
+      int room = static_cast<int>(std::min(first, trip_.delay) - above) - 1;
+      if (divided_)
+        room = std::min({room, static_cast<int>(above) - 1, below_.room()});
       const int part = std::min({count - done, room, line_.room()});
       V* wave = line_.next();
+      BoreLine<V, kChunk>& last = divided_ ? below_ : line_; // to the bore's end
+      V* ending = last.next();
       if (delay_from_ == trip_.delay)
-        line_.read(first, kSilence, wave, part);
+        last.read(first - above, kSilence, ending, part);
       else
-        line_.read_moving(delay_from_, trip_.delay, phase, period(), kSilence, wave, part);
+        last.read_moving(delay_from_ - above, trip_.delay - above, phase, period(), kSilence,
+                         ending, part);
       if (gliding_)
-        travel_gliding(wave, out.radiated + done, phase, part);
+        travel_gliding(ending, out.radiated + done, phase, part);
       else
-        travel(wave, trip_, out.radiated + done, part);
+        travel(ending, divided_ ? parts_.below : trip_, out.radiated + done, part);
+      if (divided_)
+        pass_vent(wave, ending, phase, part);
       if (reed_moves_)
         for (int i = 0; i < part; ++i)
           moving_[index(i)] = ReedCoefficients<V>::at(
@@ -518,8 +585,18 @@ private:
     for (int i = 0; i < count; ++i) {
       const double share = (phase + i + 1) / period();
       radiation_.set(RadiationConstants::between(radiation_from_, radiation_to_, share));
-      travel(wave + i, RoundTrip::between(trip_from_, trip_, share), radiated + i, 1);
+      travel(wave + i, divided_ ? parts_.below : RoundTrip::between(trip_from_, trip_, share),
+             radiated + i, 1);
     }
+  }
+
+  /// What the line above the vent sends back, and what the line below it receives.
+  [[gnu::noinline, gnu::flatten]] void pass_vent(V* wave, V* below, int phase, int count) noexcept {
+    line_.read(parts_.above.delay, kSilence, wave, count);
+    typename RoundTripFilter<V>::Stretch losses(above_filter_, parts_.above, 0);
+    const double step = (vent_to_ - vent_from_) / period();
+    vent_filter_.pass(losses, wave, below, vent_from_ + step * phase, step, count);
+    below_.advance(count);
   }
 
   void step(const ReedCoefficients<V>* coefficients, int stride, const ValveSignals<V>& signal,
@@ -602,7 +679,14 @@ private:
   double breath_from_ = 1, breath_to_ = 1; // share of the mouth pressure
   double trim_ = 0, trim_delay_ = 0, own_delay_ = 3;
   HoledEnd<V> holes_{};
-  BoreLine<V, kChunk> line_;
+  RegisterVent vent_{};
+  VentFilter<V> vent_filter_{};
+  RoundTripFilter<V> above_filter_{}; // of the line above the vent
+  BoreDesign::Parts parts_{};         // while it is divided there
+  bool divided_ = false;
+  int shut_ = 0;                       // samples since the vent was open
+  double vent_from_ = 0, vent_to_ = 0; // share that is open
+  BoreLine<V, kChunk> line_, below_;
   Decimator<double, kChunk> radiated_decimator_{};
   std::array<Decimator<V, kChunk>, 3> decimators_{};
   Random random_{};

@@ -93,6 +93,8 @@ public:
     change(end_[1]);
   }
 
+  template <class Change> void each_loss(Change change) noexcept { loss_.each(change); }
+
   /// The filter with its coefficients at hand for a stretch of samples; its state goes back into
   /// the filter at the end of its life.
   class Stretch {

@@ -5,6 +5,7 @@
 #include "core/reed/linear_stability.hpp"
 #include "core/reed/radiation.hpp"
 #include "core/reed/wall_loss.hpp"
+#include "core/reed/woodwind.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kPlaying = 1.5;       // times the threshold: where reeds are usually played,
 constexpr double kPlayingLips = 2.5;   // and lips
 constexpr double kShortestTube = 0.05; // m, that lips play on
-constexpr double kValveAlone = 0.75;    // below this share of the bore's lowest, it carries no note
+constexpr double kValveAlone = 0.75;   // below this share of the bore's lowest, it carries no note
 
 /// At one pressure: the bore that the valve wants to oscillate with at the frequency.
 struct Candidate {
@@ -31,25 +32,34 @@ struct Candidate {
 class NeutralOscillation {
 public:
   NeutralOscillation(const Parameters& p, double frequency, double reed_frequency,
-                     const Termination* end)
+                     const Fingering& fingering)
       : parameters_(p), theory_(p, p.length), s_(0, 2 * kPi * frequency),
         reed_frequency_(reed_frequency) {
     bore_.set(p, 48000);
-    bore_.set_end(end);
+    bore_.set_end(fingering.end);
     const double area = kPi * p.input_radius * p.input_radius;
     const Air& air = bore_.air();
     lumped_ = s_ * p.cup_volume / (air.density * air.sound_speed * air.sound_speed);
     if (p.shape == BoreShape::kCone)
       lumped_ += area / (s_ * air.density * p.apex_distance);
     end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection) : bore_.end_reflection(s_);
-    wanted_ = wanted_length(p, frequency, end);
+    wanted_ = wanted_length(p, frequency, fingering.end);
+    if (fingering.vented && !(p.scalar_reflection > 0)) {
+      vent_ = RegisterVent::of(p);
+      to_vent_ = std::exp(-s_ * 2.0 * vent_.place / air.sound_speed -
+                          wall_loss(p, vent_.place, air.sound_speed) * std::sqrt(s_));
+      // The bore's second mode.
+      wanted_ = bore_.length_for(frequency / (p.shape == BoreShape::kCone ? 2 : 3));
+    }
   }
 
   [[nodiscard]] Candidate at(double mouth_pressure) const {
     const Equilibrium state = theory_.equilibrium(mouth_pressure, reed_frequency_);
     const Complex valve = theory_.valve_admittance(s_, state, reed_frequency_);
     const Complex y = bore_.impedance() * (valve - lumped_);
-    const Complex round_trip = (1.0 - y) / (1.0 + y);
+    Complex round_trip = (1.0 - y) / (1.0 + y);
+    if (vent_.share > 0)
+      round_trip = vent_.left_out(s_, round_trip, to_vent_);
     const double omega = s_.imag(), speed = bore_.air().sound_speed;
     // -omega 2L/c - G(L) sqrt(omega/2) = arg(round trip/R) - 2 pi n
     const double phase = std::arg(round_trip / end_);
@@ -79,6 +89,8 @@ private:
   BoreDesign bore_;
   Complex s_, lumped_, end_;
   double reed_frequency_, wanted_;
+  RegisterVent vent_{};
+  Complex to_vent_ = 1; // and back
 };
 
 double aim_of(const Parameters& parameters, double bore_frequency) {
@@ -108,7 +120,28 @@ Playing lips_for(const Parameters& parameters, double aimed) {
   return playing;
 }
 
+/// Semitones that a fingering sounds higher with the vent.
+int overblown(const Parameters& parameters) {
+  const Woodwind* const instrument = woodwind(parameters.end);
+  return instrument != nullptr ? instrument->overblown : 0;
+}
+
 } // namespace
+
+Fingering standard_fingering(const Parameters& parameters, double bore_frequency) noexcept {
+  const double quarter_tone = std::exp2(1.0 / 24);
+  const bool vented = parameters.end != BoreEnd::kOpen && parameters.register_note > 0 &&
+                      bore_frequency * quarter_tone >= parameters.register_note;
+  const double fingered =
+      vented ? bore_frequency * std::exp2(-overblown(parameters) / 12.0) : bore_frequency;
+  return {fingering_for(parameters.end, fingered), vented};
+}
+
+double key_of(const Parameters& parameters, const Fingering& fingering) noexcept {
+  return fingering.end == nullptr
+             ? 0
+             : fingering.end->key + (fingering.vented ? overblown(parameters) : 0);
+}
 
 double wanted_length(const Parameters& parameters, double bore_frequency,
                      const Termination* end) noexcept {
@@ -129,10 +162,10 @@ double wanted_length(const Parameters& parameters, double bore_frequency,
 }
 
 double tuned_length(const Parameters& parameters, double bore_frequency, double reed_frequency,
-                    double over_threshold, const Termination* end) noexcept {
+                    double over_threshold, const Fingering& fingering) noexcept {
   constexpr int kPressures = 32;
   constexpr int kBisections = 24;
-  const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency, end);
+  const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency, fingering);
   const double highest = oscillation.highest_pressure();
   double low = 0;
   Candidate best{0, -1e300};
@@ -193,20 +226,20 @@ Playing player_lips(const Parameters& parameters, double bore_frequency) noexcep
 
 Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency) noexcept {
   return tuned(parameters, bore_frequency, reed_frequency,
-               fingering_for(parameters.end, bore_frequency));
+               standard_fingering(parameters, bore_frequency));
 }
 
 Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency,
-              const Termination* end) noexcept {
+              const Fingering& fingering) noexcept {
   const double aimed = aim_of(parameters, bore_frequency);
   Playing playing = lips_for(parameters, aimed);
   const Parameters& valve = playing.valve;
-  playing.end = end;
+  playing.fingering = fingering;
   const double reed =
       parameters.embouchure > 0 ? embouchure_at(parameters, aimed) * aimed : reed_frequency;
-  if (!valve_alone(parameters, bore_frequency, end))
-    playing.length =
-        tuned_length(valve, aimed, reed, parameters.embouchure > 0 ? kPlayingLips : kPlaying, end);
+  if (!valve_alone(parameters, bore_frequency, fingering.end))
+    playing.length = tuned_length(valve, aimed, reed,
+                                  parameters.embouchure > 0 ? kPlayingLips : kPlaying, fingering);
   return playing;
 }
 
@@ -218,7 +251,7 @@ Playing embouchure_for(const Parameters& parameters, double bore_frequency,
     const double note =
         std::clamp(meant, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
     playing = player_lips(parameters, note);
-    playing.end = fingering_for(parameters.end, note);
+    playing.fingering = standard_fingering(parameters, note);
   }
   playing.length = length_m;
   return playing;

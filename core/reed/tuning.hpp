@@ -1,8 +1,23 @@
 #pragma once
 
 #include "core/reed/parameters.hpp"
+#include "core/reed/register_vent.hpp"
 
 namespace tactus::reed {
+
+/// What the fingers do for a note.
+struct Fingering {
+  const Termination* end = nullptr; // what the bore ends in; null: an open end
+  bool vented = false;              // the register vent is open: the note is overblown
+
+  friend bool operator==(const Fingering&, const Fingering&) = default;
+};
+/// The standard fingering of the note bore_frequency (Hz): from Parameters::register_note on that
+/// of the note a twelfth (of a cone: an octave) below, with the register vent.
+[[nodiscard]] Fingering standard_fingering(const Parameters& parameters,
+                                           double bore_frequency) noexcept;
+/// MIDI number of the note that a fingering sounds.
+[[nodiscard]] double key_of(const Parameters& parameters, const Fingering& fingering) noexcept;
 
 /// Length of the bore, m, near which a note (Hz) is looked for: where its ideal lowest resonance
 /// lies. Lips choose a resonance of the instrument's own bore, or with Parameters::highest_mode one
@@ -15,19 +30,19 @@ namespace tactus::reed {
 /// Y_in(L) = Y_valve(p_m) at the lowest pressure that has one, or at over_threshold >= 1 times that
 /// (at most half way to the highest). A blown-open valve plays a mode of a longer bore: among the
 /// solutions the one nearest to the parameters' own length is taken; the others play their lowest
-/// mode. The bore ends in `end`, or openly. Where no pressure starts the note, the pressure counts
+/// mode. Where no pressure starts the note, the pressure counts
 /// that comes nearest to it. Bounded work (about 60 evaluations of a few complex functions), no
 /// allocation.
 [[nodiscard]] double tuned_length(const Parameters& parameters, double bore_frequency,
                                   double reed_frequency, double over_threshold = 1,
-                                  const Termination* end = nullptr) noexcept;
+                                  const Fingering& fingering = {}) noexcept;
 
 /// What a player chooses to sound a note.
 struct Playing {
-  Parameters valve;                 // the instrument with the player's lips
-  double length;                    // L, m
-  double reed_scale = 1;            // factor on the f_r that the instrument is given
-  const Termination* end = nullptr; // what the bore ends in; null: an open end
+  Parameters valve;      // the instrument with the player's lips
+  double length;         // L, m
+  double reed_scale = 1; // factor on the f_r that the instrument is given
+  Fingering fingering{};
 };
 
 /// A player's choice for the note bore_frequency (Hz), given f_r = reed_frequency (Hz).
@@ -39,9 +54,9 @@ struct Playing {
 /// brought to embouchure * f_b, at constant stiffness (a lower note takes more of the lip's mass),
 /// so that threshold and opening stay what they were; f_r then bends it, its own value being no
 /// bend. A note well below the bore's lowest resonance is that valve's alone: the bore keeps its
-/// length. The bore ends in `end`, or openly.
+/// length.
 [[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
-                            double reed_frequency, const Termination* end) noexcept;
+                            double reed_frequency, const Fingering& fingering) noexcept;
 /// The same with the fingering of the note, when the instrument has fingerings.
 [[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
                             double reed_frequency) noexcept;

@@ -14,11 +14,36 @@ constexpr double kBenade = 0.11;         // f_c = 0.11 c (b/a) sqrt(1/(s t_e)),
 constexpr double kOuterCorrection = 1.5; // t_e = t + 1.5 b, s half the distance to the next hole
 
 constexpr Woodwind kClarinet{
-    50, 70, 7.5e-3, 0, 1500, 8e-3, {{{0, 1}, {0.02, 1.15}, {0.06, 1.6}, {0.10, 2.6}, {0.125, 4.0}}},
-    5};
-constexpr Woodwind kSaxophone{46, 75, 6.2e-3, 0.2, 800, 4e-3, {{{0, 1}, {0.10, 1.25}, {0.18, 2.2}}},
-                              3};
-constexpr Woodwind kOboe{57, 81, 3e-3, 0.1, 1500, 5e-3, {{{0, 1}, {0.05, 1.2}, {0.09, 1.7}}}, 3};
+    .lowest_key = 50,
+    .highest_key = 70,
+    .input_radius = 7.5e-3,
+    .apex = 0,
+    .cutoff = 1500,
+    .chimney = 8e-3,
+    .bell = {{{0, 1}, {0.02, 1.15}, {0.06, 1.6}, {0.10, 2.6}, {0.125, 4.0}}},
+    .bell_corners = 5,
+    .vent = {0.11, 1.5e-3, 12e-3},
+    .overblown = 19};
+constexpr Woodwind kSaxophone{.lowest_key = 46,
+                              .highest_key = 75,
+                              .input_radius = 6.2e-3,
+                              .apex = 0.2,
+                              .cutoff = 800,
+                              .chimney = 4e-3,
+                              .bell = {{{0, 1}, {0.10, 1.25}, {0.18, 2.2}}},
+                              .bell_corners = 3,
+                              .vent = {0.16, 1.5e-3, 4e-3},
+                              .overblown = 12};
+constexpr Woodwind kOboe{.lowest_key = 57,
+                         .highest_key = 81,
+                         .input_radius = 3e-3,
+                         .apex = 0.1,
+                         .cutoff = 1500,
+                         .chimney = 5e-3,
+                         .bell = {{{0, 1}, {0.05, 1.2}, {0.09, 1.7}}},
+                         .bell_corners = 3,
+                         .vent = {0.12, 0.6e-3, 5e-3},
+                         .overblown = 12};
 
 } // namespace
 

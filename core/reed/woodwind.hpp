@@ -29,6 +29,8 @@ struct Woodwind {
   double chimney = 8e-3; // height of the tone holes
   std::array<Corner, kBellCorners> bell{};
   int bell_corners = 0;
+  Hole vent{};        // the register vent; its place on the line, from the reed's end
+  int overblown = 19; // semitones from a fingering's note to the one with the vent open
 
   /// A note's first open hole; the lowest note's is the beginning of the bell.
   [[nodiscard]] double place(double key) const noexcept;

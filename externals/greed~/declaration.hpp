@@ -122,6 +122,8 @@ inline constexpr std::array kParameters{
               "with breath_ref: stiffness and mass times p_m/breath_ref to this power"},
     Parameter{"breath_q", "", kInitial.breath_quality, -2, 2,
               "with breath_ref: q times p_m/breath_ref to this power"},
+    Parameter{"register_note", "Hz", kInitial.register_note, 0, 20000,
+              "with tune: from here on the register vent of `end` is open; 0: never"},
     Parameter{"lowest_note", "Hz", kInitial.lowest_note, 0, 20000,
               "with tune: f_b below it is refused; 0: no limit"},
     Parameter{"highest_note", "Hz", kInitial.highest_note, 0, 20000,
@@ -180,6 +182,7 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::breath_opening>(),
     number<&Parameters::breath_tension>(),
     number<&Parameters::breath_quality>(),
+    number<&Parameters::register_note>(),
     number<&Parameters::lowest_note>(),
     number<&Parameters::highest_note>(),
     number<&Parameters::gain>(),
@@ -191,8 +194,8 @@ inline constexpr std::array kMessages{
     Message{"reset", "", 0, 0, "valve at rest, air still"},
     Message{"tongue", "", 0, 0, "with tune: the note is tongued anew"},
     Message{"holes", "CLOSED...", 1, 33,
-            "with tune and tone holes: each hole from the reed down, 1 closed, 0 open, in between "
-            "partly covered; fingering ends it"},
+            "with tune and tone holes: register vent and each hole from the reed down, 1 closed, 0 "
+            "open, in between partly covered; fingering ends it"},
 };
 enum MessageIndex : std::size_t { kPreset, kReset, kTongue, kHoles };
 

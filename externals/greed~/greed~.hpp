@@ -75,8 +75,8 @@ private:
     const reed::Woodwind* const wind = reed::woodwind(instrument_.parameters().end);
     if (wind == nullptr)
       return host.error("holes: expected end clarinet, saxophone or oboe, which have tone holes");
-    std::array<double, reed::Woodwind::kMaxToneHoles> closed{};
-    const std::size_t count = wind->tone_holes();
+    std::array<double, reed::Woodwind::kMaxToneHoles + 1> closed{};
+    const std::size_t count = wind->tone_holes() + 1;
     bool usable = arguments.size() == count;
     for (std::size_t i = 0; i < count && usable; ++i) {
       usable = !arguments[i].is_word && arguments[i].number >= 0 && arguments[i].number <= 1;
@@ -84,7 +84,8 @@ private:
     }
     if (!usable)
       return host.error("holes: expected " + std::to_string(count) +
-                        " numbers in 0..1, from the reed down: 1 closed, 0 open");
+                        " numbers in 0..1, the register vent and then the holes from the reed down: "
+                        "1 closed, 0 open");
     if (!instrument_.finger_holes(std::span(closed).first(count)))
       host.error("holes: found no filter for these, expected another fingering");
   }

@@ -4,6 +4,7 @@
 #include "core/reed/termination.hpp"
 
 #include <array>
+#include <string_view>
 
 namespace tactus::reed::test {
 
@@ -40,6 +41,31 @@ inline constexpr BoreReference kBoreReference[]{
     {BoreEnd::kOboe, 70, 0.24829334, {{{478.785, 23.084}, {1023.385, 23.805}}}},
     {BoreEnd::kOboe, 74, 0.172314617, {{{618.788, 24.888}, {1342.147, 23.542}}}},
     {BoreEnd::kOboe, 78, 0.112010266, {{{817.259, 26.034}}}},
+};
+
+/// The same with any state of the holes.
+struct FingeredReference {
+  BoreEnd end;
+  std::string_view holes; // from the reed down: c closed, o open, h half, q three quarters covered
+  double length; // of the line, m
+  std::array<BoreReference::Peak, 5> peaks;
+};
+
+inline constexpr FingeredReference kFingeredReference[]{
+    {BoreEnd::kClarinet, "cccccccccccccccccccc", 0.564629235, {{{136.614, 31.222}, {411.290, 26.174}, {680.209, 23.224}, {933.679, 19.410}, {1159.946, 14.102}}}},
+    {BoreEnd::kClarinet, "cccccccccccccccchooo", 0.444020531, {{{178.040, 31.718}, {536.966, 26.758}, {892.711, 24.176}, {1245.970, 21.259}}}},
+    {BoreEnd::kClarinet, "ccccccccccqooooooooo", 0.308112064, {{{245.042, 32.579}, {736.431, 27.464}, {1214.149, 24.355}}}},
+    {BoreEnd::kClarinet, "ccccchohohohohohohoh", 0.225806314, {{{324.596, 33.230}, {964.172, 27.418}, {1420.623, 7.557}}}},
+    {BoreEnd::kClarinet, "ccccccccoccooooooooo", 0.272314617, {{{272.957, 33.014}, {808.484, 27.285}, {1272.573, 22.073}}}},
+    {BoreEnd::kClarinet, "ccccccccoccccooooooo", 0.272314617, {{{266.171, 32.625}, {763.789, 25.628}, {1108.035, 20.605}}}},
+    {BoreEnd::kClarinet, "ccccccocccoooooooooo", 0.240422718, {{{298.045, 33.001}, {865.143, 26.531}, {1301.405, 21.315}}}},
+    {BoreEnd::kClarinet, "cccccccccccocccooooo", 0.327622623, {{{230.731, 32.483}, {681.806, 26.640}, {1048.763, 20.420}, {1337.913, 21.049}}}},
+    {BoreEnd::kClarinet, "cccccccccccchccccooo", 0.34829334, {{{206.462, 31.219}, {598.443, 24.840}, {895.213, 20.789}, {1125.960, 2.614}, {1208.334, 20.300}}}},
+    {BoreEnd::kClarinet, "ccccccccccccocococcc", 0.34829334, {{{222.495, 32.539}, {663.940, 26.843}, {788.488, 2.452}, {1085.977, 22.247}, {1264.087, 1.922}}}},
+    {BoreEnd::kClarinet, "cccccccococooooooooo", 0.255908259, {{{290.881, 33.230}, {862.377, 27.449}, {1345.143, 20.724}}}},
+    {BoreEnd::kClarinet, "cccccccccccccoccccco", 0.370193201, {{{205.429, 32.036}, {590.889, 24.586}, {786.087, 17.671}, {1063.013, 18.558}, {1176.519, 7.408}}}},
+    {BoreEnd::kClarinet, "ccccccccccoccccccccc", 0.308112064, {{{231.727, 31.617}, {473.715, 14.000}, {731.630, 25.517}, {953.569, 13.541}, {1203.915, 14.917}}}},
+    {BoreEnd::kClarinet, "cccccccccccccccccooc", 0.471612628, {{{170.599, 31.750}, {514.276, 26.747}, {850.427, 23.420}, {1012.112, 0.696}, {1207.296, 20.578}}}},
 };
 
 } // namespace tactus::reed::test
