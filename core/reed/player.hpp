@@ -72,6 +72,7 @@ public:
 private:
   [[nodiscard]] double playable(double frequency) noexcept;
   void choose(double reed_frequency) noexcept;
+  [[nodiscard]] double held_tube() const noexcept;
   void finger(double frequency, bool leap) noexcept;
   void set_trim(double logarithm, bool moved) noexcept;
   bool follow_breath(double mouth_pressure) noexcept;
