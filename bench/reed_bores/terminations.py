@@ -121,7 +121,7 @@ def main() -> int:
     text += ("std::span<const Termination> terminations(BoreEnd end) noexcept {\n  switch (end) {\n" +
              "".join(f"  case BoreEnd::k{name.capitalize()}:\n    return k{name.capitalize()};\n"
                      for name in cases) +
-             "  case BoreEnd::kOpen:\n    break;\n  }\n  return {};\n}\n\n} // namespace tactus::reed\n")
+             "  default:\n    return bells(end);\n  }\n}\n\n} // namespace tactus::reed\n")
     if arguments.check:
         same = TABLE.exists() and close(TABLE.read_text(), text)
         print("the committed table is this one" if same else "the committed table is another one")

@@ -1,6 +1,7 @@
 #include "core/reed/length_table.hpp"
 
 #include "core/reed/bore_design.hpp"
+#include "core/reed/brass.hpp"
 #include "core/reed/tuning.hpp"
 
 #include <algorithm>
@@ -55,7 +56,11 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
     const double nearest = turns + std::round(own - turns);
     turns += std::round(turns_ - turns);
     const double most = parameters_.shape == BoreShape::kCone ? kLongCone : kLongCylinder;
-    if (leap || turns < kShort * own || turns > most * own)
+    const bool beyond = fingering.end != nullptr && plays_tube(parameters_)
+                            ? !reaches(*brass_tube(parameters_.end), *fingering.end,
+                                       length_of(parameters_, bore_frequency, turns))
+                            : turns < kShort * own || turns > most * own;
+    if (leap || beyond)
       turns = nearest;
   }
   turns_ = turns;

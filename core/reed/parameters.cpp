@@ -52,6 +52,8 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.scalar_reflection = bounded(p.scalar_reflection, 0, 1, kInitial.scalar_reflection);
   p.temperature = bounded(p.temperature, -50, 100, kInitial.temperature);
   p.fingering = bounded(p.fingering, 0, 127, kInitial.fingering);
+  p.valves = p.valves < -1 || p.valves > 7 ? -1 : p.valves;
+  p.slide = p.slide > 0 ? bounded(p.slide, 1, 7, kInitial.slide) : 0;
   p.breath_noise = bounded(p.breath_noise, 0, 10, kInitial.breath_noise);
   p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
   p.embouchure_slope = bounded(p.embouchure_slope, -2, 2, kInitial.embouchure_slope);
@@ -97,7 +99,7 @@ bool near(const Parameters& a, const Parameters& b) noexcept {
   constexpr double kFactor = 1.25;
   constexpr double kCents = 100;
   if (a.type != b.type || a.shape != b.shape || a.end != b.end || a.flow != b.flow ||
-      a.sweep != b.sweep || a.tune != b.tune || a.ear != b.ear ||
+      a.sweep != b.sweep || a.tune != b.tune || a.ear != b.ear || a.tube != b.tube ||
       oversampling_of(a) != oversampling_of(b))
     return false;
   // Another rest of the valve is only another force on it, and other losses not even that.

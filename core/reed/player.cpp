@@ -1,5 +1,6 @@
 #include "core/reed/player.hpp"
 
+#include "core/reed/brass.hpp"
 #include "core/reed/tuning.hpp"
 
 #include <algorithm>
@@ -8,7 +9,8 @@
 namespace tactus::reed {
 namespace {
 
-constexpr double kRiseTime = 3e-3, kFallTime = 60e-3;     // s, of the breath that lips follow
+constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, of the breath that lips follow
+constexpr double kAboveNatural = 1.012; // of a tube's mode: where blown-open lips sound it
 constexpr double kTongueTime = 50e-3, kTongueMove = 4e-3; // s, of a note begun anew
 
 /// Whether notes need the same length and lips with both.
@@ -117,9 +119,16 @@ void Player::choose(double reed_frequency) noexcept {
     note_ = f;
     if (listens_)
       ear_.mean(f);
-    const Playing lips = player_lips(parameters_, f);
     finger(f, leap);
-    hold_.length = lengths_.length(f, reed_frequency, leap, fingering_);
+    const double held = held_tube();
+    if (held > 0) {
+      // The lips' wish is f_b; what sounds is the tube's.
+      const double natural = nearest_natural(parameters_, *hold_.end, held, f);
+      note_ = f = natural > 0 ? kAboveNatural * natural : f;
+      listens_ = false;
+    }
+    const Playing lips = player_lips(parameters_, f);
+    hold_.length = held > 0 ? held : lengths_.length(f, reed_frequency, leap, fingering_);
     own_scale_ = lips.reed_scale;
     if (due_ || !played || parameters_.embouchure > 0) {
       lips_ = lips.valve;
@@ -138,6 +147,18 @@ void Player::choose(double reed_frequency) noexcept {
                                                    : parameters_.length;
   }
   hold_.length = std::clamp(hold_.length, 5e-3, bore_.longest());
+}
+
+/// Length of the tube with the valves or the slide position that are set, m; 0: the player chooses.
+double Player::held_tube() const noexcept {
+  const BrassTube* const tube = brass_tube(parameters_.end);
+  if (tube == nullptr || hold_.end == nullptr)
+    return 0;
+  if (parameters_.slide > 0)
+    return slide_length(*tube, *hold_.end, parameters_.slide);
+  return parameters_.valves >= 0
+             ? valve_length(*tube, *hold_.end, static_cast<unsigned>(parameters_.valves))
+             : 0;
 }
 
 /// The fingering for f_b. A bend or a vibrato of nearly a semitone stays on the one there is.

@@ -81,6 +81,7 @@ public:
 private:
   [[nodiscard]] double playable(double frequency) noexcept;
   void choose(double reed_frequency) noexcept;
+  [[nodiscard]] double held_tube() const noexcept;
   void finger(double frequency, bool leap) noexcept;
   void hold_holes() noexcept;
   void set_trim(double logarithm, bool moved) noexcept;

@@ -4,6 +4,7 @@
 #include "core/dsp/simd.hpp"
 #include "core/reed/bore_design.hpp"
 #include "core/reed/bore_line.hpp"
+#include "core/reed/brass.hpp"
 #include "core/reed/halfband.hpp"
 #include "core/reed/holed_end.hpp"
 #include "core/reed/parameter_glide.hpp"
@@ -69,7 +70,8 @@ public:
   /// 16 ms, and switches in a short fade (ParameterGlide); several side by side have them at once.
   /// The state goes on, within the new stops.
   void set(const Parameters& parameters) noexcept {
-    const Parameters wanted = clamped(parameters);
+    given_ = clamped(parameters);
+    const Parameters wanted = with_tube(given_);
     if (kSeveral || fresh_ || !(sample_rate_ > 0))
       return apply(wanted);
     if (wanted == parameters_)
@@ -79,7 +81,7 @@ public:
     if (!glide_.fades_out())
       inform_player();
   }
-  [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
+  [[nodiscard]] const Parameters& parameters() const noexcept { return given_; }
   /// Holes fingered one by one (Player::finger).
   void finger(const Termination* holes, double vent = 0) noexcept { player_.finger(holes, vent); }
   /// What the player was asked for and does not play.
@@ -660,7 +662,7 @@ private:
   int oversampling_ = 1, phase_ = kControlPeriod;
   bool fresh_ = true, reed_moves_ = false, valve_moves_ = false, gliding_ = false, trip_due_ = true,
        steady_due_ = true;
-  Parameters parameters_{};
+  Parameters given_{}, parameters_{}; // the second with the tube that is played, if one is
   BoreDesign design_{};
   ValveConstants constants_{};
   ValveConstants from_{}, to_{}; // while the player moves the valve

@@ -6,9 +6,9 @@
 
 namespace tactus::reed {
 
-/// What the bore's line ends in, with `tune`: an unflanged open end, or an instrument's own holes
-/// and bell.
-enum class BoreEnd { kOpen, kClarinet, kSaxophone, kOboe };
+/// What the bore's line ends in, with `tune`: an unflanged open end, an instrument's own holes and
+/// bell, or the bell of a brass instrument.
+enum class BoreEnd { kOpen, kClarinet, kSaxophone, kOboe, kTrumpet, kTrombone };
 
 /// One fingering: what an arriving wave meets where the line ends, at the first open tone hole (or
 /// at the beginning of the bell): a lattice of open holes, what bore is left, the bell. As
@@ -46,6 +46,10 @@ struct Termination {
 
 /// Fingerings of an instrument, from low to high, one a semitone; empty for the open end.
 [[nodiscard]] std::span<const Termination> terminations(BoreEnd end) noexcept;
+
+/// The bell of a brass instrument, the same for every note (one row, key 0); empty for others.
+/// Written by bench/reed_bores/bells.py.
+[[nodiscard]] std::span<const Termination> bells(BoreEnd end) noexcept;
 
 /// The fingering of the note nearest to a frequency in Hz, or the first or last where there is
 /// none; null for the open end.

@@ -862,10 +862,9 @@ std::span<const Termination> terminations(BoreEnd end) noexcept {
     return kSaxophone;
   case BoreEnd::kOboe:
     return kOboe;
-  case BoreEnd::kOpen:
-    break;
+  default:
+    return bells(end);
   }
-  return {};
 }
 
 } // namespace tactus::reed

@@ -2,6 +2,7 @@
 
 #include "core/reed/air.hpp"
 #include "core/reed/bore_design.hpp"
+#include "core/reed/brass.hpp"
 #include "core/reed/linear_stability.hpp"
 #include "core/reed/radiation.hpp"
 #include "core/reed/wall_loss.hpp"
@@ -150,6 +151,12 @@ double wanted_length(const Parameters& parameters, double bore_frequency,
   bore.set_end(end);
   if (parameters.type != ValveType::kOpen)
     return bore.length_for(bore_frequency);
+  if (end != nullptr && plays_tube(parameters)) {
+    const BrassTube& tube = *brass_tube(parameters.end);
+    const double semitones = usual_positions(tube, bore_frequency).semitones;
+    return tube.has_valves ? valve_length(tube, *end, usual_valves(static_cast<int>(semitones)))
+                           : slide_length(tube, *end, 1 + semitones);
+  }
   if (!(parameters.highest_mode > 0))
     return parameters.length;
   for (double mode = parameters.highest_mode; mode < 100; ++mode) {

@@ -16,7 +16,8 @@ using reed::Parameters;
 
 inline constexpr std::array<std::string_view, 3> kTypes{"closed", "open", "swing"};
 inline constexpr std::array<std::string_view, 2> kBores{"cyl", "cone"};
-inline constexpr std::array<std::string_view, 4> kEnds{"open", "clarinet", "saxophone", "oboe"};
+inline constexpr std::array<std::string_view, 6> kEnds{"open",    "clarinet", "saxophone", "oboe",
+                                                        "trumpet", "trombone"};
 inline constexpr std::array<std::string_view, 2> kFlows{"implicit", "paper"};
 inline constexpr std::array<double, 4> kOversamplings{0, 1, 2, 4};
 
@@ -84,7 +85,7 @@ inline constexpr std::array kParameters{
     Parameter{"brassiness", "", kInitial.brassiness, 0, 100,
               "bore lengths over which a loud wave steepens before it is radiated"},
     Parameter{"temp", "degC", kInitial.temperature, -20, 50, "temperature of the air"},
-    Parameter{"end", "", 0, 0, 3,
+    Parameter{"end", "", 0, 0, 5,
               "with tune: an open end, or holes and bell of an instrument, for radius_end and bell",
               kEnds},
     Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1", {},
@@ -96,6 +97,10 @@ inline constexpr std::array kParameters{
     Parameter{"ear", "", 1, 0, 1, "1: with tune, correct slowly what is heard out of tune"},
     Parameter{"fingering", "", 0, 0, 127,
               "with tune: MIDI note fingered, in place of the bore frequency; 0: none"},
+    Parameter{"tube", "", 0, 0, 1,
+              "1: with tune and end trumpet or trombone: f_b is played with valves or slide"},
+    Parameter{"slide", "", 0, 0, 7,
+              "with tune, on brass: slide position 1 to 7, fractions too; 0: the player's choice"},
     Parameter{"embouchure", "", kInitial.embouchure, 0, 10,
               "with tune: f_r/f_b that the lips keep, f_r bending them; 0: f_r as given"},
     Parameter{"aim", "cent", 0, -1200, 1200,
@@ -166,6 +171,8 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     whole<&Parameters::tune>(),
     whole<&Parameters::ear>(),
     number<&Parameters::fingering>(),
+    whole<&Parameters::tube>(),
+    number<&Parameters::slide>(),
     number<&Parameters::embouchure>(),
     number<&Parameters::aim>(),
     number<&Parameters::lip_mass>(),
