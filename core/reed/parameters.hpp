@@ -58,7 +58,8 @@ struct Parameters {
 
   // the player's lips, with tune: what they keep of the note, and factors on the valve above
   double embouchure = 0;       // f_r/f_b; 0: a reed, whose f_r stays as given
-  double embouchure_slope = 0; // power of f_b/f_r by which that share changes with the note
+  double embouchure_slope = 0; // power of f_b/f_r by which that share changes with the note; of a
+                               // reed: by which theta_0 does, at the same closing pressure
   double highest_mode = 0; // of the bore, that lips sound; 0: whichever lies nearest to its length
   double steepening = 0;   // wavelengths, what brassiness counts; 0: the bore as it is played
   double aim = 0;          // cents beside f_b: what sounding loud adds, known by practice
@@ -68,7 +69,7 @@ struct Parameters {
   double lip_quality = 1;
   double lip_channel = 1; // of lambda: air that follows the lay, and inside and outside the tip
   double played_gain = 1; // times gain
-  double tongue = 0; // by how much of p_m the breath's first push exceeds it; 0: no tongue
+  double tongue = 0;      // by how much of p_m the breath's first push exceeds it; 0: no tongue
 
   // how the lips go with the mouth pressure p, with tune: r = p/breath_reference
   double breath_reference = 0; // Pa at which the lips are as above; 0: they do not follow
