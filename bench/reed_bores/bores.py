@@ -47,9 +47,11 @@ class Woodwind:
     keys: range            # first: all holes closed
     input_radius: float
     apex: float            # from the apex to the reed's end; 0: cylinder
-    cutoff: float          # of the lattice, Hz
+    cutoff: float          # of the lattice, Hz; at its lowest hole where it rises
     chimney: float
     bell: list[tuple[float, float]]  # (distance from the last hole's place, radius over the bore's)
+    cutoff_rise: float = 0.0  # power of the note by which the cut-off rises up the bore,
+    cutoff_top: int = 127     # up to this key's hole
 
     def acoustic_length(self, key: float) -> float:
         """Of the tube from the reed's end (of a cone: from its apex) for a note."""
@@ -63,6 +65,11 @@ class Woodwind:
         """Of the bore at a place."""
         return self.input_radius * (place / self.apex if self.apex > 0 else 1)
 
+    def cutoff_at(self, key: int) -> float:
+        """Of the lattice about the hole that a note opens first."""
+        octaves = (min(max(key, self.keys[0]), self.cutoff_top) - self.keys[0]) / 12
+        return self.cutoff * 2 ** (self.cutoff_rise * octaves)
+
     def hole(self, key: int) -> tuple[float, float]:
         """Place and radius of the hole that the note opens first."""
         place = self.place(key)
@@ -71,7 +78,7 @@ class Woodwind:
         ratio = 0.5
         for _ in range(50):
             thickness = self.chimney + 1.5 * ratio * bore
-            ratio = self.cutoff / (0.11 * SOUND_SPEED) * np.sqrt(spacing / 2 * thickness)
+            ratio = self.cutoff_at(key) / (0.11 * SOUND_SPEED) * np.sqrt(spacing / 2 * thickness)
         return place, min(ratio, 0.9) * bore
 
     def beyond(self, key: int) -> Beyond:
@@ -104,9 +111,11 @@ WOODWINDS = {
     # Bore 15 mm; the lower joint opens before the bell, which ends 60 mm wide (Nederveen 1969).
     "clarinet": Woodwind(range(50, 71), 7.5e-3, 0.0, 1500.0, 8e-3,
                          [(0.0, 1.0), (0.02, 1.15), (0.06, 1.6), (0.10, 2.6), (0.125, 4.0)]),
-    # The presets' cones. The bells: a saxophone's 75 mm radius, an oboe's 19 mm.
-    "saxophone": Woodwind(range(46, 76), 6.2e-3, 0.2, 800.0, 4e-3,
-                          [(0.0, 1.0), (0.10, 1.25), (0.18, 2.2)]),
-    "oboe": Woodwind(range(57, 82), 3e-3, 0.1, 1500.0, 5e-3,
-                     [(0.0, 1.0), (0.05, 1.2), (0.09, 1.7)]),
+    # The presets' cones, and bells that end where a real one's does: a tenor's 1.69 m from the cone's
+    # apex (1.49 m from the mouthpiece's tip, Chen et al. 2009), 75 mm in radius. The oboe's cone is
+    # twice as wide as a real one, and its bell flares less.
+    "saxophone": Woodwind(range(44, 77), 6.2e-3, 0.2, 800.0, 4e-3,
+                          [(0.0, 1.0), (0.06, 1.48)], 0.5, 59),
+    "oboe": Woodwind(range(58, 89), 3e-3, 0.1, 1500.0, 5e-3,
+                     [(0.0, 1.0), (0.04, 1.1), (0.08, 1.4)]),
 }

@@ -97,7 +97,7 @@ class Row:
 
 def rows_of(name: str) -> list[Row]:
     wind = WOODWINDS[name]
-    return [Row(key, wind.beyond(key), wind.cutoff) for key in wind.keys]
+    return [Row(key, wind.beyond(key), wind.cutoff_at(key)) for key in wind.keys]
 
 
 def main() -> int:

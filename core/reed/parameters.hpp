@@ -61,7 +61,8 @@ struct Parameters {
 
   // the player's lips, with tune: what they keep of the note, and factors on the valve above
   double embouchure = 0;       // f_r/f_b; 0: a reed, whose f_r stays as given
-  double embouchure_slope = 0; // power of f_b/f_r by which that share changes with the note
+  double embouchure_slope = 0; // power of f_b/f_r by which that share changes with the note; of a
+                               // reed: by which theta_0 does, at the same closing pressure
   double highest_mode = 0; // of the bore, that lips sound; 0: whichever lies nearest to its length
   double steepening = 0;   // wavelengths, what brassiness counts; 0: the bore as it is played
   double aim = 0;          // cents beside f_b: what sounding loud adds, known by practice

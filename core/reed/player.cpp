@@ -130,7 +130,7 @@ void Player::choose(double reed_frequency) noexcept {
     const Playing lips = player_lips(parameters_, f);
     hold_.length = held > 0 ? held : lengths_.length(f, reed_frequency, leap, fingering_);
     own_scale_ = lips.reed_scale;
-    if (due_ || !played || parameters_.embouchure > 0) {
+    if (due_ || !played || parameters_.embouchure > 0 || parameters_.embouchure_slope != 0) {
       lips_ = lips.valve;
       hold_valve();
     }

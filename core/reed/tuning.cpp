@@ -116,6 +116,10 @@ Playing lips_for(const Parameters& parameters, double aimed) {
   if (parameters.embouchure > 0) {
     playing.reed_scale = embouchure_at(parameters, aimed) * aimed / parameters.reed_frequency;
     valve.mass /= playing.reed_scale * playing.reed_scale;
+  } else {
+    const double looser = std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
+    valve.rest_angle *= looser;
+    valve.mass /= looser;
   }
   valve = clamped(valve);
   return playing;
