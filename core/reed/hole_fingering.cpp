@@ -72,12 +72,13 @@ bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
   std::array<ResponsePoint, kPoints + kBeyond.size()> reflected;
   std::array<ResponsePoint, kPoints> radiated;
   std::array<double, kPoints> magnitude;
+  const double cutoff = instrument.cutoff_at(lattice.key());
   double loudest = 0;
   for (std::size_t i = 0; i < kPoints; ++i) {
     const double f = frequency(i), omega = kTwoPi * f;
     const double spacing = i + 1 < kPoints ? frequency(i + 1) - f : 200;
     const HoleLattice::Response response = lattice.at(omega);
-    const double cube = std::pow(f / instrument.cutoff, 3);
+    const double cube = std::pow(f / cutoff, 3);
     reflected[i] = {omega, response.reflected, std::sqrt(spacing / (f + 200)) / (0.1 + cube)};
     magnitude[i] = response.radiated;
     loudest = std::max(loudest, response.radiated);
@@ -92,8 +93,8 @@ bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
   }
   Termination found;
   found.key = lattice.key();
-  if (!fit_poles(reflected, -1, 2.8 * kTwoPi * instrument.cutoff, found.reflection) ||
-      !fit_poles(radiated, 0, 4 * kTwoPi * instrument.cutoff, found.radiation))
+  if (!fit_poles(reflected, -1, 2.8 * kTwoPi * cutoff, found.reflection) ||
+      !fit_poles(radiated, 0, 4 * kTwoPi * cutoff, found.radiation))
     return false;
   // No more than all comes back, at any frequency.
   const double scale = std::min(1.0, (1 - 1e-9) / largest_response(-1, found.reflection));

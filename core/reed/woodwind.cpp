@@ -24,23 +24,25 @@ constexpr Woodwind kClarinet{
     .bell_corners = 5,
     .vent = {0.11, 1.5e-3, 12e-3},
     .overblown = 19};
-constexpr Woodwind kSaxophone{.lowest_key = 46,
-                              .highest_key = 75,
+constexpr Woodwind kSaxophone{.lowest_key = 44,
+                              .highest_key = 76,
                               .input_radius = 6.2e-3,
                               .apex = 0.2,
                               .cutoff = 800,
                               .chimney = 4e-3,
-                              .bell = {{{0, 1}, {0.10, 1.25}, {0.18, 2.2}}},
-                              .bell_corners = 3,
+                              .cutoff_rise = 0.5,
+                              .cutoff_top = 59,
+                              .bell = {{{0, 1}, {0.06, 1.48}}},
+                              .bell_corners = 2,
                               .vent = {0.16, 1.5e-3, 4e-3},
                               .overblown = 12};
-constexpr Woodwind kOboe{.lowest_key = 57,
-                         .highest_key = 81,
+constexpr Woodwind kOboe{.lowest_key = 58,
+                         .highest_key = 88,
                          .input_radius = 3e-3,
                          .apex = 0.1,
                          .cutoff = 1500,
                          .chimney = 5e-3,
-                         .bell = {{{0, 1}, {0.05, 1.2}, {0.09, 1.7}}},
+                         .bell = {{{0, 1}, {0.04, 1.1}, {0.08, 1.4}}},
                          .bell_corners = 3,
                          .vent = {0.12, 0.6e-3, 5e-3},
                          .overblown = 12};
@@ -52,13 +54,20 @@ double Woodwind::place(double key) const noexcept {
   return air_at(20).sound_speed / ((apex > 0 ? 2 : 4) * frequency) - kEndCorrection;
 }
 
+double Woodwind::cutoff_at(int key) const noexcept {
+  const double octaves = (std::clamp(key, lowest_key, cutoff_top) - lowest_key) / 12.0;
+  return cutoff * std::exp2(cutoff_rise * octaves);
+}
+
 Woodwind::Hole Woodwind::tone_hole(std::size_t index) const noexcept {
-  const double key = key_of(index), here = place(key), spacing = place(key - 1) - here;
+  const int key = key_of(index);
+  const double here = place(key), spacing = place(key - 1) - here;
   const double bore = radius(here);
   double ratio = 0.5;
   for (int i = 0; i < 50; ++i) {
     const double thickness = chimney + kOuterCorrection * ratio * bore;
-    ratio = cutoff / (kBenade * air_at(20).sound_speed) * std::sqrt(spacing / 2 * thickness);
+    ratio =
+        cutoff_at(key) / (kBenade * air_at(20).sound_speed) * std::sqrt(spacing / 2 * thickness);
   }
   return {here, std::min(ratio, kWidestHole) * bore, chimney};
 }
@@ -72,6 +81,8 @@ const Woodwind* woodwind(BoreEnd end) noexcept {
   case BoreEnd::kOboe:
     return &kOboe;
   case BoreEnd::kOpen:
+  case BoreEnd::kTrumpet:
+  case BoreEnd::kTrombone:
     break;
   }
   return nullptr;

@@ -24,9 +24,11 @@ struct Woodwind {
 
   int lowest_key = 50, highest_key = 70; // MIDI; all tone holes closed, all open
   double input_radius = 7.5e-3;
-  double apex = 0;       // from the apex to the reed's end; 0: cylinder
-  double cutoff = 1500;  // of the lattice, Hz
-  double chimney = 8e-3; // height of the tone holes
+  double apex = 0;        // from the apex to the reed's end; 0: cylinder
+  double cutoff = 1500;   // of the lattice, Hz; at its lowest hole where it rises
+  double chimney = 8e-3;  // height of the tone holes
+  double cutoff_rise = 0; // power of the note by which the cut-off rises up the bore,
+  int cutoff_top = 127;   // up to this key's hole
   std::array<Corner, kBellCorners> bell{};
   int bell_corners = 0;
   Hole vent{};        // the register vent; its place on the line, from the reed's end
@@ -34,6 +36,8 @@ struct Woodwind {
 
   /// A note's first open hole; the lowest note's is the beginning of the bell.
   [[nodiscard]] double place(double key) const noexcept;
+  /// Cut-off of the lattice about the hole that a note opens first, Hz.
+  [[nodiscard]] double cutoff_at(int key) const noexcept;
   /// Radius of the bore.
   [[nodiscard]] double radius(double place) const noexcept {
     return input_radius * (apex > 0 ? place / apex : 1);
