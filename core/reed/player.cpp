@@ -149,8 +149,8 @@ void Player::begin_anew(double reed_frequency) noexcept {
   tongue_ = static_cast<int>(kTongueTime * control_rate_) + 1;
   ear_.start_over();
   finger(note_, true);
-  hold_.length =
-      std::clamp(lengths_.length(note_, reed_frequency, true, hold_.end), 5e-3, bore_.longest());
+  hold_.length = std::clamp(lengths_.length(note_, reed_frequency, true, hold_.end), 5e-3,
+                            bore_.longest());
   set_trim(0, true);
 }
 
