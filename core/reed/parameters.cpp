@@ -62,7 +62,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.aim = bounded(p.aim, -1200, 1200, kInitial.aim);
   for (double Parameters::*lip :
        {&Parameters::lip_mass, &Parameters::lip_opening, &Parameters::lip_width,
-        &Parameters::lip_quality, &Parameters::lip_channel})
+        &Parameters::lip_quality, &Parameters::lip_channel, &Parameters::lip_cup})
     p.*lip = bounded(p.*lip, 0.01, 100, 1);
   p.played_gain = bounded(p.played_gain, 0, 100, kInitial.played_gain);
   p.tongue = bounded(p.tongue, 0, 3, kInitial.tongue);
@@ -104,8 +104,10 @@ bool near(const Parameters& a, const Parameters& b) noexcept {
     return false;
   // Another rest of the valve is only another force on it, and other losses not even that.
   constexpr double kAngle = 0.1;
+  constexpr double kSlope = 0.05;
   constexpr double kLosses = 10;
   if (std::abs(a.rest_angle - b.rest_angle) > kAngle || std::abs(a.aim - b.aim) > kCents ||
+      std::abs(a.embouchure_slope - b.embouchure_slope) > kSlope ||
       a.quality > kLosses * b.quality || b.quality > kLosses * a.quality)
     return false;
   for (double Parameters::*size : {&Parameters::arm_length,
@@ -134,6 +136,7 @@ bool near(const Parameters& a, const Parameters& b) noexcept {
                                    &Parameters::lip_opening,
                                    &Parameters::lip_width,
                                    &Parameters::lip_quality,
+                                   &Parameters::lip_cup,
                                    &Parameters::breath_reference}) {
     const double one = std::abs(a.*size), other = std::abs(b.*size);
     if (one > kFactor * other || other > kFactor * one)

@@ -71,8 +71,9 @@ struct Parameters {
   double lip_width = 1;
   double lip_quality = 1;
   double lip_channel = 1; // of lambda: air that follows the lay, and inside and outside the tip
+  double lip_cup = 1; // of the cup's volume: the reed's own compliance is part of a cone's tip
   double played_gain = 1; // times gain
-  double tongue = 0;      // by how much of p_m the breath's first push exceeds it; 0: no tongue
+  double tongue = 0; // by how much of p_m the breath's first push exceeds it; 0: no tongue
 
   // how the lips go with the mouth pressure p, with tune: r = p/breath_reference
   double breath_reference = 0; // Pa at which the lips are as above; 0: they do not follow

@@ -21,7 +21,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kPlaying = 1.5;       // times the threshold: where reeds are usually played,
 constexpr double kPlayingLips = 2.5;   // and lips
 constexpr double kShortestTube = 0.05; // m, that lips play on
-constexpr double kValveAlone = 0.75;   // below this share of the bore's lowest, it carries no note
+constexpr double kValveAlone = 0.75;    // below this share of the bore's lowest, it carries no note
 
 /// At one pressure: the bore that the valve wants to oscillate with at the frequency.
 struct Candidate {
@@ -113,13 +113,14 @@ Playing lips_for(const Parameters& parameters, double aimed) {
   valve.width *= parameters.lip_width;
   valve.quality *= parameters.lip_quality;
   valve.channel_length *= parameters.lip_channel;
+  valve.cup_volume *= parameters.lip_cup;
   if (parameters.embouchure > 0) {
     playing.reed_scale = embouchure_at(parameters, aimed) * aimed / parameters.reed_frequency;
     valve.mass /= playing.reed_scale * playing.reed_scale;
   } else {
-    const double looser = std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
-    valve.rest_angle *= looser;
-    valve.mass /= looser;
+    const double opened = std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
+    valve.rest_angle *= opened;
+    valve.mass /= opened;
   }
   valve = clamped(valve);
   return playing;

@@ -35,10 +35,8 @@ template <auto member> constexpr Member number() {
 template <auto member> constexpr Member whole() {
   return {[](Parameters& p, double value) {
             using Type = std::remove_reference_t<decltype(p.*member)>;
-            if constexpr (std::is_same_v<Type, bool>)
-              p.*member = value >= 0.5;
-            else
-              p.*member = static_cast<Type>(static_cast<int>(value));
+            if constexpr (std::is_same_v<Type, bool>) p.*member = value >= 0.5;
+            else p.*member = static_cast<Type>(static_cast<int>(value));
           },
           [](const Parameters& p) { return static_cast<double>(p.*member); }};
 }
@@ -47,10 +45,8 @@ template <auto member> constexpr Member whole() {
 constexpr Member type() {
   return {[](Parameters& p, double value) {
             p.type = static_cast<reed::ValveType>(static_cast<int>(value));
-            if (p.type == reed::ValveType::kClosed)
-              p.rest_angle = -std::abs(p.rest_angle);
-            if (p.type == reed::ValveType::kOpen)
-              p.rest_angle = std::abs(p.rest_angle);
+            if (p.type == reed::ValveType::kClosed) p.rest_angle = -std::abs(p.rest_angle);
+            if (p.type == reed::ValveType::kOpen) p.rest_angle = std::abs(p.rest_angle);
           },
           [](const Parameters& p) { return static_cast<double>(p.type); }};
 }
@@ -92,13 +88,7 @@ inline constexpr std::array kParameters{
     Parameter{"end", "", 0, 0, 5,
               "with tune: an open end, or holes and bell of an instrument, for radius_end and bell",
               kEnds},
-    Parameter{"os",
-              "",
-              0,
-              0,
-              4,
-              "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1",
-              {},
+    Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1", {},
               kOversamplings},
     Parameter{"flow", "", 0, 0, 1, "jet solved implicitly, or as printed in the paper", kFlows},
     Parameter{"noise", "", kInitial.breath_noise, 0, 1, "breath noise, of the jet's pressure"},
@@ -120,10 +110,9 @@ inline constexpr std::array kParameters{
     Parameter{"lip_width", "", 1, 0.01, 100, "with tune: times width"},
     Parameter{"lip_q", "", 1, 0.01, 100, "with tune: times q"},
     Parameter{"lip_channel", "", 1, 0.01, 100, "with tune: times lambda"},
-    Parameter{
-        "slope", "", 0, -2, 2,
-        "with tune: power of f_b over the valve's own f_r by which embouchure changes; of a reed: "
-        "theta0, at the same closing pressure"},
+    Parameter{"lip_cup", "", 1, 0.01, 100, "with tune: times cup"},
+    Parameter{"slope", "", 0, -2, 2,
+              "with tune: power of f_b over f_r by which embouchure changes; of a reed, theta0"},
     Parameter{"highest_mode", "", 0, 0, 100,
               "with tune: highest resonance of the bore that lips sound; 0: any"},
     Parameter{"steepening", "", 0, 0, 100,
@@ -131,9 +120,8 @@ inline constexpr std::array kParameters{
     Parameter{"played_gain", "", 1, 0, 100, "with tune: times gain"},
     Parameter{"tongue_burst", "", 0, 0, 3,
               "with tune: by how much the tongued breath exceeds p_m at first; 0: no tongue"},
-    Parameter{
-        "breath_ref", "Pa", kInitial.breath_reference, 0, 50000,
-        "with tune: mouth pressure at which the lips are as given; they follow others; 0: not"},
+    Parameter{"breath_ref", "Pa", kInitial.breath_reference, 0, 50000,
+              "with tune: mouth pressure at which the lips are as given; they follow others; 0: not"},
     Parameter{"breath_opening", "", kInitial.breath_opening, 0, 2,
               "with breath_ref: theta0 times p_m/breath_ref to this power"},
     Parameter{"breath_tension", "", kInitial.breath_tension, 0, 2,
@@ -193,6 +181,7 @@ inline constexpr std::array<Member, kParameters.size()> kMembers{
     number<&Parameters::lip_width>(),
     number<&Parameters::lip_quality>(),
     number<&Parameters::lip_channel>(),
+    number<&Parameters::lip_cup>(),
     number<&Parameters::embouchure_slope>(),
     number<&Parameters::highest_mode>(),
     number<&Parameters::steepening>(),
@@ -231,4 +220,4 @@ inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "U", "m^3/s", "volume flow through the valve"},
 };
 
-} // namespace tactus::greed
+}  // namespace tactus::greed

@@ -183,6 +183,7 @@ TEST_CASE("what belongs to the player changes nothing with tune 0") {
     plain.steepening = none.steepening;
     plain.aim = none.aim;
     plain.lip_mass = plain.lip_opening = plain.lip_width = plain.lip_quality = 1;
+    plain.lip_channel = plain.lip_cup = 1;
     plain.played_gain = 1;
     plain.tongue = 0;
     plain.breath_reference = plain.lowest_note = plain.highest_note = 0;
