@@ -2,7 +2,6 @@
 
 #include "core/reed/parameters.hpp"
 #include "core/reed/reed_bank.hpp"
-#include "core/reed/tongue.hpp"
 
 #include <array>
 #include <cstddef>
@@ -19,23 +18,23 @@ namespace tactus::reed {
 class Instrument {
 public:
   /// Largest mouth pressure taken, Pa; what lies beyond is clamped.
-  static constexpr double kHighestPressure = 50e3;
+  static constexpr double kHighestPressure = ReedBank<double>::kHighestPressure;
 
   /// sample_rate in Hz. Called again with the same rate, the sound goes on; another rate starts the
   /// air from rest. Blocks of any size are taken, whatever max_block says.
   void prepare(double sample_rate, std::size_t max_block);
   /// Takes the nearest usable parameters (see clamped()). Another oversampling stills the air.
   /// While it sounds, numbers take some 16 ms, and switches and words fade the sound out and in.
-  void set(const Parameters& parameters) noexcept {
-    bank_.set(parameters);
-    tongue_.set_burst(bank_.parameters().tune ? bank_.parameters().tongue : 0);
-  }
+  void set(const Parameters& parameters) noexcept { bank_.set(parameters); }
   [[nodiscard]] const Parameters& parameters() const noexcept { return bank_.parameters(); }
   /// The note is tongued: the breath stops for some 5 ms and comes back at once. Only a player
   /// (`tune 1`) has a tongue.
-  void articulate() noexcept { tongue_.articulate(); }
+  void articulate() noexcept { bank_.articulate(); }
   /// Valve at rest, air still, noise from its beginning.
   void reset() noexcept;
+  /// The same for an instrument that sounds, without a click: within 8 ms, and the note, blown
+  /// anew, is heard after another 0.15 s.
+  void restart() noexcept { bank_.restart(); }
   /// L in use, m.
   [[nodiscard]] double length() const noexcept { return bank_.length(); }
 
@@ -58,7 +57,6 @@ public:
 private:
   static constexpr std::size_t kStretch = ReedBank<double>::kControlPeriod;
   ReedBank<double> bank_;
-  Tongue tongue_;
   void move_gain() noexcept;
 
   double gain_ = 0, gain_step_ = 0;        // at the end of this control period, and the way there

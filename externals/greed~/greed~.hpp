@@ -39,7 +39,7 @@ public:
   }
 
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-    if (index == greed::kReset) return instrument_.reset();
+    if (index == greed::kReset) return instrument_.restart();
     if (index == greed::kTongue) return instrument_.articulate();
     if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
       instrument_.set(*preset);
