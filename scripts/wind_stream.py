@@ -43,6 +43,10 @@ def staccato(*keys):
     return tuple(Phrase((Note(key, 0.12),), (92,), 0.18) for key in keys)
 
 
+def trill(key, upper, times, duration=0.11):
+    return tuple(Note(k, duration) for _ in range(times) for k in (key, upper))
+
+
 LEAD_IN_S = 0.3
 PIECE = (
     Phrase((Note(60, 2.8),), (35, 118)),
@@ -50,6 +54,8 @@ PIECE = (
             Note(64, 0.4), Note(62, 0.8)), (75, 105, 75)),
     *staccato(67, 67, 65, 64, 62, 60),
     Phrase((Note(64, 2.4, bends=((0, -100), (0.3, 0), (1.2, 0), (1.4, 100))),), (95, 100)),
+    Phrase((Note(60, 0.6), Note(72, 1.2), Note(65, 0.6), *trill(67, 69, 6), Note(67, 1.2)),
+           (70, 110, 80)),
     Phrase((Note(65, 0.5), Note(64, 0.5), Note(62, 0.5), Note(60, 2.6, vibrato=15)), (100, 85, 40)),
 )
 

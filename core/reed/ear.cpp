@@ -10,12 +10,14 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kFarthest = 0.28; // four semitones, as relative frequency
 constexpr double kLimit = 0.25;
-constexpr double kInTune = 0.006; // ten cents: what is remembered as right
-constexpr double kQuiet = 10;     // Pa
-constexpr double kShare = 0.1;    // of the whole pressure's rms: heard at all,
-constexpr double kMain = 0.35;    // and so much that no other register sounds
-constexpr double kLoud = 100;     // Pa, of a sound that has settled on another register
-constexpr double kSlow = 2;       // 1/s, of ln f: what moves faster is heard with less trust
+constexpr double kInTune = 0.006;   // ten cents: what is remembered as right
+constexpr double kQuiet = 10;       // Pa
+constexpr double kShare = 0.1;      // of the whole pressure's rms: heard at all,
+constexpr double kMain = 0.35;      // and so much that no other register sounds
+constexpr double kLoud = 100;       // Pa, of a sound that has settled on another register
+constexpr double kHaste = 2;        // times faster for so long after a leap, s:
+constexpr double kHurryTime = 0.15; // a slur's first error is the largest
+constexpr double kSlow = 2;         // 1/s, of ln f: what moves faster is heard with less trust
 
 } // namespace
 
@@ -121,8 +123,10 @@ void Ear::mean(double frequency_hz) noexcept {
   delay_ = 2 / (kTwoPi * corner);
   time_ = std::max(1.5 * delay_, 0.012);
   sound_pole_ = 1 / (1 + frequency_hz * kPeriod / (2 * sample_rate_));
-  if (leap)
+  if (leap) {
     settle();
+    hurry_ = static_cast<int>(kHurryTime * sample_rate_ / kPeriod);
+  }
 }
 
 void Ear::listen(const double* bore_pressure, int count) noexcept {
@@ -196,7 +200,9 @@ void Ear::hear() noexcept {
   }
   const double error = heard_error + asked_ - smoother_asked_;
   const double speed = smoother_glide_ / (period * kSlow);
-  const double step = -error * period / (time_ * (1 + speed * speed));
+  const double haste = hurry_ > 0 ? kHaste : 1;
+  hurry_ = std::max(0, hurry_ - 1);
+  const double step = -error * haste * period / (time_ * (1 + speed * speed));
   asked_ += step;
   change(step);
   const bool other = loudness_ > kLoud * kLoud && amplitude * amplitude < kMain * kMain * loudness_;

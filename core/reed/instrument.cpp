@@ -46,7 +46,6 @@ void Instrument::move_gain() noexcept {
 void Instrument::prepare(double sample_rate, std::size_t) {
   sample_rate = std::clamp(sample_rate, 1000.0, 1e6);
   bank_.prepare(sample_rate);
-  tongue_.prepare(sample_rate);
   gain_periods_ = ParameterGlide::kTime * sample_rate / kStretch + 1;
 }
 
@@ -65,7 +64,6 @@ bool Instrument::finger_holes(std::span<const double> closed) noexcept {
 
 void Instrument::reset() noexcept {
   bank_.reset();
-  tongue_.reset();
   gain_due_ = true;
   last_pressure_ = reed_frequency_ = bore_frequency_ = 0;
 }
@@ -97,8 +95,6 @@ void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> r
                                         : before;
       }
     last_pressure_ = mouth[count - 1];
-    if (bank_.played())
-      tongue_.shape(mouth.data(), static_cast<int>(count), kHighestPressure);
     bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
               static_cast<int>(count));
     if (gain_step_ != 0) {

@@ -3,7 +3,6 @@
 #include "core/reed/hole_fingering.hpp"
 #include "core/reed/parameters.hpp"
 #include "core/reed/reed_bank.hpp"
-#include "core/reed/tongue.hpp"
 
 #include <array>
 #include <cstddef>
@@ -21,7 +20,7 @@ namespace tactus::reed {
 class Instrument {
 public:
   /// Largest mouth pressure taken, Pa; what lies beyond is clamped.
-  static constexpr double kHighestPressure = 50e3;
+  static constexpr double kHighestPressure = ReedBank<double>::kHighestPressure;
 
   /// sample_rate in Hz. Called again with the same rate, the sound goes on; another rate starts the
   /// air from rest. Blocks of any size are taken, whatever max_block says.
@@ -32,12 +31,11 @@ public:
     if (parameters.end != bank_.parameters().end)
       bank_.finger(nullptr);
     bank_.set(parameters);
-    tongue_.set_burst(bank_.parameters().tune ? bank_.parameters().tongue : 0);
   }
   [[nodiscard]] const Parameters& parameters() const noexcept { return bank_.parameters(); }
   /// The note is tongued: the breath stops for some 5 ms and comes back at once. Only a player
   /// (`tune 1`) has a tongue.
-  void articulate() noexcept { tongue_.articulate(); }
+  void articulate() noexcept { bank_.articulate(); }
   /// With tune: fingers the holes of Parameters::end one by one, the register vent and then the
   /// tone holes from the reed down (1 closed, 0 open, in between partly covered), until
   /// release_holes() or another end. A state that has not been fingered lately takes some
@@ -48,6 +46,9 @@ public:
   void release_holes() noexcept { bank_.finger(nullptr); }
   /// Valve at rest, air still, noise from its beginning.
   void reset() noexcept;
+  /// The same for an instrument that sounds, without a click: within 8 ms, and the note, blown
+  /// anew, is heard after another 0.15 s.
+  void restart() noexcept { bank_.restart(); }
   /// L in use, m.
   [[nodiscard]] double length() const noexcept { return bank_.length(); }
 
@@ -70,7 +71,6 @@ public:
 private:
   static constexpr std::size_t kStretch = ReedBank<double>::kControlPeriod;
   ReedBank<double> bank_;
-  Tongue tongue_;
   // Copies of an instrument share it: what a bore ends in stays where it is.
   std::shared_ptr<HoleFingerings> fingerings_ = std::make_shared<HoleFingerings>();
   void move_gain() noexcept;

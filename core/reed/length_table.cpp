@@ -39,9 +39,9 @@ double LengthTable::length(double bore_frequency, double reed_frequency, bool le
     steps_ = {};
     reed_frequency_ = reed_frequency;
   }
-  if (valve_alone(parameters_, bore_frequency, fingering.end)) {
-    turns_ = turns_of(parameters_, bore_frequency, parameters_.length);
-    return parameters_.length;
+  if (const double alone = length_alone(parameters_, bore_frequency, fingering.end); alone > 0) {
+    turns_ = turns_of(parameters_, bore_frequency, alone);
+    return alone;
   }
   const double at = std::clamp(kSteps * std::log2(bore_frequency / kLowest), 0.0,
                                static_cast<double>(kCount) - 2);

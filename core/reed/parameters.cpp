@@ -2,6 +2,7 @@
 
 #include "core/reed/air.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -58,6 +59,7 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.embouchure = bounded(p.embouchure, 0, 10, kInitial.embouchure);
   p.embouchure_slope = bounded(p.embouchure_slope, -2, 2, kInitial.embouchure_slope);
   p.highest_mode = bounded(p.highest_mode, 0, 100, kInitial.highest_mode);
+  p.shortest_tract = bounded(p.shortest_tract, 0, 100, kInitial.shortest_tract);
   p.steepening = bounded(p.steepening, 0, 100, kInitial.steepening);
   p.aim = bounded(p.aim, -1200, 1200, kInitial.aim);
   for (double Parameters::*lip :
@@ -95,6 +97,32 @@ Parameters between(const Parameters& from, const Parameters& to, double share) n
   return p;
 }
 
+namespace {
+
+using Size = double Parameters::*;
+
+bool within(double factor, std::initializer_list<Size> sizes, const Parameters& a,
+            const Parameters& b) {
+  return std::all_of(sizes.begin(), sizes.end(), [&](Size size) {
+    const double one = std::abs(a.*size), other = std::abs(b.*size);
+    return one <= factor * other && other <= factor * one;
+  });
+}
+
+} // namespace
+
+bool goes_on(const Parameters& a, const Parameters& b) noexcept {
+  return a.type == b.type && a.shape == b.shape && a.tune == b.tune &&
+         oversampling_of(a) == oversampling_of(b) &&
+         within(2,
+                {&Parameters::arm_length, &Parameters::mass, &Parameters::width,
+                 &Parameters::mouth_length, &Parameters::bore_length, &Parameters::input_radius,
+                 &Parameters::apex_distance, &Parameters::scalar_reflection,
+                 &Parameters::length_override, &Parameters::embouchure,
+                 &Parameters::breath_reference, &Parameters::lip_mass, &Parameters::lip_width},
+                a, b);
+}
+
 bool near(const Parameters& a, const Parameters& b) noexcept {
   constexpr double kFactor = 1.25;
   constexpr double kCents = 100;
@@ -110,39 +138,35 @@ bool near(const Parameters& a, const Parameters& b) noexcept {
       std::abs(a.embouchure_slope - b.embouchure_slope) > kSlope ||
       a.quality > kLosses * b.quality || b.quality > kLosses * a.quality)
     return false;
-  for (double Parameters::*size : {&Parameters::arm_length,
-                                   &Parameters::mass,
-                                   &Parameters::reed_frequency,
-                                   &Parameters::width,
-                                   &Parameters::mouth_length,
-                                   &Parameters::bore_length,
-                                   &Parameters::flow_length,
-                                   &Parameters::channel_length,
-                                   &Parameters::leak_area,
-                                   &Parameters::displacement_limit,
-                                   &Parameters::length,
-                                   &Parameters::length_override,
-                                   &Parameters::input_radius,
-                                   &Parameters::end_radius,
-                                   &Parameters::apex_distance,
-                                   &Parameters::cup_volume,
-                                   &Parameters::wall_loss,
-                                   &Parameters::bell,
-                                   &Parameters::bell_quality,
-                                   &Parameters::brassiness,
-                                   &Parameters::scalar_reflection,
-                                   &Parameters::embouchure,
-                                   &Parameters::lip_mass,
-                                   &Parameters::lip_opening,
-                                   &Parameters::lip_width,
-                                   &Parameters::lip_quality,
-                                   &Parameters::lip_cup,
-                                   &Parameters::breath_reference}) {
-    const double one = std::abs(a.*size), other = std::abs(b.*size);
-    if (one > kFactor * other || other > kFactor * one)
-      return false;
-  }
-  return true;
+  return within(kFactor,
+                {&Parameters::arm_length,
+                 &Parameters::mass,
+                 &Parameters::reed_frequency,
+                 &Parameters::width,
+                 &Parameters::mouth_length,
+                 &Parameters::bore_length,
+                 &Parameters::flow_length,
+                 &Parameters::channel_length,
+                 &Parameters::leak_area,
+                 &Parameters::displacement_limit,
+                 &Parameters::length,
+                 &Parameters::length_override,
+                 &Parameters::input_radius,
+                 &Parameters::end_radius,
+                 &Parameters::apex_distance,
+                 &Parameters::cup_volume,
+                 &Parameters::wall_loss,
+                 &Parameters::bell,
+                 &Parameters::bell_quality,
+                 &Parameters::brassiness,
+                 &Parameters::scalar_reflection,
+                 &Parameters::embouchure,
+                 &Parameters::lip_mass,
+                 &Parameters::lip_opening,
+                 &Parameters::lip_width,
+                 &Parameters::lip_quality,
+                 &Parameters::breath_reference},
+                a, b);
 }
 
 double note_of(const Parameters& p, double bore_frequency) noexcept {

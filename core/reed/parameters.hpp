@@ -64,16 +64,20 @@ struct Parameters {
   double embouchure_slope = 0; // power of f_b/f_r by which that share changes with the note; of a
                                // reed: by which theta_0 does, at the same closing pressure
   double highest_mode = 0; // of the bore, that lips sound; 0: whichever lies nearest to its length
-  double steepening = 0;   // wavelengths, what brassiness counts; 0: the bore as it is played
-  double aim = 0;          // cents beside f_b: what sounding loud adds, known by practice
+  double shortest_tract =
+      0;                 // m, to which lips shorten the bore so that high notes stay theirs alone
+  double steepening = 0; // wavelengths, what brassiness counts; 0: the bore as it is played
+  double aim = 0;        // cents beside f_b: what sounding loud adds, known by practice
   double lip_mass = 1;
   double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
   double lip_channel = 1; // of lambda: air that follows the lay, and inside and outside the tip
-  double lip_cup = 1; // of the cup's volume: the reed's own compliance is part of a cone's tip
+  double lip_cup = 1;     // of the cup's volume: the reed's own compliance is part of a cone's tip
   double played_gain = 1; // times gain
-  double tongue = 0; // by how much of p_m the breath's first push exceeds it; 0: no tongue
+  /// By how much of p_m the breath's first push exceeds it, at 220 Hz and breath_reference (see
+  /// Player); 0: no tongue.
+  double tongue = 0;
 
   // how the lips go with the mouth pressure p, with tune: r = p/breath_reference
   double breath_reference = 0; // Pa at which the lips are as above; 0: they do not follow
@@ -103,6 +107,9 @@ struct Parameters {
 /// without a thump: no switch or word differs, nor what a 0 switches off, and no size is more than
 /// a quarter as large again.
 [[nodiscard]] bool near(const Parameters& a, const Parameters& b) noexcept;
+/// Whether what sounds in one instrument can go on in the other: the same kind of valve, bore and
+/// player, and no size that holds energy more than twice as large.
+[[nodiscard]] bool goes_on(const Parameters& a, const Parameters& b) noexcept;
 /// The note meant, Hz: that of the fingering, else the bore frequency as given.
 [[nodiscard]] double note_of(const Parameters& parameters, double bore_frequency) noexcept;
 

@@ -11,7 +11,11 @@ namespace {
 
 constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, of the breath that lips follow
 constexpr double kAboveNatural = 1.012; // of a tube's mode: where blown-open lips sound it
-constexpr double kTongueTime = 50e-3, kTongueMove = 4e-3; // s, of a note begun anew
+constexpr double kStop = 50e-3;         // s without air, of a note begun anew
+
+constexpr double kBurstNote = 220;      // Hz, for which Parameters::tongue stands
+constexpr double kSmallestBurst = 0.02; // lets the breath go, no more
+constexpr double kLargestBurst = 3;     // as the parameter's own limit
 
 /// Whether notes need the same length and lips with both.
 bool same_notes(const Parameters& a, Parameters b) {
@@ -36,7 +40,7 @@ bool same_notes(const Parameters& a, Parameters b) {
 void Player::prepare(double sample_rate) noexcept {
   rise_ = 1 - std::exp(-Ear::kPeriod / (kRiseTime * sample_rate));
   fall_ = 1 - std::exp(-Ear::kPeriod / (kFallTime * sample_rate));
-  control_rate_ = sample_rate / Ear::kPeriod;
+  tongue_.prepare(sample_rate);
   ear_.prepare(sample_rate);
 }
 
@@ -54,8 +58,8 @@ void Player::reset() noexcept {
   ear_.reset();
   note_ = 0;
   breath_ = kSoftest;
-  hold_.breath = 1;
-  tongue_ = tries_ = 0;
+  tongue_.reset();
+  tries_ = 0;
   due_ = true;
 }
 
@@ -73,9 +77,10 @@ const Player::Hold& Player::control(double bore_frequency, double reed_frequency
     ear_.mean(note_);
   if (listens_ && ear_.lost() && tries_ < kTries)
     begin_anew(reed_frequency);
-  move_tongue();
   if (plays_ && follow_breath(mouth_pressure))
     hold_valve();
+  tongue_.set_burst(mouth_pressure >= 0 ? burst()
+                                        : 0); // no breath to follow: none begins by itself
   if (moved || due_ || listens_)
     set_trim(listens_ ? ear_.trim() : 0, moved || due_);
   due_ = false;
@@ -192,7 +197,7 @@ void Player::hold_holes() noexcept {
 /// The note as one that has not been glided to, and from silence.
 void Player::begin_anew(double reed_frequency) noexcept {
   ++tries_;
-  tongue_ = static_cast<int>(kTongueTime * control_rate_) + 1;
+  tongue_.articulate(kStop);
   ear_.start_over();
   finger(note_, true);
   hold_.length =
@@ -200,11 +205,15 @@ void Player::begin_anew(double reed_frequency) noexcept {
   set_trim(0, true);
 }
 
-/// Shuts off the air and lets it in again within kTongueMove.
-void Player::move_tongue() noexcept {
-  const double step = 1 / (kTongueMove * control_rate_);
-  tongue_ = plays_ ? std::max(0, tongue_ - 1) : 0;
-  hold_.breath = std::clamp(hold_.breath + (tongue_ > 0 ? -step : step), 0.0, 1.0);
+/// By how much of p_m the tongue's push exceeds it, for this note and breath.
+double Player::burst() const noexcept {
+  if (!(parameters_.tongue > 0) || !(note_ > 0))
+    return 0;
+  const double lower = kBurstNote / note_;
+  const double push = std::sqrt(lower) *
+                      (parameters_.embouchure > 0 ? 1 : lower / std::sqrt(breath_)) *
+                      parameters_.tongue;
+  return std::clamp((1 + push) * firmness_ - 1, kSmallestBurst, kLargestBurst);
 }
 
 /// Whether that changes the lips.
@@ -227,8 +236,10 @@ bool Player::follow_breath(double mouth_pressure) noexcept {
 void Player::hold_valve() noexcept {
   hold_.valve = lips_;
   hold_.valve_changed = true;
+  firmness_ = 1;
   if (breath_ == 1)
     return;
+  firmness_ = std::pow(breath_, parameters_.breath_opening + parameters_.breath_tension - 1);
   hold_.valve.rest_angle *= std::pow(breath_, parameters_.breath_opening);
   hold_.valve.mass *= std::pow(breath_, parameters_.breath_tension);
   hold_.valve.quality *= std::pow(breath_, parameters_.breath_quality);

@@ -1,9 +1,14 @@
 #pragma once
 
+#include "core/dsp/simd.hpp"
 #include "core/reed/bore_design.hpp"
 #include "core/reed/ear.hpp"
 #include "core/reed/length_table.hpp"
 #include "core/reed/parameters.hpp"
+#include "core/reed/tongue.hpp"
+
+#include <array>
+#include <cstddef>
 
 namespace tactus::reed {
 
@@ -30,6 +35,12 @@ struct Refusal {
 /// Where the instrument has settled on another register, which no trim brings back, the player
 /// stops the air with the tongue and begins the note anew, up to kTries times.
 ///
+/// The tongue lets a breath go with a burst (tongue.hpp) that brings the valve to the share of its
+/// closing pressure from which its notes grow fastest: 1 + burst goes as P_M/p, which is
+/// r^(breath_opening + breath_tension - 1). Low notes have fewer cycles to grow in, so that the
+/// push goes as f^(-3/2), and as r^(-1/2), for a loud one makes a reed's low notes jump; that of
+/// lips, which are tuned to the note, as f^(-1/2) alone.
+///
 /// Called once per control period of Ear::kPeriod samples. Nothing here allocates.
 class Player {
 public:
@@ -42,7 +53,6 @@ public:
     double length = 0.48;             ///< L, m
     double reed_scale = 1;            ///< factor on the f_r that the instrument is given
     double trim = 0;                  ///< of the ear: the bore is to sound sharper by exp(trim)
-    double breath = 1;                ///< share of the mouth pressure that the tongue lets through
     const Termination* end = nullptr; ///< what the bore ends in; null: an open end
     double vent = 0;                  ///< share of the register vent that is open
     bool valve_changed = false;       ///< since the control period before
@@ -78,6 +88,23 @@ public:
     ear_.listen(bore_pressure, count);
   }
 
+  /// The note is tongued: the breath stops for some 5 ms and comes back at once.
+  void articulate() noexcept { tongue_.articulate(); }
+  /// The next samples of mouth pressure, Pa, become what the tongue makes of them, at most
+  /// `highest`; count is at most Ear::kPeriod. V as in ReedBank: of several breaths side by side
+  /// the tongue goes by the first.
+  template <class V> void breathe(V* mouth_pressure, int count, double highest) noexcept {
+    if (!plays_)
+      return;
+    std::array<double, Ear::kPeriod> pressure, factor;
+    for (int i = 0; i < count; ++i)
+      pressure[static_cast<std::size_t>(i)] = static_cast<double>(simd::lane(mouth_pressure[i], 0));
+    if (tongue_.factors(pressure.data(), factor.data(), count))
+      for (int i = 0; i < count; ++i)
+        mouth_pressure[i] =
+            simd::minimum(V(factor[static_cast<std::size_t>(i)]) * mouth_pressure[i], V(highest));
+  }
+
 private:
   [[nodiscard]] double playable(double frequency) noexcept;
   void choose(double reed_frequency) noexcept;
@@ -85,15 +112,16 @@ private:
   void finger(double frequency, bool leap) noexcept;
   void hold_holes() noexcept;
   void set_trim(double logarithm, bool moved) noexcept;
+  [[nodiscard]] double burst() const noexcept;
   bool follow_breath(double mouth_pressure) noexcept;
   void hold_valve() noexcept;
   void begin_anew(double reed_frequency) noexcept;
-  void move_tongue() noexcept;
 
   Parameters parameters_{};
   BoreDesign bore_{};
   LengthTable lengths_{};
   Ear ear_{};
+  Tongue tongue_{};
   Hold hold_{};
   double bore_frequency_ = 0; // as given
   double note_ = 0;           // f_b played, Hz; 0: none yet
@@ -104,11 +132,11 @@ private:
   BoreEnd fingered_for_ = BoreEnd::kOpen;
   double breath_ = 1;          // p/breath_reference, smoothed and bounded
   double rise_ = 1, fall_ = 1; // of the smoothing, per control period
+  double firmness_ = 1;        // P_M/p, relative to that at breath_reference
   double own_scale_ = 1;       // of f_r: the choice for the note, without the ear's trim
   Refusal refusal_{};
   bool refuses_ = false;
-  int tongue_ = 0, tries_ = 0; // control periods that the tongue stays; begun anew so often
-  double control_rate_ = 1500; // Hz
+  int tries_ = 0; // begun anew so often
   bool due_ = true, plays_ = false, listens_ = false;
 };
 

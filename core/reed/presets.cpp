@@ -36,7 +36,7 @@ constexpr Parameters clarinet() {
           .lip_width = 1.02,
           .lip_quality = 0.9,
           .lip_channel = 2,
-          .tongue = 0.2,
+          .tongue = 0.06,
           .breath_reference = 2000,
           .breath_opening = 0.38,
           .breath_tension = 0.32,
@@ -154,7 +154,7 @@ constexpr Parameters trumpet() {
           .lip_opening = 0.9,
           .lip_width = 0.82,
           .lip_quality = 8.7,
-          .tongue = 0.7,
+          .tongue = 1.1,
           .breath_reference = 3000,
           .breath_opening = 0.5,
           .breath_tension = 0.477,
@@ -192,7 +192,7 @@ constexpr Parameters trombone() {
           .lip_width = 0.33,
           .lip_quality = 8,
           .played_gain = 2.8,
-          .tongue = 0.7,
+          .tongue = 0.8,
           .breath_reference = 2000,
           .breath_opening = 0.52,
           .breath_tension = 0.449,
@@ -218,10 +218,14 @@ constexpr Parameters voice() {
           .end_radius = 8e-3,
           .gain = 1.5,
           .embouchure = 0.95,
-          .aim = -70,
+          .embouchure_slope = 0.04,
+          .shortest_tract = 0.08,
+          .aim = -85,
+          .lip_quality = 1.6,
+          .tongue = 0.1,
           .breath_reference = 2000,
-          .lowest_note = 110.0,
-          .highest_note = 329.6};
+          .lowest_note = 82.4,
+          .highest_note = 659.3};
 }
 
 constexpr Parameters syrinx() {
@@ -246,9 +250,10 @@ constexpr Parameters syrinx() {
           .lip_mass = 0.674,
           .lip_width = 0.804,
           .lip_quality = 1.103,
+          .tongue = 0.3,
           .breath_reference = 700,
-          .lowest_note = 587.3,
-          .highest_note = 1661.2};
+          .lowest_note = 415.3,
+          .highest_note = 2489.0};
 }
 
 constexpr std::array<Preset, 7> kPresets{{{"clarinet", clarinet()},

@@ -38,6 +38,7 @@ namespace tactus::reed {
 template <class V> class ReedBank {
 public:
   static constexpr int kControlPeriod = 32;
+  static constexpr double kHighestPressure = 50e3; ///< Pa, of the mouth
 
   /// count samples each: radiated pressure at 1 m (Pa; of the first lane), theta (rad), p_b (Pa),
   /// U (m^3/s).
@@ -96,14 +97,22 @@ public:
     state_ = {};
     mouth_ = V(0.0);
     player_.reset();
+    loudest_ = 0;
     glide_.full();
     if (sample_rate_ > 0)
       apply(parameters_);
     still_air();
   }
 
-  /// Whether a player plays a note (`tune`, with f_b or `fingering`).
-  [[nodiscard]] bool played() const noexcept { return player_.plays(); }
+  /// reset() of one reed that sounds, without a click: the sound fades out, and it is blown anew.
+  void restart() noexcept {
+    if (kSeveral || fresh_)
+      return reset();
+    glide_.restart();
+  }
+
+  /// The player's tongue stops the breath and lets it go.
+  void articulate() noexcept { player_.articulate(); }
   /// Samples that run() may compute before control() is due.
   [[nodiscard]] int until_control() const noexcept { return kControlPeriod - phase_; }
 
@@ -114,11 +123,12 @@ public:
     using simd::absolute, simd::any, simd::select;
     phase_ = 0;
     quieten();
-    if (glide_.fade()) {
-      apply(parameters_);
-      state_ = {};
-      still_air();
-    }
+    const bool quiet = !kSeveral && loudest_ < kQuiet && simd::lane(mouth_, 0) < kQuiet;
+    loudest_ = 0;
+    if (glide_.fade() || (quiet && glide_.fades_out()))
+      change();
+    if (quiet)
+      glide_.full();
     constexpr double kTwoPi = 2 * std::numbers::pi;
     const V given = select((reed_frequency > V(0.0)) & (reed_frequency < V(1e9)), reed_frequency,
                            V(glide_.now().reed_frequency));
@@ -130,8 +140,6 @@ public:
       trip_due_ = true;
     }
     move_vent(hold.vent);
-    breath_from_ = fresh_ ? hold.breath : breath_to_;
-    breath_to_ = hold.breath;
     end_substeps();
     if (gliding_)
       radiation_.set(radiation_to_);
@@ -172,20 +180,16 @@ public:
   void run(const V* mouth_pressure, const Outputs& out, int count) noexcept {
     const int most = kChunk / oversampling_;
     const double from = glide_.loudness_from(), to = glide_.loudness_to();
-    const bool fades = from < 1 || to < 1;
-    std::array<double, kControlPeriod> loudness;
+    const int before = phase_;
+    const auto share = [before](int i) { return (before + i + 1.0) / kControlPeriod; };
     std::array<V, kControlPeriod> breath;
-    if (fades || breath_from_ < 1 || breath_to_ < 1) {
-      for (int i = 0; i < count; ++i) {
-        const double share = (phase_ + i + 1.0) / kControlPeriod;
-        loudness[index(i)] = from + (to - from) * share;
-        // A sound that fades out keeps its breath: a reed that is let go sends a pulse.
-        const double blown = to < from ? 1 : loudness[index(i)];
-        breath[index(i)] =
-            V(blown * (breath_from_ + (breath_to_ - breath_from_) * share)) * mouth_pressure[i];
-      }
-      mouth_pressure = breath.data();
-    }
+    std::copy_n(mouth_pressure, count, breath.begin());
+    player_.breathe(breath.data(), count, kHighestPressure);
+    const double blown_from = glide_.breath_from(), blown_to = glide_.breath_to();
+    if (blown_from < 1 || blown_to < 1)
+      for (int i = 0; i < count; ++i)
+        breath[index(i)] = V(blown_from + (blown_to - blown_from) * share(i)) * breath[index(i)];
+    mouth_pressure = breath.data();
     for (int done = 0; done < count;) {
       const int samples = std::min(count - done, most);
       chunk(mouth_pressure + done,
@@ -194,11 +198,12 @@ public:
       done += samples;
       phase_ += samples;
     }
-    if (fades)
+    if (from < 1 || to < 1)
       for (int i = 0; i < count; ++i) {
-        out.radiated[i] *= loudness[index(i)];
+        const double loudness = from + (to - from) * share(i);
+        out.radiated[i] *= loudness;
         for (V* signal : {out.angle, out.bore_pressure, out.flow})
-          signal[i] = V(loudness[index(i)]) * signal[i];
+          signal[i] = V(loudness) * signal[i];
       }
   }
 
@@ -211,7 +216,8 @@ private:
   static constexpr double kAtOnce = 25;     // 1/s: an octave in 30 ms is followed without delay
   /// Up to here noise is a share of the mouth pressure and even; it need not stop when the valve
   /// shuts, and costs a fraction of what the jet's own does.
-  static constexpr double kFaintNoise = 1e-5;
+  static constexpr double kFaintNoise = kSeveral ? 1e-3 : 1e-5;
+  static constexpr double kQuiet = 0.1;      // Pa in the bore and the mouth: nothing sounds
   static constexpr double kVentTime = 5e-3;  // s
   static constexpr double kBelowVent = 0.03; // m of line that it needs beyond it
   static constexpr double kSilence = 1e-20;  // below, a state is nothing: denormals are dear
@@ -246,6 +252,21 @@ private:
     length_to_ = std::clamp(length_to_, 5e-3, design_.longest());
     move_bore(length_to_);
     delay_from_ = trip_.delay;
+  }
+
+  /// What has no way in between, when nothing is heard.
+  void change() noexcept {
+    const bool anew = glide_.restarts() || !goes_on(glide_.parameters(), parameters_);
+    if (glide_.restarts()) {
+      random_.seed(parameters_.seed);
+      player_.reset();
+    }
+    apply(parameters_);
+    if (anew) {
+      state_ = {};
+      still_air();
+    }
+    glide_.proceed(anew);
   }
 
   void inform_player() noexcept {
@@ -467,7 +488,7 @@ private:
       advance(mouth_pressure, out, samples);
     } else {
       const int count = samples * oversampling_;
-      Signal mouth, angle, bore, flow;
+      Signal mouth{}, angle, bore, flow;
       std::array<double, kChunk> radiated;
       // The mouth pressure runs straight from sample to sample.
       const V share(1.0 / oversampling_);
@@ -635,6 +656,7 @@ private:
       }
       if (i < count)
         even = simd::maximum(simd::absolute(out.bore_pressure[i]), even);
+      loudest_ = std::max({loudest_, even, odd});
       sane = !beyond(simd::maximum(even, odd), 1e9);
     } else { // lanes have masks, which do not wait
       const V limit(1e9);
@@ -669,6 +691,7 @@ private:
   RoundTrip trip_{}, trip_from_{};
   RadiationConstants radiation_from_{}, radiation_to_{};
   double length_to_ = 0.48, delay_from_ = 3;
+  double loudest_ = 0; // bore pressure since the last control period, Pa
   double steepening_length_ = 0.48;
   V omega_from_{1.0}, omega_to_{1.0}, mouth_{0.0};
   ReedCoefficients<V> steady_{};                     // while f_r stands
@@ -678,7 +701,6 @@ private:
   RadiationPath radiation_{};
   Player player_{};
   ParameterGlide glide_{};
-  double breath_from_ = 1, breath_to_ = 1; // share of the mouth pressure
   double trim_ = 0, trim_delay_ = 0, own_delay_ = 3;
   HoledEnd<V> holes_{};
   RegisterVent vent_{};

@@ -21,7 +21,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kPlaying = 1.5;       // times the threshold: where reeds are usually played,
 constexpr double kPlayingLips = 2.5;   // and lips
 constexpr double kShortestTube = 0.05; // m, that lips play on
-constexpr double kValveAlone = 0.75;    // below this share of the bore's lowest, it carries no note
+constexpr double kValveAlone = 0.75;   // below this share of the bore's lowest, it carries no note
 
 /// At one pressure: the bore that the valve wants to oscillate with at the frequency.
 struct Candidate {
@@ -221,15 +221,18 @@ double length_of(const Parameters& parameters, double bore_frequency, double tur
   return length;
 }
 
-bool valve_alone(const Parameters& parameters, double bore_frequency,
-                 const Termination* end) noexcept {
+double length_alone(const Parameters& parameters, double bore_frequency,
+                    const Termination* end) noexcept {
   if (!(parameters.embouchure > 0))
-    return false;
+    return 0;
   BoreDesign bore;
   bore.set(parameters, 48000);
   bore.set_end(end);
-  return aim_of(parameters, bore_frequency) <=
-         kValveAlone * bore.ideal_frequency(parameters.length);
+  const double lowest = aim_of(parameters, bore_frequency) / kValveAlone;
+  if (lowest <= bore.ideal_frequency(parameters.length))
+    return parameters.length;
+  const double shorter = bore.length_for(lowest);
+  return parameters.shortest_tract > 0 && shorter >= parameters.shortest_tract ? shorter : 0;
 }
 
 Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept {
@@ -249,7 +252,8 @@ Playing tuned(const Parameters& parameters, double bore_frequency, double reed_f
   playing.fingering = fingering;
   const double reed =
       parameters.embouchure > 0 ? embouchure_at(parameters, aimed) * aimed : reed_frequency;
-  if (!valve_alone(parameters, bore_frequency, fingering.end))
+  playing.length = length_alone(parameters, bore_frequency, fingering.end);
+  if (!(playing.length > 0))
     playing.length = tuned_length(valve, aimed, reed,
                                   parameters.embouchure > 0 ? kPlayingLips : kPlaying, fingering);
   return playing;

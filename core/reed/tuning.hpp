@@ -53,8 +53,7 @@ struct Playing {
 /// and a half. With an embouchure (lips, folds, membranes) the valve also goes with the note: it is
 /// brought to embouchure * f_b, at constant stiffness (a lower note takes more of the lip's mass),
 /// so that threshold and opening stay what they were; f_r then bends it, its own value being no
-/// bend. A note well below the bore's lowest resonance is that valve's alone: the bore keeps its
-/// length.
+/// bend. A note well below the bore's lowest resonance is that valve's alone (length_alone()).
 [[nodiscard]] Playing tuned(const Parameters& parameters, double bore_frequency,
                             double reed_frequency, const Fingering& fingering) noexcept;
 /// The same with the fingering of the note, when the instrument has fingerings.
@@ -69,9 +68,13 @@ struct Playing {
 [[nodiscard]] double length_of(const Parameters& parameters, double bore_frequency,
                                double turns) noexcept;
 
-/// Whether the note lies so far below the bore's lowest resonance that it is the valve's alone.
-[[nodiscard]] bool valve_alone(const Parameters& parameters, double bore_frequency,
-                               const Termination* end = nullptr) noexcept;
+/// Length of the bore, m, whose lowest resonance lies so far above the note that this is the
+/// valve's alone: the parameters' own or, for high notes, one that the player shortens to
+/// Parameters::shortest_tract at most, as singers raise their first formant with the note
+/// (Joliveau, Smith & Wolfe, Nature 427, 2004). 0 where there is none: the bore has to sound the
+/// note.
+[[nodiscard]] double length_alone(const Parameters& parameters, double bore_frequency,
+                                  const Termination* end = nullptr) noexcept;
 
 /// The lips of tuned(), without the search for a length: that is the parameters' own.
 [[nodiscard]] Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept;

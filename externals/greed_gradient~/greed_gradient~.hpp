@@ -19,7 +19,10 @@ namespace tactus {
 class GreedGradient {
 public:
   static constexpr std::array<std::string_view, 3> kModes{"reed", "growth", "guide"};
-  static constexpr auto kParameters = greed::with_own(std::array{
+  /// Of the jet's pressure: a hand that raises the pressure slowly is no tongue, and fixed lips near
+  /// their threshold need long to grow from less. In silence -108 dB.
+  static constexpr double kBreathNoise = 5e-4;
+  static constexpr std::array kOwnParameters{
       Parameter{"delta", "", 0.01, 1e-3, 0.25, "distance of the neighbours, of the plane's side"},
       Parameter{"mode", "", 0, 0, 2,
                 "slope of five reeds' playability, of linear theory, or the way to a note", kModes},
@@ -34,7 +37,9 @@ public:
       Parameter{"ref", "rad", 0.03, 1e-6, 10, "playability~: amplitude that is half playable"},
       Parameter{"window", "ms", 50, 5, 250, "playability~: time over which crossings count"},
       Parameter{"hyst", "", 0.2, 0, 0.9, "playability~: hysteresis of the count"},
-  });
+  };
+  static constexpr auto kParameters =
+      greed::with_initial("noise", kBreathNoise, greed::with_own(kOwnParameters));
   static constexpr std::array kInlets{
       Port{Port::Kind::kSignal, "y", "", "the hand's height 0..1: mouth pressure"},
       Port{Port::Kind::kSignal, "z", "", "the hand's depth 0..1: reed frequency"},
@@ -70,6 +75,8 @@ public:
       kMessages,
       kArguments};
   static constexpr std::size_t timers = 1;
+
+  GreedGradient() { gradient_.set(parameters_); }
 
   void prepare(double sample_rate, std::size_t) {
     sample_rate_ = sample_rate;
@@ -124,7 +131,7 @@ private:
   static constexpr std::size_t kPlayabilityOutlet = 1, kGradientOutlet = 2, kForceOutlet = 4;
 
   reed::ReedGradient gradient_;
-  reed::Parameters parameters_{};
+  reed::Parameters parameters_{.breath_noise = kBreathNoise};
   reed::PlayabilityParameters judge_{};
   double sample_rate_ = 48000;
   bool background_ = true;

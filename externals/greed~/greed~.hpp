@@ -42,7 +42,7 @@ public:
   }
 
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-    if (index == greed::kReset) return instrument_.reset();
+    if (index == greed::kReset) return instrument_.restart();
     if (index == greed::kTongue) return instrument_.articulate();
     if (index == greed::kHoles) return finger(arguments, host);
     if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 /// What [greed~] and the objects around it share: its presets, and its parameters in front of their
 /// own.
@@ -25,6 +26,16 @@ template <std::size_t count>
     all[i] = kParameters[i];
   for (std::size_t i = 0; i < count; ++i)
     all[kParameters.size() + i] = own[i];
+  return all;
+}
+
+/// Parameters of which one begins with another value.
+template <std::size_t count>
+[[nodiscard]] constexpr auto with_initial(std::string_view name, double value,
+                                          std::array<Parameter, count> all) {
+  for (Parameter& parameter : all)
+    if (parameter.name == name)
+      parameter.initial = value;
   return all;
 }
 

@@ -106,6 +106,63 @@ def test_long_notes_are_in_tune(performance, played):
     assert abs(mean_cents(sound, end - periods, end, key)) <= 10
 
 
+def reading(sound, start, end, key):
+    """Mean pitch of a short stretch beside the key's, in cents: the fundamental's phase, seen through
+    Hann windows of four periods, whose zeros lie on all other harmonics."""
+    turn = -2j * math.pi * frequency(key) / RATE
+    half = round(2 * RATE / frequency(key))
+    window = numpy.hanning(2 * half + 3)[1:-1]
+
+    def at(seconds):
+        middle = int(seconds * RATE)
+        places = numpy.arange(middle - half, middle + half + 1)
+        return (sound[places] * numpy.exp(turn * places)) @ window
+
+    phases = numpy.unwrap(numpy.angle([at(s) for s in numpy.arange(start, end, 0.0005)]))
+    cycles = (phases[-1] - phases[0]) / (2 * math.pi) / (0.0005 * (len(phases) - 1))
+    return 1200 * math.log2(1 + cycles / frequency(key))
+
+
+TRILL = [p for p in PLAYED if p.slurred and p.note.duration < 0.15]
+
+
+@pytest.mark.parametrize("played", [pytest.param(p, id=f"{p.onset:.2f}s-key{p.note.key}")
+                                    for p in TRILL])
+def test_trills_are_in_tune(performance, played):
+    sound, _, instrument = performance
+    end = START_S + played.end - 0.01
+    assert abs(reading(sound, end - 0.035, end, played.note.key + INSTRUMENTS[instrument])) <= 10
+
+
+OCTAVE = next(p for a, p in zip(PLAYED, PLAYED[1:]) if p.slurred and p.note.key == a.note.key + 12)
+
+
+def test_a_slurred_octave_arrives(performance):
+    sound, _, instrument = performance
+    start, end = START_S + OCTAVE.onset + 0.2, START_S + OCTAVE.end - 0.02
+    key = OCTAVE.note.key + INSTRUMENTS[instrument]
+    for at in numpy.arange(start, end - 0.1, 0.1):
+        assert abs(reading(sound, at, at + 0.1, key)) <= 10
+
+
+@pytest.mark.parametrize("played, after", [(PLAYED[0], 0.4), (PLAYED[0], 1.2), (PLAYED[0], 2.0),
+                                           (OCTAVE, 0.4)])
+def test_one_tone_sounds(performance, played, after):
+    sound, _, instrument = performance
+    if instrument not in ("clarinet", "sax", "trumpet"):
+        pytest.skip("docs/results/reed_sound.md tells of the others")
+    start = START_S + played.onset + after
+    stretch = sound[int(start * RATE):int((start + 0.7) * RATE)].astype(float)
+    size = 4 * len(stretch)
+    spectrum = numpy.abs(numpy.fft.rfft(stretch * numpy.blackman(len(stretch)), size))
+    hz = numpy.fft.rfftfreq(size, 1 / RATE)
+    f0 = frequency(played.note.key + INSTRUMENTS[instrument])
+    harmonic = numpy.abs(hz - f0 * numpy.maximum(1, numpy.round(hz / f0))) < numpy.maximum(
+        24 * RATE / size, 0.01 * hz)
+    heard = (hz > 40) & (hz < 12000)
+    assert spectrum[heard & ~harmonic].max() < 10 ** (-30 / 20) * spectrum[heard].max()
+
+
 def test_rests_are_silent(performance):
     sound, _, _ = performance
     loudest = max(level(sound, START_S + p.onset + 0.2, START_S + p.end) for p in LONG)

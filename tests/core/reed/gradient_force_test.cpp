@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -39,6 +40,43 @@ void stay(ReedGradient& gradient, double y, double z, double seconds) {
 }
 
 } // namespace
+
+TEST_CASE("a hand that raises the pressure for 2 s makes a trumpet speak on its way") {
+  // Above the threshold of fixed lips, at half the way, notes grow from the breath's noise.
+  const auto speaks_at = [](double noise) {
+    Parameters p = reference::trumpet();
+    p.breath_noise = noise;
+    ReedGradient gradient;
+    gradient.set(p);
+    gradient.set_range({0, 8000, 82.5, 907.5});
+    gradient.prepare(kRate);
+    std::vector<double> sound(kHold);
+    for (double t = 0; t < 3; t += kHold_s) {
+      gradient.move(0.6 * std::min(1.0, t / 2), 0.5, 0);
+      gradient.process(sound);
+      for (const double x : sound)
+        if (std::abs(x) > 0.02)
+          return t;
+    }
+    return 3.0;
+  };
+  CHECK(speaks_at(5e-4) < 2);
+  CHECK(speaks_at(1e-7) > 2.4);
+  ReedGradient gradient = trumpet(ReedGradient::Mode::kReed);
+  Parameters p = reference::trumpet();
+  p.breath_noise = 5e-4;
+  gradient.set(p);
+  stay(gradient, 0.15, 0.5, 1);
+  std::vector<double> sound(kHold);
+  double loudest = 0;
+  for (int n = 0; n < 300; ++n) {
+    gradient.move(0.15, 0.5, 0);
+    gradient.process(sound);
+    for (const double x : sound)
+      loudest = std::max(loudest, std::abs(x));
+  }
+  CHECK(loudest < 3.2e-5); // -90 dB
+}
 
 TEST_CASE(
     "mode guide pulls out of silence with all of its ceiling, and lets go where a note plays") {

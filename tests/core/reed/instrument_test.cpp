@@ -246,7 +246,7 @@ TEST_CASE("a mouth pressure that is no number is the one before it, others are w
   CHECK(in_blocks(p, given, 50).bore_pressure == in_blocks(p, meant, 50).bore_pressure);
 }
 
-TEST_CASE("fifteen hundred random instruments with jumping controls stay finite and bounded") {
+TEST_CASE("a thousand random instruments with jumping controls stay finite and bounded") {
   std::mt19937 random(12);
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<>(low, high)(random);
@@ -258,7 +258,7 @@ TEST_CASE("fifteen hundred random instruments with jumping controls stay finite 
   instrument.prepare(48000, 64);
   int stray = 0;
   double highest = 0;
-  for (int trial = 0; trial < 1500; ++trial) {
+  for (int trial = 0; trial < 1000; ++trial) {
     Parameters p;
     p.type = static_cast<ValveType>(random() % 3);
     p.rest_angle = uniform(-0.5, 0.5);
@@ -288,7 +288,9 @@ TEST_CASE("fifteen hundred random instruments with jumping controls stay finite 
     p.breath_noise = trial % 6 ? 0 : uniform(0, 1);
     p.tune = trial % 3 == 0;
     instrument.set(p);
-    std::array<double, 600> pressure{}, reed{}, bore{}, sound{}, theta{}, inside{}, flow{};
+    if (trial % 4 != 0) // else the change itself is what is tried, and silent for the most part
+      instrument.reset();
+    std::array<double, 300> pressure{}, reed{}, bore{}, sound{}, theta{}, inside{}, flow{};
     for (int stretch = 0; stretch < 10; ++stretch) {
       pressure.fill(uniform(-20e3, 50e3));
       reed.fill(between(1, 18000));
@@ -333,10 +335,7 @@ TEST_CASE("after the breath ends every outlet falls towards nothing, without den
     instrument.set(preset.parameters);
     instrument.prepare(48000, 64);
     play(instrument, ramp(2000, 1, 48000), 48000);
-    const std::vector<double> none(48000 * 20, 0.0);
-    Recording r;
-    for (int piece = 0; piece < (preset.name == "clarinet" ? 30 : 1); ++piece) // ten minutes
-      r = play(instrument, none, 48000);
+    const Recording r = play(instrument, std::vector<double>(48000 * 20, 0.0), 48000);
     CAPTURE(preset.name);
     int denormal = 0;
     for (const auto* signal : {&r.sound, &r.theta, &r.bore_pressure, &r.flow})
@@ -348,6 +347,22 @@ TEST_CASE("after the breath ends every outlet falls towards nothing, without den
     CHECK(std::abs(r.bore_pressure.back()) < 1e-3);
     CHECK(std::abs(r.sound.back()) < 1e-6);
     CHECK(r.theta.back() == doctest::Approx(preset.parameters.rest_angle));
+  }
+}
+
+TEST_CASE("ten minutes of silence make no denormals") {
+  constexpr double kRate = 8000; // what decays slowly does so in seconds, not in samples
+  Instrument instrument;
+  instrument.set(find_preset("clarinet").value());
+  instrument.prepare(kRate, 64);
+  play(instrument, ramp(2000, 1, kRate), kRate);
+  for (int minute = 0; minute < 10; ++minute) {
+    const Recording r = play(instrument, std::vector<double>(480000, 0.0), kRate);
+    int denormal = 0;
+    for (const auto* signal : {&r.sound, &r.theta, &r.bore_pressure, &r.flow})
+      for (const double value : *signal)
+        denormal += std::fpclassify(value) == FP_SUBNORMAL;
+    CHECK(denormal == 0);
   }
 }
 

@@ -59,10 +59,10 @@ public:
   }
 
   /// The strongest partial farther than six bins and `spread` (relative) from every harmonic of f0,
-  /// above 30 Hz.
+  /// from 30 Hz to 20 kHz: what can be heard.
   [[nodiscard]] Peak foreign(double f0, double spread = 0.004) const {
     Peak strongest;
-    for (std::size_t k = bin(30); k + 2 < amplitude_.size(); ++k) {
+    for (std::size_t k = bin(30); k < bin(20e3); ++k) {
       const double f = static_cast<double>(k) * spacing_, n = std::round(f / f0);
       const double kept = std::min(0.4 * f0, std::max(6 * spacing_, spread * f));
       const bool harmonic = n >= 1 && std::abs(f - n * f0) < kept;

@@ -1,0 +1,195 @@
+#include "core/reed/parameter_glide.hpp"
+#include "core/reed/player.hpp"
+#include "core/reed/presets.hpp"
+#include "core/reed/tongue.hpp"
+#include "tests/core/reed/render.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+/// How a player's tongue begins notes and stops them.
+namespace tactus::reed {
+namespace {
+
+using namespace test;
+constexpr double kRate = 48000;
+
+/// What the tongue makes of a breath.
+std::vector<double> tongued(std::vector<double> breath, double burst, int articulated = -1) {
+  Tongue tongue;
+  tongue.prepare(kRate);
+  tongue.set_burst(burst);
+  for (std::size_t n = 0; n < breath.size(); n += 32) {
+    if (articulated >= 0 && static_cast<int>(n / 32) == articulated)
+      tongue.articulate();
+    const std::size_t count = std::min<std::size_t>(32, breath.size() - n);
+    std::array<double, 32> factor;
+    if (tongue.factors(breath.data() + n, factor.data(), static_cast<int>(count)))
+      for (std::size_t i = 0; i < count; ++i)
+        breath[n + i] *= factor[i];
+  }
+  return breath;
+}
+
+TEST_CASE("the tongue holds a quick breath back, lets it go with a burst and then lets it be") {
+  const std::vector<double> breath = ramp(2000, 0.5, kRate), felt = tongued(breath, 1);
+  const auto at = [](double seconds) { return static_cast<std::size_t>(seconds * kRate); };
+  for (std::size_t n = 0; n < at(0.01); ++n)
+    REQUIRE(felt[n] == 0); // at most 12 ms
+  // 1.5 ms after the release the valve feels p_m (1 + exp(-1.5/25)).
+  const std::size_t release = static_cast<std::size_t>(
+      std::find_if(felt.begin(), felt.end(), [](double p) { return p > 0; }) - felt.begin());
+  CHECK(release <= at(0.0125));
+  const std::size_t open = release + at(0.0016);
+  CHECK(felt[open] ==
+        doctest::Approx(breath[open] * (1 + std::exp(-0.0016 / 0.025))).epsilon(0.005));
+  CHECK(felt[release + at(0.1)] == doctest::Approx(2000 * (1 + std::exp(-4.0))).epsilon(0.005));
+  CHECK(felt.back() == doctest::Approx(2000).epsilon(1e-6));
+  CHECK(tongued(breath, 0) == breath); // none
+}
+
+TEST_CASE("the tongue leaves a slow breath alone and stops one within a note when asked") {
+  const std::vector<double> slow = ramp(2000, 2.2, kRate, 2.0), felt = tongued(slow, 1);
+  for (std::size_t n = 480; n < slow.size(); ++n)
+    REQUIRE(felt[n] == slow[n]);
+  const std::vector<double> breath = ramp(2000, 0.5, kRate), again = tongued(breath, 1, 375);
+  double least = 1e9;
+  for (std::size_t n = 12000; n < 13000; ++n)
+    least = std::min(least, again[n]);
+  CHECK(least == 0);
+  CHECK(again.back() == doctest::Approx(2000).epsilon(0.001));
+}
+
+TEST_CASE("the tongue stays bounded for any breath") {
+  std::vector<double> breath(4800);
+  for (std::size_t n = 0; n < breath.size(); ++n)
+    breath[n] = n % 7 == 0 ? 5e4 : n % 7 == 1 ? -5e4 : n % 7 == 2 ? 1e-310 : 0;
+  for (const double p : tongued(breath, 3, 20))
+    REQUIRE(std::abs(p) <= 4 * 5e4);
+}
+
+TEST_CASE("a breath that has begun without a burst is not stopped by one that is set later") {
+  Tongue tongue;
+  tongue.prepare(kRate);
+  std::array<double, 480> breath, factor;
+  breath.fill(2000);
+  CHECK_FALSE(tongue.factors(breath.data(), factor.data(), 0));
+  if (tongue.factors(breath.data(), factor.data(), 480))
+    CHECK(*std::min_element(factor.begin(), factor.end()) == 1);
+  tongue.set_burst(1);
+  CHECK_FALSE(tongue.factors(breath.data(), factor.data(), 480));
+  // Asked to, it stops the breath even without a burst, as long as it is told, and lets it go.
+  tongue.set_burst(0);
+  tongue.articulate(0.05);
+  int stopped = 0;
+  for (int n = 0; n < 20; ++n)
+    if (tongue.factors(breath.data(), factor.data(), 480))
+      stopped += static_cast<int>(std::count(factor.begin(), factor.end(), 0.0));
+  CHECK(stopped == doctest::Approx(0.051 * kRate).epsilon(0.03));
+  CHECK_FALSE(tongue.factors(breath.data(), factor.data(), 480));
+}
+
+/// By how much the pressure that the valve feels first exceeds p_m.
+double first_push(Parameters p, double note, double pressure) {
+  p.tune = true;
+  p.lowest_note = p.highest_note = 0;
+  BoreDesign bore;
+  bore.set(p, kRate);
+  Player player;
+  player.prepare(kRate);
+  player.set(p, bore);
+  player.reset();
+  double highest = 0;
+  for (int i = 0; i < 100; ++i) {
+    std::array<double, 32> mouth;
+    mouth.fill(pressure);
+    player.control(note, p.reed_frequency, pressure);
+    player.breathe(mouth.data(), 32, 50e3);
+    highest = std::max(highest, *std::max_element(mouth.begin(), mouth.end()));
+  }
+  // What is left of it when the valve is open, 1.5 ms after its release.
+  return (highest / pressure - 1) / std::exp(-1.5 / 25);
+}
+
+TEST_CASE("the tongue pushes low notes and soft breath harder, and a loud one not at all") {
+  Parameters p = find_preset("clarinet").value();
+  p.tongue = 0.3;
+  p.breath_opening = 0.4;
+  p.breath_tension = 0.3;
+  const double reference = p.breath_reference;
+  const auto close = [](double value) { return doctest::Approx(value).epsilon(0.02); };
+  CHECK(first_push(p, 220, reference) == close(0.3));
+  CHECK(first_push(p, 440, reference) == close(0.3 / std::pow(2, 1.5)));
+  // P_M goes as r^0.7, p as r.
+  CHECK(first_push(p, 220, 0.5 * reference) ==
+        close((1 + 0.3 * std::sqrt(2)) * std::pow(2, 0.3) - 1));
+  CHECK(first_push(p, 220, 4 * reference) == close(0.02));
+  Parameters lips = find_preset("trumpet").value();
+  lips.tongue = 0.8;
+  lips.breath_reference = 0;
+  CHECK(first_push(lips, 440, 3000) == close(0.8 / std::sqrt(2)));
+  CHECK(first_push(lips, 110, 500) == close(0.8 * std::sqrt(2)));
+}
+
+TEST_CASE("a change without a way in between keeps the breath while the sound fades out") {
+  ParameterGlide glide;
+  glide.prepare(1500);
+  Parameters one, other;
+  other.sweep = false;
+  glide.jump(one);
+  glide.full();
+  glide.begin(other);
+  int periods = 0;
+  while (!glide.fade()) {
+    REQUIRE(++periods < 100);
+    CHECK(glide.breath_to() == 1); // a reed that is let go sends a pulse
+    CHECK(glide.loudness_to() < glide.loudness_from());
+  }
+  CHECK(periods <= 1500 * ParameterGlide::kFadeOutTime + 2);
+  for (const bool anew : {false, true}) {
+    glide.jump(other);
+    glide.proceed(anew);
+    int silent = 0, swelling = 0;
+    for (int n = 0; n < 600 && glide.loudness_from() < 1; ++n) {
+      glide.fade();
+      silent += glide.loudness_to() == 0;
+      swelling += glide.breath_to() < 1;
+    }
+    // The breath is full long before the sound comes back.
+    CHECK(silent ==
+          doctest::Approx(1500 * (anew ? ParameterGlide::kSpeakTime : ParameterGlide::kSettleTime))
+              .epsilon(0.1));
+    CHECK(swelling == (anew ? static_cast<int>(1500 * ParameterGlide::kFadeInTime) : 0));
+    CHECK(glide.loudness_to() == 1);
+    glide.begin(one);
+    while (!glide.fade())
+      REQUIRE(++periods < 1000);
+  }
+}
+
+TEST_CASE("a player's breath never exceeds the highest mouth pressure") {
+  Parameters p = find_preset("trumpet").value();
+  p.tune = true;
+  p.tongue = 3;
+  BoreDesign bore;
+  bore.set(p, kRate);
+  Player player;
+  player.prepare(kRate);
+  player.set(p, bore);
+  double highest = 0;
+  for (int i = 0; i < 100; ++i) {
+    std::array<double, 32> mouth;
+    mouth.fill(20e3);
+    player.control(233, p.reed_frequency, 20e3);
+    player.breathe(mouth.data(), 32, 50e3);
+    highest = std::max(highest, *std::max_element(mouth.begin(), mouth.end()));
+  }
+  CHECK(highest == 50e3); // 80 kPa without the bound
+}
+
+} // namespace
+} // namespace tactus::reed
