@@ -69,9 +69,9 @@ constexpr Parameters saxophone() {
           .end = BoreEnd::kSaxophone,
           .gain = 0.11,
           .embouchure_slope = -1.4,
-          .steepening = 0.06,
+          .steepening = 0.02,
           .aim = -20,
-          .lip_mass = 5.6,
+          .lip_mass = 5.4,
           .lip_opening = 0.15,
           .lip_width = 1.4,
           .lip_quality = 0.9,
@@ -82,7 +82,7 @@ constexpr Parameters saxophone() {
           .breath_tension = 0.5,
           .breath_quality = 0.7,
           .lowest_note = 103.8,
-          .highest_note = 622.3};
+          .highest_note = 659.3};
 }
 
 constexpr Parameters oboe() {
@@ -114,10 +114,12 @@ constexpr Parameters oboe() {
           .lip_opening = 0.43,
           .lip_width = 1.6,
           .lip_channel = 0.47,
+          .lip_cup = 0.85,
           .tongue = 0.15,
           .breath_reference = 2000,
-          .breath_opening = 0.4,
-          .breath_tension = 0.48,
+          .breath_opening = 0.45,
+          .breath_tension = 0.58,
+          .breath_quality = 0.2,
           .lowest_note = 233.0,
           .highest_note = 1046.5};
 }
