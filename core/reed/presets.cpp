@@ -78,9 +78,9 @@ constexpr Parameters saxophone() {
           .lip_cup = 0.5,
           .tongue = 0.15,
           .breath_reference = 2000,
-          .breath_opening = 0.48,
-          .breath_tension = 0.5,
-          .breath_quality = 0.7,
+          .breath_opening = 0.65,
+          .breath_tension = 0.33,
+          .breath_quality = 0.3,
           .lowest_note = 103.8,
           .highest_note = 659.3};
 }
@@ -117,8 +117,8 @@ constexpr Parameters oboe() {
           .lip_cup = 0.85,
           .tongue = 0.15,
           .breath_reference = 2000,
-          .breath_opening = 0.45,
-          .breath_tension = 0.58,
+          .breath_opening = 0.64,
+          .breath_tension = 0.38,
           .breath_quality = 0.2,
           .lowest_note = 233.0,
           .highest_note = 1046.5};
