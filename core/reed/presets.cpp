@@ -109,7 +109,7 @@ constexpr Parameters oboe() {
           .end = BoreEnd::kOboe,
           .gain = 0.12,
           .embouchure_slope = -1.1,
-          .steepening = 0.3,
+          .steepening = 0.27,
           .lip_mass = 2.5,
           .lip_opening = 0.43,
           .lip_width = 1.6,
