@@ -18,7 +18,7 @@ from notes import Heard, hear, held, short, slow, swell
 # preset: lowest and highest key of the written compass, pressures pp, mf, ff in Pa
 COMPASS = {
     "clarinet": (50, 83, (850, 2000, 5500)),
-    "sax": (44, 75, (500, 2000, 6000)),
+    "sax": (44, 76, (500, 2000, 6000)),
     "oboe": (58, 84, (500, 2000, 5000)),
     "trumpet": (52, 78, (700, 3000, 7000)),
     "trombone": (40, 72, (400, 2000, 4500)),

@@ -70,20 +70,20 @@ constexpr Parameters saxophone() {
           .end = BoreEnd::kSaxophone,
           .gain = 0.11,
           .embouchure_slope = -1.4,
-          .steepening = 0.06,
+          .steepening = 0.02,
           .aim = -20,
-          .lip_mass = 5.6,
+          .lip_mass = 5.4,
           .lip_opening = 0.15,
           .lip_width = 1.4,
           .lip_quality = 0.9,
           .lip_cup = 0.5,
           .tongue = 0.15,
           .breath_reference = 2000,
-          .breath_opening = 0.48,
-          .breath_tension = 0.5,
-          .breath_quality = 0.7,
+          .breath_opening = 0.65,
+          .breath_tension = 0.33,
+          .breath_quality = 0.3,
           .lowest_note = 103.8,
-          .highest_note = 622.3};
+          .highest_note = 659.3};
 }
 
 constexpr Parameters oboe() {
@@ -110,15 +110,17 @@ constexpr Parameters oboe() {
           .end = BoreEnd::kOboe,
           .gain = 0.12,
           .embouchure_slope = -1.1,
-          .steepening = 0.3,
-          .lip_mass = 2.6,
+          .steepening = 0.27,
+          .lip_mass = 2.5,
           .lip_opening = 0.43,
           .lip_width = 1.6,
           .lip_channel = 0.47,
+          .lip_cup = 0.98,
           .tongue = 0.15,
           .breath_reference = 2000,
-          .breath_opening = 0.4,
-          .breath_tension = 0.48,
+          .breath_opening = 0.68,
+          .breath_tension = 0.35,
+          .breath_quality = 0.2,
           .lowest_note = 233.0,
           .highest_note = 1046.5};
 }
