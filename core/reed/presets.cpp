@@ -107,7 +107,7 @@ constexpr Parameters oboe() {
           .lip_width = 1.53,
           .lip_quality = 2.1,
           .played_gain = 0.7,
-          .tongue = 0.25,
+          .tongue = 0.18,
           .breath_reference = 2000,
           .breath_opening = 0.45,
           .breath_tension = 0.5,
