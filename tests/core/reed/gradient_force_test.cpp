@@ -44,7 +44,7 @@ void stay(ReedGradient& gradient, double y, double z, double seconds) {
 TEST_CASE("a hand that raises the pressure for 2 s makes a trumpet speak on its way") {
   // Above the threshold of fixed lips, at half the way, notes grow from the breath's noise.
   const auto speaks_at = [](double noise) {
-    Parameters p = reference::trumpet();
+    Parameters p = find_preset("trumpet").value();
     p.breath_noise = noise;
     ReedGradient gradient;
     gradient.set(p);
@@ -63,7 +63,7 @@ TEST_CASE("a hand that raises the pressure for 2 s makes a trumpet speak on its 
   CHECK(speaks_at(5e-4) < 2);
   CHECK(speaks_at(1e-7) > 2.4);
   ReedGradient gradient = trumpet(ReedGradient::Mode::kReed);
-  Parameters p = reference::trumpet();
+  Parameters p = find_preset("trumpet").value();
   p.breath_noise = 5e-4;
   gradient.set(p);
   std::vector<double> sound(kHold);
