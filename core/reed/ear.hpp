@@ -45,6 +45,8 @@ public:
   /// Whether something else than the pitch meant, or one within reach, has sounded for kLost:
   /// another register, which no trim brings back.
   [[nodiscard]] bool lost() const noexcept { return astray_ * kPeriod > 2 * kLost * sample_rate_; }
+  /// What sounds is only dying away: that it is another register counts for nothing.
+  void pardon() noexcept { astray_ = 0; }
   /// The pitch meant is to be found again from where linear theory has it.
   void start_over() noexcept;
   /// Time constant of the integral controller at the pitch meant, s.

@@ -34,6 +34,10 @@ void Instrument::move_gain() noexcept {
     gain_ = wanted;
     gain_due_ = false;
   }
+  if (bank_.fades_out()) { // that which fades keeps its own
+    gain_step_ = 0;
+    return;
+  }
   if (wanted != gain_wanted_) {
     gain_wanted_ = wanted;
     gain_rate_ = (wanted - gain_) / gain_periods_;

@@ -100,6 +100,7 @@ Parameters between(const Parameters& from, const Parameters& to, double share) n
 namespace {
 
 using Size = double Parameters::*;
+constexpr double kSlope = 0.1; // of the embouchure
 
 bool within(double factor, std::initializer_list<Size> sizes, const Parameters& a,
             const Parameters& b) {
@@ -113,6 +114,7 @@ bool within(double factor, std::initializer_list<Size> sizes, const Parameters& 
 
 bool goes_on(const Parameters& a, const Parameters& b) noexcept {
   return a.type == b.type && a.shape == b.shape && a.tune == b.tune &&
+         std::abs(a.embouchure_slope - b.embouchure_slope) <= kSlope &&
          oversampling_of(a) == oversampling_of(b) &&
          within(2,
                 {&Parameters::arm_length, &Parameters::mass, &Parameters::width,

@@ -13,6 +13,7 @@ constexpr double kRiseTime = 3e-3, kFallTime = 60e-3; // s, of the breath that l
 constexpr double kAboveNatural = 1.012; // of a tube's mode: where blown-open lips sound it
 constexpr double kStop = 50e-3;         // s without air, of a note begun anew
 
+constexpr double kNoBreath = 10;        // Pa
 constexpr double kBurstNote = 220;      // Hz, for which Parameters::tongue stands
 constexpr double kSmallestBurst = 0.02; // lets the breath go, no more
 constexpr double kLargestBurst = 3;     // as the parameter's own limit
@@ -69,20 +70,24 @@ const Player::Hold& Player::control(double bore_frequency, double reed_frequency
   if (listens_)
     ear_.hear();
   const bool moved = !(bore_frequency == bore_frequency_); // true also for a first NaN
+  const double played = note_;
   if (moved)
     bore_frequency_ = bore_frequency > 0 && bore_frequency < 1e9 ? bore_frequency : 0;
   if (moved || due_)
     choose(reed_frequency);
   else if (listens_)
     ear_.mean(note_);
+  if (mouth_pressure >= 0 && mouth_pressure < kNoBreath)
+    ear_.pardon();
   if (listens_ && ear_.lost() && tries_ < kTries)
     begin_anew(reed_frequency);
   if (plays_ && follow_breath(mouth_pressure))
     hold_valve();
   tongue_.set_burst(mouth_pressure >= 0 ? burst()
                                         : 0); // no breath to follow: none begins by itself
-  if (moved || due_ || listens_)
-    set_trim(listens_ ? ear_.trim() : 0, moved || due_);
+  const bool another = note_ != played || due_;
+  if (another || moved || listens_)
+    set_trim(listens_ ? ear_.trim() : 0, another);
   due_ = false;
   return hold_;
 }

@@ -111,6 +111,8 @@ public:
     glide_.restart();
   }
 
+  /// Whether the sound fades out for a change that has no way in between.
+  [[nodiscard]] bool fades_out() const noexcept { return glide_.fades_out(); }
   /// The player's tongue stops the breath and lets it go.
   void articulate() noexcept { player_.articulate(); }
   /// Samples that run() may compute before control() is due.

@@ -24,8 +24,11 @@ double Tongue::next(double pressure) noexcept {
   switch (state_) {
   case State::kResting:
     since_ = pressure < kStill ? since_ + (since_ < samples(kRest) ? 1 : 0) : -1;
-    if (since_ >= 0)
+    if (since_ >= 0) {
+      articulation_ = false; // there is nothing to stop
+      stop_ = 0;
       return 1;
+    }
     hold();
     if (!(burst_ > 0) && !articulation_) { // a breath that goes on is not stopped later
       state_ = State::kOpen;

@@ -381,13 +381,17 @@ TEST_CASE("a note that sounds in another register is tongued anew, three times a
   player.set(p, bore);
   double phase = 0, before = 4000;
   int shut = 0, opened = 0;
-  for (int n = 0; n < 6000; ++n) { // 4 s of the twelfth of what is meant
-    player.control(233, p.reed_frequency, 4000);
+  for (int n = -3000; n < 6000;
+       ++n) { // 2 s without and 4 s with breath: the twelfth of what is meant
+    const double blown = n < 0 ? 0 : 4000;
+    player.control(233, p.reed_frequency, blown);
     std::array<double, Ear::kPeriod> mouth;
-    mouth.fill(4000);
+    mouth.fill(blown);
     player.breathe(mouth.data(), Ear::kPeriod, 50e3);
-    shut += mouth.back() <= 0 && before > 0;
-    opened += mouth.back() >= 4000 && before < 4000;
+    if (n > 0) {
+      shut += mouth.back() <= 0 && before > 0;
+      opened += mouth.back() >= 4000 && before < 4000;
+    }
     before = mouth.back();
     double pressure[Ear::kPeriod];
     for (double& x : pressure) {

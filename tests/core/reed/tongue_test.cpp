@@ -19,13 +19,14 @@ using namespace test;
 constexpr double kRate = 48000;
 
 /// What the tongue makes of a breath.
-std::vector<double> tongued(std::vector<double> breath, double burst, int articulated = -1) {
+std::vector<double> tongued(std::vector<double> breath, double burst, int articulated = -1,
+                            double stop = 0) {
   Tongue tongue;
   tongue.prepare(kRate);
   tongue.set_burst(burst);
   for (std::size_t n = 0; n < breath.size(); n += 32) {
     if (articulated >= 0 && static_cast<int>(n / 32) == articulated)
-      tongue.articulate();
+      tongue.articulate(stop);
     const std::size_t count = std::min<std::size_t>(32, breath.size() - n);
     std::array<double, 32> factor;
     if (tongue.factors(breath.data() + n, factor.data(), static_cast<int>(count)))
@@ -62,6 +63,13 @@ TEST_CASE("the tongue leaves a slow breath alone and stops one within a note whe
     least = std::min(least, again[n]);
   CHECK(least == 0);
   CHECK(again.back() == doctest::Approx(2000).epsilon(0.001));
+}
+
+TEST_CASE("what the tongue is asked for in silence stops no breath that comes later") {
+  std::vector<double> breath(9600, 0.0);
+  std::fill(breath.begin() + 4800, breath.end(), 2000.0);
+  CHECK(tongued(breath, 1, 75, 0.05) == tongued(breath, 1)); // at the 2400th sample
+  CHECK(tongued(breath, 0, 75, 0.05) == breath);
 }
 
 TEST_CASE("the tongue stays bounded for any breath") {
@@ -102,7 +110,8 @@ double first_push(Parameters p, double note, double pressure) {
   Player player;
   player.prepare(kRate);
   player.set(p, bore);
-  player.reset();
+  for (int i = 0; i < 600; ++i) // the lips are there
+    player.control(note, p.reed_frequency, pressure);
   double highest = 0;
   for (int i = 0; i < 100; ++i) {
     std::array<double, 32> mouth;
