@@ -220,14 +220,13 @@ constexpr Parameters voice() {
           .end_radius = 8e-3,
           .gain = 1.5,
           .embouchure = 0.95,
-          .embouchure_slope = 0.04,
           .shortest_tract = 0.08,
           .aim = -85,
-          .lip_quality = 1.6,
+          .lip_quality = 1.3,
           .tongue = 0.1,
           .breath_reference = 2000,
           .lowest_note = 82.4,
-          .highest_note = 659.3};
+          .highest_note = 554.4};
 }
 
 constexpr Parameters syrinx() {

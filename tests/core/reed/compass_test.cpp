@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <tuple>
 #include <vector>
 
 namespace tactus::reed {
@@ -59,7 +58,7 @@ TEST_CASE("the corners of every compass sound one note in its register, soft, mi
   const Compass compasses[] = {
       {"clarinet", {50, 67, 83}, {850, 2000, 5500}}, {"sax", {44, 45, 58, 76}, {500, 2000, 6000}},
       {"oboe", {58, 72, 84}, {500, 2000, 5000}},     {"trumpet", {52, 67, 78}, {700, 3000, 7000}},
-      {"trombone", {40, 57, 72}, {400, 2000, 4500}}, {"voice", {40, 58, 76}, {500, 1500, 4000}},
+      {"trombone", {40, 57, 72}, {400, 2000, 4500}}, {"voice", {40, 58, 73}, {500, 1500, 4000}},
       {"syrinx", {68, 83, 99}, {300, 700, 1500}}};
   for (const Compass& compass : compasses)
     for (const int key : compass.keys)
@@ -128,7 +127,7 @@ TEST_CASE("notes of 60 ms are within 6 dB of held ones" * doctest::skip(kSanitiz
                                  Compass{"oboe", {58, 66, 75}, {500, 2000, 5000}},
                                  Compass{"trumpet", {52, 61, 74}, {700, 3000, 7000}},
                                  Compass{"trombone", {42, 55, 68}, {400, 2000, 4500}},
-                                 Compass{"voice", {41, 58, 75}, {500, 1500, 4000}},
+                                 Compass{"voice", {41, 58, 73}, {500, 1500, 4000}},
                                  Compass{"syrinx", {69, 83, 98}, {300, 700, 1500}}})
     for (const int key : compass.keys)
       for (const double pressure : compass.pressures) {
@@ -147,21 +146,21 @@ TEST_CASE("notes of 60 ms are within 6 dB of held ones" * doctest::skip(kSanitiz
 
 TEST_CASE("short notes in a row are all alike" * doctest::skip(kSanitized)) {
   // What dies away between them is no other register, which the player would tongue anew.
-  for (const auto& [preset, key, pressure] :
-       {std::tuple{"clarinet", 64, 2500.0}, std::tuple{"oboe", 70, 2000.0},
-        std::tuple{"trumpet", 60, 4000.0}}) {
+  for (const Compass& note : {Compass{"clarinet", {64}, {2500}}, Compass{"oboe", {70}, {2000}},
+                              Compass{"trumpet", {60}, {4000}}}) {
     constexpr int kNotes = 8;
     const std::size_t apart = 12000, played = 2880; // 0.25 s, 60 ms
     std::vector<double> breath(kNotes * apart, 0.0);
     for (std::size_t n = 0; n < breath.size(); ++n)
       if (n % apart < played)
-        breath[n] = pressure * std::min(1.0, static_cast<double>(n % apart) / 240);
-    const auto loudness = envelope(sounded(preset, breath, key).sound, kRate, 50);
+        breath[n] = note.pressures.front() * std::min(1.0, static_cast<double>(n % apart) / 240);
+    const auto loudness =
+        envelope(sounded(note.preset, breath, note.keys.front()).sound, kRate, 50);
     std::vector<double> tops;
-    for (std::size_t note = 0; note < kNotes; ++note)
-      tops.push_back(*std::max_element(loudness.begin() + static_cast<long>(note * apart),
-                                       loudness.begin() + static_cast<long>((note + 1) * apart)));
-    CAPTURE(std::string(preset));
+    for (std::size_t i = 0; i < kNotes; ++i)
+      tops.push_back(*std::max_element(loudness.begin() + static_cast<long>(i * apart),
+                                       loudness.begin() + static_cast<long>((i + 1) * apart)));
+    CAPTURE(std::string(note.preset));
     CHECK(*std::min_element(tops.begin(), tops.end()) >
           0.8 * *std::max_element(tops.begin(), tops.end()));
   }
