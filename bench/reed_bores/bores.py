@@ -50,6 +50,7 @@ class Woodwind:
     cutoff: float          # of the lattice, Hz
     chimney: float
     bell: list[tuple[float, float]]  # (distance from the last hole's place, radius over the bore's)
+    vent: Hole | None = None  # the register vent, from the reed's end
 
     def acoustic_length(self, key: float) -> float:
         """Of the tube from the reed's end (of a cone: from its apex) for a note."""
@@ -103,7 +104,9 @@ class Woodwind:
 WOODWINDS = {
     # Bore 15 mm; the lower joint opens before the bell, which ends 60 mm wide (Nederveen 1969).
     "clarinet": Woodwind(range(50, 71), 7.5e-3, 0.0, 1500.0, 8e-3,
-                         [(0.0, 1.0), (0.02, 1.15), (0.06, 1.6), (0.10, 2.6), (0.125, 4.0)]),
+                         [(0.0, 1.0), (0.02, 1.15), (0.06, 1.6), (0.10, 2.6), (0.125, 4.0)],
+                         # The register tube: 3 mm wide (Nederveen 1969), some 12 mm long.
+                         Hole(0.11, 1.5e-3, 12e-3)),
     # The presets' cones. The bells: a saxophone's 75 mm radius, an oboe's 19 mm.
     "saxophone": Woodwind(range(46, 76), 6.2e-3, 0.2, 800.0, 4e-3,
                           [(0.0, 1.0), (0.10, 1.25), (0.18, 2.2)]),
