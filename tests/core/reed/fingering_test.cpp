@@ -253,7 +253,7 @@ TEST_CASE("the vent gains no power, however far it is open") {
       through[size > 1] = std::abs(sum);
     }
     CHECK(through[0] == doctest::Approx(std::abs(design.at({0, kTwoPi * hz}))).epsilon(0.02));
-    CHECK(through[1] < 0.95 * through[0]);
+    CHECK(through[1] < (hz < 1000 ? 0.95 : 1) * through[0]); // above, mass alone counts
   }
 }
 
