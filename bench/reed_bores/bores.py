@@ -52,6 +52,7 @@ class Woodwind:
     bell: list[tuple[float, float]]  # (distance from the last hole's place, radius over the bore's)
     cutoff_rise: float = 0.0  # power of the note by which the cut-off rises up the bore,
     cutoff_top: int = 127     # up to this key's hole
+    vent: Hole | None = None  # the register vent, from the reed's end
 
     def acoustic_length(self, key: float) -> float:
         """Of the tube from the reed's end (of a cone: from its apex) for a note."""
@@ -110,7 +111,9 @@ class Woodwind:
 WOODWINDS = {
     # Bore 15 mm; the lower joint opens before the bell, which ends 60 mm wide (Nederveen 1969).
     "clarinet": Woodwind(range(50, 71), 7.5e-3, 0.0, 1500.0, 8e-3,
-                         [(0.0, 1.0), (0.02, 1.15), (0.06, 1.6), (0.10, 2.6), (0.125, 4.0)]),
+                         [(0.0, 1.0), (0.02, 1.15), (0.06, 1.6), (0.10, 2.6), (0.125, 4.0)],
+                         # The register tube: 3 mm wide (Nederveen 1969), some 12 mm long.
+                         vent=Hole(0.11, 1.5e-3, 12e-3)),
     # The presets' cones, and bells that end where a real one's does: a tenor's 1.69 m from the cone's
     # apex (1.49 m from the mouthpiece's tip, Chen et al. 2009), 75 mm in radius. The oboe's cone is
     # twice as wide as a real one, and its bell flares less.

@@ -33,6 +33,7 @@ STATES = {"clarinet": (
     "cccccccccccccoccccco",  # one hole far from the next
     "ccccccccccoccccccccc", "cccccccccccccccccooc",
 )}
+VENTED = {"clarinet": (50, 53, 56, 59, 62)}  # standard fingerings with the register vent
 CLOSED = {"c": 1.0, "o": 0.0, "h": 0.5, "q": 0.75}
 ELEMENT = 15e-3  # m
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -108,13 +109,21 @@ def radiating(radius):
     return admittance
 
 
-def bore_mesh(name, beyond, length):
+def bore_mesh(name, beyond, length, vented=False):
     wind = WOODWINDS[name]
     start = beyond.corners[0][1]
     mesh = Mesh()
     at = mesh.node()
-    here = mesh.tube(at, length, lambda x: wind.input_radius + (start - wind.input_radius) *
-                     x / length)
+    along = lambda x: wind.input_radius + (start - wind.input_radius) * x / length
+    if vented:
+        vent = wind.vent
+        here = mesh.tube(at, vent.distance, along)
+        # Inner correction of a hole far narrower than the bore: Nederveen et al. (1998).
+        top = mesh.tube(here, vent.height + 0.82 * vent.radius, lambda x: vent.radius)
+        mesh.lumped.append((top, None, radiating(vent.radius)))
+        here = mesh.tube(here, length - vent.distance, lambda x: along(x + vent.distance))
+    else:
+        here = mesh.tube(at, length, along)
     xs, rs = np.array(beyond.corners).T
     place = 0.0
     stops = sorted({x for x in xs if x > 0} | {h.distance for h in beyond.holes})
@@ -146,11 +155,11 @@ def line_length(name, key):
     return wind.place(key) - wind.apex
 
 
-def peaks_of(name, key, beyond=None):
+def peaks_of(name, key, beyond=None, vented=False):
     """(Hz, dB over the input's Z_0) of the first five peaks below the lattice's cut-off."""
     wind = WOODWINDS[name]
     length = line_length(name, key)
-    mesh, at = bore_mesh(name, beyond or wind.beyond(key), length)
+    mesh, at = bore_mesh(name, beyond or wind.beyond(key), length, vented)
     zero = DENSITY * SOUND_SPEED / (np.pi * wind.input_radius**2)
     level = lambda f: 20 * np.log10(abs(mesh.impedance(2j * np.pi * f, at)) / zero)
     grid = np.arange(60.0, wind.cutoff, 15)
@@ -200,6 +209,17 @@ def main() -> int:
             print(name, state, length, " ".join(f"{f:.2f} {d:.2f}" for f, d in peaks), flush=True)
             rows = ", ".join(f"{{{f:.3f}, {d:.3f}}}" for f, d in peaks)
             text += f'    {{BoreEnd::k{name.capitalize()}, "{state}", {length:.9g}, {{{{{rows}}}}}}},\n'
+    text += ("};\n\n/// Standard fingerings with the register vent open.\n"
+             "inline constexpr BoreReference kVentedReference[]{\n")
+    for name, keys in VENTED.items():
+        if arguments.only not in (None, name):
+            continue
+        for key in keys:
+            length, peaks = peaks_of(name, key, None, True)
+            print(name, "vented", key, length, " ".join(f"{f:.2f} {d:.2f}" for f, d in peaks),
+                  flush=True)
+            rows = ", ".join(f"{{{f:.3f}, {d:.3f}}}" for f, d in peaks)
+            text += f"    {{BoreEnd::k{name.capitalize()}, {key}, {length:.9g}, {{{{{rows}}}}}}},\n"
     text += "};\n\n} // namespace tactus::reed::test\n"
     if arguments.only is None:
         TABLE.write_text(text)

@@ -41,9 +41,8 @@ constexpr Parameters clarinet() {
           .breath_opening = 0.38,
           .breath_tension = 0.32,
           .breath_quality = 1.5,
-          .register_note = 440,
           .lowest_note = 146.8,
-          .highest_note = 1396.9};
+          .highest_note = 987.8};
 }
 
 constexpr Parameters saxophone() {

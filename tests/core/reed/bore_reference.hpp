@@ -68,4 +68,13 @@ inline constexpr FingeredReference kFingeredReference[]{
     {BoreEnd::kClarinet, "cccccccccccccccccooc", 0.471612628, {{{170.599, 31.750}, {514.276, 26.747}, {850.427, 23.420}, {1012.112, 0.696}, {1207.296, 20.578}}}},
 };
 
+/// Standard fingerings with the register vent open.
+inline constexpr BoreReference kVentedReference[]{
+    {BoreEnd::kClarinet, 50, 0.564629235, {{{196.477, 21.810}, {425.947, 26.616}, {680.915, 23.751}, {934.919, 18.640}, {1163.957, 12.937}}}},
+    {BoreEnd::kClarinet, 53, 0.471612628, {{{233.188, 24.109}, {524.007, 27.609}, {859.274, 23.843}, {1214.216, 18.985}}}},
+    {BoreEnd::kClarinet, 56, 0.393395296, {{{264.703, 25.854}, {613.933, 28.032}, {1018.047, 23.720}, {1414.370, 20.953}}}},
+    {BoreEnd::kClarinet, 59, 0.327622623, {{{299.716, 27.521}, {721.223, 28.081}, {1201.051, 23.589}}}},
+    {BoreEnd::kClarinet, 62, 0.272314617, {{{338.833, 29.105}, {849.408, 27.818}, {1400.586, 22.919}}}},
+};
+
 } // namespace tactus::reed::test

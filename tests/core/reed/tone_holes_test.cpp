@@ -1,10 +1,9 @@
-#include "core/reed/bore_line.hpp"
 #include "core/reed/holed_end.hpp"
 #include "core/reed/linear_stability.hpp"
 #include "core/reed/player.hpp"
 #include "core/reed/presets.hpp"
-#include "core/reed/round_trip_filter.hpp"
 #include "core/reed/tuning.hpp"
+#include "tests/core/reed/bore_echo.hpp"
 #include "tests/core/reed/bore_reference.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
@@ -44,53 +43,6 @@ const Termination& row(BoreEnd end, int key) {
   return terminations(end).front();
 }
 
-/// What comes back of one sample sent into the line: delay line, losses and holes as they run.
-std::vector<double> echo_of(const Parameters& p, const Termination& end, double length, double rate,
-                            std::size_t size) {
-  constexpr int kStretch = 16;
-  BoreDesign design;
-  design.set(p, rate);
-  design.set_end(&end);
-  const RoundTrip trip = design.round_trip(length);
-  BoreLine<double, 64> line;
-  line.prepare(longest_delay(rate));
-  RoundTripFilter<double> losses;
-  HoledEnd<double> holes;
-  holes.set(rate, 1, p.input_radius);
-  holes.finger(&end);
-  std::vector<double> echo;
-  while (echo.size() < size) {
-    double* wave = line.next();
-    line.read(trip.delay, 0, wave, kStretch);
-    {
-      RoundTripFilter<double>::Stretch filter(losses, trip, 0);
-      for (int i = 0; i < kStretch; ++i)
-        wave[i] = filter.arriving(wave[i]);
-    }
-    holes.reflect(wave, kStretch);
-    for (int i = 0; i < kStretch; ++i) {
-      echo.push_back(wave[i]);
-      wave[i] = echo.size() == 1 ? 1 : 0;
-    }
-    line.advance(kStretch);
-  }
-  return echo;
-}
-
-/// 20 log of |Z_in|/Z_0 at a frequency.
-double level(const Parameters& p, const std::vector<double>& echo, double rate, double hz) {
-  Complex round_trip = 0, turn = 1;
-  const Complex step = std::polar(1.0, -kTwoPi * hz / rate);
-  for (const double x : echo) {
-    round_trip += x * turn;
-    turn *= step;
-  }
-  Complex y = (1.0 - round_trip) / (1.0 + round_trip);
-  if (p.shape == BoreShape::kCone) // 1/(s M) in units of 1/Z_0
-    y += air_at(p.temperature).sound_speed / (Complex(0, kTwoPi * hz) * p.apex_distance);
-  return -20 * std::log10(std::abs(y));
-}
-
 } // namespace
 
 TEST_CASE("bores with tone holes resonate where finite elements say, and as high" *
@@ -104,13 +56,7 @@ TEST_CASE("bores with tone holes resonate where finite elements say, and as high
       for (const auto& peak : reference.peaks) {
         if (!(peak.hz > 0))
           continue;
-        double low = peak.hz * 0.97, high = peak.hz * 1.03;
-        for (int i = 0; i < 24; ++i) { // golden section
-          const double a = high - 0.618034 * (high - low), b = low + 0.618034 * (high - low);
-          (level(p, echo, rate, a) > level(p, echo, rate, b) ? high : low) =
-              level(p, echo, rate, a) > level(p, echo, rate, b) ? b : a;
-        }
-        const double at = 0.5 * (low + high), high_db = level(p, echo, rate, at);
+        const auto [at, high_db] = peak_near(p, echo, rate, peak.hz);
         CAPTURE(static_cast<int>(reference.end));
         CAPTURE(reference.key);
         CAPTURE(rate);
@@ -249,7 +195,7 @@ TEST_CASE("linear theory and tune know the holes") {
       p.end = end;
       const Termination* fingering = fingering_for(end, f);
       REQUIRE(fingering != nullptr);
-      const double length = tuned_length(p, f, p.reed_frequency, 1, fingering);
+      const double length = tuned_length(p, f, p.reed_frequency, 1, {fingering, false});
       const LinearStability theory(p, length, fingering);
       CAPTURE(static_cast<int>(end));
       CAPTURE(f);
@@ -263,8 +209,8 @@ TEST_CASE("linear theory and tune know the holes") {
   player.lip_channel = 2.5;
   CHECK(tuned(player, 200, 2500).valve.channel_length ==
         doctest::Approx(2.5 * player.channel_length));
-  CHECK(tuned(player, 200, 2500).end == fingering_for(BoreEnd::kClarinet, 200));
-  CHECK(embouchure_for(player, 200, 0.4).end == fingering_for(BoreEnd::kClarinet, 200));
+  CHECK(tuned(player, 200, 2500).fingering.end == fingering_for(BoreEnd::kClarinet, 200));
+  CHECK(embouchure_for(player, 200, 0.4).fingering.end == fingering_for(BoreEnd::kClarinet, 200));
   CHECK(fingering_for(BoreEnd::kOpen, 200) == nullptr);
   CHECK(fingering_for(BoreEnd::kClarinet, 10)->key == 50);
   CHECK(fingering_for(BoreEnd::kClarinet, 1e5)->key == 70);

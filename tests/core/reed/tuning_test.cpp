@@ -77,7 +77,7 @@ TEST_CASE("a player tunes reeds at one and a half times the threshold, lips at t
     CAPTURE(name);
     CHECK(playing.length ==
           doctest::Approx(tuned_length(playing.valve, aimed, lips ? embouchure * aimed : reed,
-                                       lips ? 2.5 : 1.5, playing.end))
+                                       lips ? 2.5 : 1.5, playing.fingering))
               .epsilon(1e-9)
               .scale(0));
     // The lips go with the note at constant stiffness m w^2: f_r of the note, not of the table.

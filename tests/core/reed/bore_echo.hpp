@@ -1,0 +1,94 @@
+#pragma once
+
+#include "core/reed/bore_line.hpp"
+#include "core/reed/holed_end.hpp"
+#include "core/reed/register_vent.hpp"
+#include "core/reed/round_trip_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+/// Input impedance of the bore as it runs: what comes back of one sample that is sent into it.
+namespace tactus::reed::test {
+
+/// Delay line, losses and holes; with a vent the line is divided there, as in ReedBank.
+inline std::vector<double> echo_of(const Parameters& p, const Termination& end, double length,
+                                   double rate, std::size_t size, bool vented = false) {
+  constexpr int kStretch = 8;
+  BoreDesign design;
+  design.set(p, rate);
+  design.set_end(&end);
+  const RoundTrip trip = design.round_trip(length);
+  RegisterVent vent = RegisterVent::of(p);
+  vent.separation = 0; // small waves
+  const BoreDesign::Parts parts = design.parts(trip, length, vent.place);
+  BoreLine<double, 64> line, below;
+  line.prepare(longest_delay(rate));
+  below.prepare(longest_delay(rate));
+  RoundTripFilter<double> losses, above_losses;
+  VentFilter<double> filter;
+  filter.set(vent, rate);
+  HoledEnd<double> holes;
+  holes.set(rate, 1, p.input_radius);
+  holes.finger(&end);
+  std::vector<double> echo;
+  while (echo.size() < size) {
+    BoreLine<double, 64>& last = vented ? below : line;
+    double* const wave = line.next();
+    double* const ending = last.next();
+    last.read(vented ? parts.below.delay : trip.delay, 0, ending, kStretch);
+    {
+      RoundTripFilter<double>::Stretch stretch(losses, vented ? parts.below : trip, 0);
+      for (int i = 0; i < kStretch; ++i)
+        ending[i] = stretch.arriving(ending[i]);
+    }
+    holes.reflect(ending, kStretch);
+    if (vented) {
+      line.read(parts.above.delay, 0, wave, kStretch);
+      RoundTripFilter<double>::Stretch stretch(above_losses, parts.above, 0);
+      filter.pass(stretch, wave, ending, 1, 0, kStretch);
+      below.advance(kStretch);
+    }
+    for (int i = 0; i < kStretch; ++i) {
+      echo.push_back(wave[i]);
+      wave[i] = echo.size() == 1 ? 1 : 0;
+    }
+    line.advance(kStretch);
+  }
+  return echo;
+}
+
+/// 20 log of |Z_in|/Z_0 at a frequency.
+inline double level(const Parameters& p, const std::vector<double>& echo, double rate, double hz) {
+  std::complex<double> round_trip = 0, turn = 1;
+  const std::complex<double> step = std::polar(1.0, -2 * std::numbers::pi * hz / rate);
+  for (const double x : echo) {
+    round_trip += x * turn;
+    turn *= step;
+  }
+  std::complex<double> y = (1.0 - round_trip) / (1.0 + round_trip);
+  if (p.shape == BoreShape::kCone) // 1/(s M) in units of 1/Z_0
+    y += air_at(p.temperature).sound_speed /
+         (std::complex<double>(0, 2 * std::numbers::pi * hz) * p.apex_distance);
+  return -20 * std::log10(std::abs(y));
+}
+
+struct ImpedancePeak {
+  double hz, level;
+};
+/// The highest point within 3 % of a frequency.
+inline ImpedancePeak peak_near(const Parameters& p, const std::vector<double>& echo, double rate,
+                               double hz) {
+  double low = hz * 0.97, high = hz * 1.03;
+  for (int i = 0; i < 24; ++i) { // golden section
+    const double a = high - 0.618034 * (high - low), b = low + 0.618034 * (high - low);
+    const bool left = level(p, echo, rate, a) > level(p, echo, rate, b);
+    (left ? high : low) = left ? b : a;
+  }
+  return {0.5 * (low + high), level(p, echo, rate, 0.5 * (low + high))};
+}
+
+} // namespace tactus::reed::test
