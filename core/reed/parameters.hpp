@@ -69,6 +69,7 @@ struct Parameters {
   double steepening = 0; // wavelengths, what brassiness counts; 0: the bore as it is played
   double aim = 0;        // cents beside f_b: what sounding loud adds, known by practice
   double lip_mass = 1;
+  double lip_slope = 0;   // power of f_b/f_r by which their stiffness changes with the note
   double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
