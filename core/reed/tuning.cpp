@@ -113,11 +113,11 @@ Playing lips_for(const Parameters& parameters, double aimed) {
   valve.width *= parameters.lip_width;
   valve.quality *= parameters.lip_quality;
   valve.channel_length *= parameters.lip_channel;
+  valve.displacement_limit *= parameters.lip_limit;
   valve.cup_volume *= parameters.lip_cup;
   if (parameters.embouchure > 0) {
     playing.reed_scale = embouchure_at(parameters, aimed) * aimed / parameters.reed_frequency;
-    valve.mass *= std::pow(aimed / parameters.reed_frequency, parameters.lip_slope) /
-                  (playing.reed_scale * playing.reed_scale);
+    valve.mass /= playing.reed_scale * playing.reed_scale;
   } else {
     const double opened = std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
     valve.rest_angle *= opened;

@@ -88,7 +88,7 @@ MapWorker::Portion PlayabilityMapObject::portion() const {
     const Playing playing =
         embouchure_for(clamped(parameters_), own_[kBoreFrequency],
                        length_of(parameters_, own_[kBoreFrequency]));
-    const LinearStability theory(playing.valve, playing.length, playing.end);
+    const LinearStability theory(playing.valve, playing.length, playing.fingering.end);
     const double scale = playing.reed_scale;
     const ControlRange range = range_;
     const std::size_t columns = columns_, rows = rows_;
