@@ -35,6 +35,8 @@ class Bell:
     length: float   # of the flare
     exponent: float
     cutoff: float   # Hz, up to which peaks count
+    delay: float    # m of the flare that count as tube
+    knee: float     # Hz, above which the fit matters less
 
     def radius(self, distance: float) -> float:
         """At a distance from the flare's beginning."""
@@ -51,12 +53,12 @@ class Bell:
 
 
 BELLS = {
-    # B flat trumpet: bore 11.7 mm, mouth 122 mm. Half of the power leaves at 1.2 kHz.
-    "trumpet": Bell(5.85e-3, 61e-3, 0.50, 0.6, 1300.0),
-    # Tenor trombone: bore 13.9 mm, mouth 216 mm; the bell section from its bow on. 800 Hz.
-    "trombone": Bell(6.95e-3, 108e-3, 0.75, 0.7, 850.0),
+    # B flat trumpet: bore 11.7 mm, mouth 122 mm. Length and exponent: of those tried the ones that bring
+    # the naturals nearest to a harmonic series with half of the power leaving above 850 Hz.
+    "trumpet": Bell(5.85e-3, 61e-3, 0.70, 0.7, 1000.0, 0.05, 800.0),
+    # Tenor trombone: bore 13.9 mm, mouth 216 mm; all that widens beyond the slide. 650 Hz.
+    "trombone": Bell(6.95e-3, 108e-3, 1.0, 0.7, 700.0, 0.10, 500.0),
 }
-DELAY = 0.05  # m of the flare that count as tube
 
 
 class Row:
@@ -66,14 +68,15 @@ class Row:
         beyond = bell.beyond()
         s = 2j * np.pi * GRID
         reflected, _ = respond(beyond, GRID)
-        weight = 1 / (1.02 - np.abs(reflected)) / (1 + (GRID / 1500)**3) / np.sqrt(GRID + 50)
-        reflected = reflected * np.exp(2 * s * DELAY / SOUND_SPEED)
-        start = [2 * np.pi * complex(-0.2 * f, f) for f in np.geomspace(400, 2500, 5)]
+        weight = 1 / (1.02 - np.abs(reflected)) / (1 + (GRID / bell.knee)**3) / np.sqrt(GRID + 50)
+        reflected = reflected * np.exp(2 * s * bell.delay / SOUND_SPEED)
+        start = [2 * np.pi * complex(-0.2 * f, f) for f in np.geomspace(0.4, 2.5, 5) * bell.cutoff]
         start += [complex(-2 * np.pi * f) for f in (10, 200)]
         poles = fit(s, [reflected], [weight], [-1], start)
         found = residues(s, reflected, weight, -1, poles)
         wide = 2j * np.pi * np.geomspace(0.1, 1e6, 40000)
         self.largest = np.abs(evaluate(wide, -1, poles, found)).max()
+        self.delay = bell.delay
         self.scale = min(1.0, 1 / self.largest)
         self.reflection = blocks_of(poles, found * self.scale)
         low = GRID < bell.cutoff
@@ -93,7 +96,7 @@ class Row:
             kind, *numbers = row
             return (f"{{{'true' if kind else 'false'}, " +
                     ", ".join(f"{x:.9g}" for x in numbers) + "}")
-        return (f"    {{0, {-self.scale:.9g}, {DELAY:.9g},\n     {{{{" +
+        return (f"    {{0, {-self.scale:.9g}, {self.delay:.9g},\n     {{{{" +
                 ",\n       ".join(map(block, self.reflection)) + "}},\n     {{" +
                 ",\n       ".join(map(block, self.radiation)) + "}}},\n")
 

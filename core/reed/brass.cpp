@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSlideSemitones = 6;
 constexpr int kHighestNatural = 16, kFalseNatural = 7;
-constexpr BrassTube kTrumpet{5.85e-3, 1.2e-6, 0.87, 116.54, true};
-constexpr BrassTube kTrombone{6.95e-3, 5e-6, 2.0, 58.27, false};
+constexpr BrassTube kTrumpet{5.85e-3, 1.2e-6, 0.66, 116.54, true};
+constexpr BrassTube kTrombone{6.95e-3, 1e-5, 1.70, 58.27, false};
 
 /// By how much each valve makes the tube longer, of its open length as it sounds.
 constexpr std::array<int, 3> kValveSemitones{2, 1, 3};

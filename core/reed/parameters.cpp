@@ -64,7 +64,8 @@ Parameters clamped(const Parameters& parameters) noexcept {
   p.aim = bounded(p.aim, -1200, 1200, kInitial.aim);
   for (double Parameters::*lip :
        {&Parameters::lip_mass, &Parameters::lip_opening, &Parameters::lip_width,
-        &Parameters::lip_quality, &Parameters::lip_channel, &Parameters::lip_cup})
+        &Parameters::lip_quality, &Parameters::lip_channel, &Parameters::lip_cup,
+        &Parameters::lip_limit})
     p.*lip = bounded(p.*lip, 0.01, 100, 1);
   p.played_gain = bounded(p.played_gain, 0, 100, kInitial.played_gain);
   p.tongue = bounded(p.tongue, 0, 3, kInitial.tongue);

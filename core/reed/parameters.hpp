@@ -72,6 +72,7 @@ struct Parameters {
   double lip_opening = 1; // of theta_0
   double lip_width = 1;
   double lip_quality = 1;
+  double lip_limit = 1;   // of x_max, which loud lips must not meet: there they change regime
   double lip_channel = 1; // of lambda: air that follows the lay, and inside and outside the tip
   double lip_cup = 1;     // of the cup's volume: the reed's own compliance is part of a cone's tip
   double played_gain = 1; // times gain

@@ -113,6 +113,7 @@ Playing lips_for(const Parameters& parameters, double aimed) {
   valve.width *= parameters.lip_width;
   valve.quality *= parameters.lip_quality;
   valve.channel_length *= parameters.lip_channel;
+  valve.displacement_limit *= parameters.lip_limit;
   valve.cup_volume *= parameters.lip_cup;
   if (parameters.embouchure > 0) {
     playing.reed_scale = embouchure_at(parameters, aimed) * aimed / parameters.reed_frequency;
