@@ -2,6 +2,7 @@
 
 #include "core/object.hpp"
 #include "core/reed/instrument.hpp"
+#include "core/words.hpp"
 #include "externals/greed~/declaration.hpp"
 #include "externals/greed~/settings.hpp"
 
@@ -78,12 +79,14 @@ private:
     std::array<double, reed::Woodwind::kMaxToneHoles + 1> closed{};
     const std::size_t count = wind->tone_holes() + 1;
     bool usable = arguments.size() == count;
+    std::string given = std::to_string(arguments.size()) + " of them";
     for (std::size_t i = 0; i < count && usable; ++i) {
       usable = !arguments[i].is_word && arguments[i].number >= 0 && arguments[i].number <= 1;
       closed[i] = arguments[i].number;
+      if (!usable) given = arguments[i].is_word ? std::string(arguments[i].word) : number_text(arguments[i].number);
     }
     if (!usable)
-      return host.error("holes: expected " + std::to_string(count) +
+      return host.error("holes: " + given + ", expected " + std::to_string(count) +
                         " numbers in 0..1, the register vent and then the holes from the reed down: "
                         "1 closed, 0 open");
     if (!instrument_.finger_holes(std::span(closed).first(count)))
