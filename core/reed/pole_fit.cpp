@@ -36,7 +36,8 @@ public:
     right_[rows_] = right;
     return matrix_[rows_++].data();
   }
-  /// False where the equations do not determine the unknowns.
+  /// An unknown that the equations do not tell from those before it (two poles at one place) is 0.
+  /// False where one stands in no equation.
   [[nodiscard]] bool solve(std::span<double> x) {
     // Columns of one size: their units differ.
     std::array<double, kMaxUnknowns> scale{};
@@ -55,8 +56,9 @@ public:
       for (std::size_t i = k; i < rows_; ++i)
         length += matrix_[i][k] * matrix_[i][k];
       length = std::sqrt(length);
+      diagonal_[k] = 0;
       if (!(length > 1e-14))
-        return false;
+        continue;
       const double lead = matrix_[k][k], diagonal = lead > 0 ? -length : length;
       matrix_[k][k] = lead - diagonal; // the reflection's vector stands in this column
       const double factor = 1 / (diagonal * (lead - diagonal));
@@ -80,7 +82,7 @@ public:
       double sum = right_[k];
       for (std::size_t j = k + 1; j < unknowns_; ++j)
         sum -= matrix_[k][j] * x[j];
-      x[k] = sum / diagonal_[k];
+      x[k] = diagonal_[k] != 0 ? sum / diagonal_[k] : 0;
     }
     for (std::size_t k = 0; k < unknowns_; ++k)
       x[k] *= scale[k];
