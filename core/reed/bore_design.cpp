@@ -19,19 +19,41 @@ constexpr double kShortest = 5e-3; // m
 constexpr double kMostAttenuation = 2;
 constexpr double kLowestPole = 3, kHighestPole = 20e3; // Hz
 // What the sections take of G h/pi sqrt(q_k): least squares of their sum, with a delay beside it,
-// to the complex sqrt(s) from 12 Hz to 6 kHz at 48 kHz, none below 0. The ends stand for the
-// integral beyond them.
-constexpr std::array<double, RoundTrip::kLossSections> kShare{2.7428, 0.5631, 1.0936, 0.964,
-                                                              1.0219, 0.9896, 1.2104, 2.2469};
+// to the complex sqrt(s) from 12 Hz to 11 kHz, none below 0, at each of these rates. The ends stand
+// for the integral beyond them.
+using Shares = std::array<double, RoundTrip::kLossSections>;
+struct SharesAt {
+  double rate; // Hz
+  Shares share;
+};
+constexpr std::array<SharesAt, 4> kShares{
+    {{44100, {2.780, 0.545, 1.094, 0.974, 0.998, 1.035, 0.865, 1.701}},
+     {48000, {2.744, 0.562, 1.091, 0.973, 1.001, 1.026, 0.885, 1.663}},
+     {96000, {2.727, 0.569, 1.091, 0.969, 1.009, 1.007, 0.950, 1.334}},
+     {192000, {2.727, 0.568, 1.092, 0.969, 1.010, 1.006, 0.956, 1.306}}}};
 
-/// A section whose continuous form is (1 + s/zero)/(1 + s/pole), s = K (1 - z^-1)/(1 + z^-1).
+/// The same at any rate; straight over 1/rate in between.
+Shares shares_at(double rate) {
+  rate = std::clamp(rate, kShares.front().rate, kShares.back().rate);
+  std::size_t i = 1;
+  while (kShares[i].rate < rate)
+    ++i;
+  const SharesAt &low = kShares[i - 1], &high = kShares[i];
+  const double part = (1 / low.rate - 1 / rate) / (1 / low.rate - 1 / high.rate);
+  Shares share = low.share;
+  for (std::size_t k = 0; k < share.size(); ++k)
+    share[k] += part * (high.share[k] - low.share[k]);
+  return share;
+}
+
+/// A section whose continuous form is (1 + s/zero)/(1 + s/pole), with exp(-pole T), exp(-zero T) in
+/// their places.
 struct Section {
   double gain, pole, excess;
 };
-Section section(double zero_ratio, double pole_ratio) { // K/zero, K/pole
-  const double b0 = 1 + zero_ratio, b1 = 1 - zero_ratio;
-  const double a0 = 1 + pole_ratio, a1 = 1 - pole_ratio;
-  return {b0 / a0, -a1 / a0, b1 / b0 - a1 / a0};
+Section section(double zero, double pole) { // times T
+  const double fall = std::exp(-pole);
+  return {std::expm1(-pole) / std::expm1(-zero), fall, fall - std::exp(-zero)};
 }
 
 } // namespace
@@ -45,12 +67,12 @@ RoundTrip RoundTrip::between(const RoundTrip& from, const RoundTrip& to, double 
     blend(trip.loss_pole[k], from.loss_pole[k]);
     blend(trip.loss_residue[k], from.loss_residue[k]);
   }
-  for (std::size_t k = 0; k < trip.end_pole.size(); ++k) {
-    blend(trip.end_pole[k], from.end_pole[k]);
-    blend(trip.end_excess[k], from.end_excess[k]);
-  }
   blend(trip.arriving_gain, from.arriving_gain);
-  blend(trip.returning_gain, from.returning_gain);
+  for (std::size_t k = 0; k < trip.end.pole.size(); ++k) {
+    blend(trip.end.pole[k], from.end.pole[k]);
+    blend(trip.end.input[k], from.end.input[k]);
+  }
+  blend(trip.end.direct, from.end.direct);
   return trip;
 }
 
@@ -68,27 +90,25 @@ void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcep
   const double low = 2 * kPi * kLowestPole;
   const double high = 2 * kPi * std::min(0.4 * rate_, kHighestPole);
   spacing_ = std::log(high / low) / (RoundTrip::kLossSections - 1);
+  const Shares share = shares_at(rate_);
   for (std::size_t k = 0; k < frequency_.size(); ++k) {
     const double q = low * std::exp(spacing_ * static_cast<double>(k));
     frequency_[k] = q;
-    bilinear_[k] = q / std::tan(q / (2 * rate_));
-    weight_[k] = kShare[k] * spacing_ / kPi * std::sqrt(q);
+    weight_[k] = share[k] * spacing_ / kPi * std::sqrt(q);
   }
-
-  const double scale = 2 * rate_ * parameters.end_radius / air_.sound_speed;
-  const Section first = section(scale * OpenEnd::kNumerator, scale / OpenEnd::kFirstPole);
-  const Section second = section(0, scale / OpenEnd::kSecondPole);
-  end_pole_ = {first.pole, second.pole};
-  end_excess_ = {first.excess, second.excess};
-  end_gain_ = -first.gain * second.gain;
+  open_end_ = DigitalOpenEnd::of(parameters.end_radius / air_.sound_speed * rate_, 1 / rate_);
   set_end(end_);
 }
 
 void BoreDesign::set_end(const Termination* end) noexcept {
   end_ = end;
-  if (end != nullptr)
-    digital_end_.set(end->reflection, end->at_zero, rate_,
-                     air_.sound_speed / air_at(20).sound_speed, 1);
+  const double ratio = air_.sound_speed / air_at(20).sound_speed;
+  const bool same = end == digital_of_ && rate_ == digital_rate_ && ratio == digital_ratio_;
+  digital_of_ = end; // null too: what it pointed to may be another by the time it comes again
+  if (end == nullptr || same)
+    return;
+  digital_rate_ = rate_, digital_ratio_ = ratio;
+  digital_end_.set(end->reflection, end->at_zero, rate_, ratio, 1);
 }
 
 Complex BoreDesign::end_reflection(Complex s) const noexcept {
@@ -128,8 +148,8 @@ void BoreDesign::set_losses(RoundTrip& trip, double loss) const noexcept {
   for (std::size_t k = 0; k < row.size(); ++k) {
     const double attenuation = std::min(loss * weight_[k], kMostAttenuation);
     const double spread = std::exp(attenuation / 2);
-    const double ratio = bilinear_[k] / frequency_[k];
-    row[k] = section(ratio / spread, ratio * spread);
+    const double place = frequency_[k] / rate_;
+    row[k] = section(place * spread, place / spread);
     trip.arriving_gain *= row[k].gain;
   }
   for (std::size_t k = 0; k < row.size(); ++k) {
@@ -139,12 +159,8 @@ void BoreDesign::set_losses(RoundTrip& trip, double loss) const noexcept {
       if (j != k)
         trip.loss_residue[k] *= 1 + row[j].excess / (row[k].pole - row[j].pole);
   }
-  trip.returning_gain = trip.arriving_gain;
-  if (end_ == nullptr) {
-    trip.end_pole = end_pole_;
-    trip.end_excess = end_excess_;
-    trip.returning_gain *= end_gain_;
-  }
+  if (end_ == nullptr)
+    trip.end = open_end_;
 }
 
 BoreDesign::Parts BoreDesign::parts(const RoundTrip& whole, double length,
@@ -162,7 +178,7 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
   RoundTrip trip;
   double transit = 2 * length / air_.sound_speed;
   if (parameters_.scalar_reflection > 0) {
-    trip.returning_gain = -parameters_.scalar_reflection;
+    trip.end.direct = -parameters_.scalar_reflection;
     trip.delay = std::clamp(transit * rate_, 3.0, static_cast<double>(longest_delay(rate_)));
     return trip;
   }
@@ -177,10 +193,9 @@ RoundTrip BoreDesign::round_trip(double length) const noexcept {
   Complex filters = 1;
   for (std::size_t k = 0; k < trip.loss_pole.size(); ++k)
     filters += trip.loss_residue[k] * back / (1.0 - trip.loss_pole[k] * back);
-  filters *= trip.returning_gain;
+  filters *= trip.arriving_gain;
   if (end_ == nullptr)
-    for (std::size_t k = 0; k < end_pole_.size(); ++k)
-      filters *= 1.0 + end_excess_[k] * back / (1.0 - end_pole_[k] * back);
+    filters *= open_end_.at(back);
   else
     filters *= digital_end_.at(back) * std::exp(-2.0 * s * end_->extra_length / air_.sound_speed);
   const Complex wanted = std::exp(-loss * std::sqrt(s)) * end_reflection(s);

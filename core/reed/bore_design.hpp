@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/reed/air.hpp"
+#include "core/reed/open_end.hpp"
 #include "core/reed/parameters.hpp"
 #include "core/reed/termination.hpp"
 
@@ -11,17 +12,14 @@ namespace tactus::reed {
 
 /// Digital filters of one round trip through the bore: the wall loss, sections side by side,
 ///   H_l = 1 + sum_k r_k z^-1/(1 - p_k z^-1),
-/// then the open end's two, one behind the other,
-///   H_k = 1 + c_k z^-1/(1 - p_k z^-1).
-/// Each state is as small as its effect, so that single-precision lanes keep their accuracy. Two
-/// gains: behind the loss stands what reaches the open end, behind all what comes back.
+/// times a gain, which gives what reaches the end; then the open end. Each state is as small as its
+/// effect, so that single-precision lanes keep their accuracy.
 struct RoundTrip {
   static constexpr int kLossSections = 8; // a power of two
   double delay = 3;                       // D, internal samples, fractional
   std::array<double, kLossSections> loss_pole{}, loss_residue{};
-  std::array<double, 2> end_pole{}, end_excess{};
   double arriving_gain = 1;
-  double returning_gain = -1;
+  DigitalOpenEnd end{};
 
   /// The filters a share of the way from one bore to one near it; the delay is that of `to`.
   static RoundTrip between(const RoundTrip& from, const RoundTrip& to, double share) noexcept;
@@ -32,12 +30,12 @@ struct RoundTrip {
 /// The wall loss exp(-G sqrt(s)) follows from sqrt(s) = 1/pi int_0^inf s/(s + q) q^(-1/2) dq: eight
 /// values q_k spaced by a factor e^h from 2 pi 3 to 2 pi min(0.4 fs, 20000) rad/s, each giving a
 /// pole at q_k e^(-delta/2) and a zero at q_k e^(delta/2), delta_k = G h/pi sqrt(q_k) times a share
-/// that fits attenuation and phase at once (bore_design.cpp). Bilinear, exact at q_k. Every section
-/// has |H| <= 1, so has the row of them; its partial fractions are what is computed. The open end
-/// is OpenEnd, bilinear; holes and bells (set_end()) are filters of their own behind these
-/// (termination.hpp), and the two end sections are then idle. The delay makes the phase of the
-/// whole round trip exact at the ideal lowest resonance; modes 1 to 6 of tubes from 0.3 to 5 m then
-/// lie within 1 cent.
+/// that fits attenuation and phase at once (bore_design.cpp); in discrete time at exp(pole T) and
+/// exp(zero T). Every section has |H| <= 1, so has the row of them; its partial fractions are what
+/// is computed. The open end is OpenEnd's (open_end.hpp); holes and bells (set_end()) are filters
+/// of their own behind these (termination.hpp), and the open end is then idle. The delay makes the
+/// phase of the whole round trip exact at the ideal lowest resonance; modes 1 to 6 of tubes from
+/// 0.3 to 5 m then lie within 1 cent.
 class BoreDesign {
 public:
   /// Lowest bore frequency a line has room for, Hz.
@@ -78,15 +76,15 @@ private:
   Parameters parameters_{};
   const Termination* end_ = nullptr;
   DigitalReflection digital_end_{};
+  const Termination* digital_of_ = nullptr; // what it is the filter of
+  double digital_rate_ = 0, digital_ratio_ = 0;
   Air air_ = air_at(20);
   double rate_ = 48000;
   double impedance_ = 0;
   double spacing_ = 0;                                       // h
   std::array<double, RoundTrip::kLossSections> frequency_{}; // q_k
-  std::array<double, RoundTrip::kLossSections> bilinear_{};  // K_k = q_k/tan(q_k T/2)
   std::array<double, RoundTrip::kLossSections> weight_{};    // delta_k/G
-  std::array<double, 2> end_pole_{}, end_excess_{};
-  double end_gain_ = 1;
+  DigitalOpenEnd open_end_{};
 };
 
 /// Internal samples of delay line that hold the longest bore at that internal rate.

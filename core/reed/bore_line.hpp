@@ -13,6 +13,19 @@ namespace tactus::reed {
 /// than the delay: a stretch is read, into the place of its samples to come, before it is written.
 template <class V, int longest> class BoreLine {
 public:
+  static constexpr int kPoints = 6;
+  /// Longest stretch that may be read at this delay.
+  [[nodiscard]] static int stretch(double delay) noexcept { return first_of(delay); }
+
+  /// Fifth-order Lagrange interpolation in the middle of its points, where |H| <= 1: the weights of
+  /// those 0, 1, ... 5 samples back for a delay of 2 <= d < 3.
+  [[nodiscard]] static std::array<double, kPoints> weights(double d) noexcept {
+    const double a = d, b = d - 1, c = d - 2, e = d - 3, f = d - 4, g = d - 5;
+    const double abc = a * b * c, efg = e * f * g;
+    return {-b * c * efg / 120, a * c * efg / 24,  -a * b * efg / 12,
+            abc * f * g / 12,   -abc * e * g / 24, abc * e * f / 120};
+  }
+
   /// Room for `delay` samples; silent. Allocates.
   void prepare(int delay) {
     std::size_t size = 1;
@@ -27,22 +40,23 @@ public:
   /// The next count samples at a delay that stands. What is smaller than `silence` is 0.
   void read(double delay, double silence, V* wave, int count) const noexcept {
     // The stretch of the line that these samples see, oldest first, in one piece.
-    const int whole = static_cast<int>(delay) - 2;
-    const std::array<double, 4> h = weights(delay - whole - 1);
-    const V h0(h[0]), h1(h[1]), h2(h[2]), h3(h[3]);
-    std::array<V, longest + 3> whole_piece;
-    const std::size_t from = slot(written_ - whole - 4);
-    const auto length = static_cast<std::size_t>(count + 3);
+    const int first = first_of(delay);
+    const std::array<double, kPoints> h = weights(delay - first);
+    const V h0(h[0]), h1(h[1]), h2(h[2]), h3(h[3]), h4(h[4]), h5(h[5]);
+    std::array<V, longest + kPoints - 1> whole_piece;
+    const std::size_t from = slot(written_ - first - (kPoints - 1));
+    const auto length = static_cast<std::size_t>(count + kPoints - 1);
     const V* seen = line_.data() + from;
     if (from + length > line_.size()) {
-      const std::size_t first = line_.size() - from;
-      std::copy_n(seen, first, whole_piece.data());
-      std::copy_n(line_.data(), length - first, whole_piece.data() + first);
+      const std::size_t until_end = line_.size() - from;
+      std::copy_n(seen, until_end, whole_piece.data());
+      std::copy_n(line_.data(), length - until_end, whole_piece.data() + until_end);
       seen = whole_piece.data();
     }
     const V least(silence);
     for (int i = 0; i < count; ++i) {
-      const V sum = (h0 * seen[i + 3] + h1 * seen[i + 2]) + (h2 * seen[i + 1] + h3 * seen[i]);
+      const V sum = ((h0 * seen[i + 5] + h5 * seen[i]) + (h1 * seen[i + 4] + h4 * seen[i + 1])) +
+                    (h2 * seen[i + 3] + h3 * seen[i + 2]);
       wave[i] = simd::select(simd::absolute(sum) < least, V(0.0), sum);
     }
   }
@@ -52,25 +66,26 @@ public:
                    int count) const noexcept {
     for (int i = 0; i < count; ++i) {
       const double now = from + (phase + i) / period * (to - from);
-      const int whole = static_cast<int>(now) - 2;
-      const std::array<double, 4> h = weights(now - whole - 1);
-      const std::ptrdiff_t at = written_ + i - 1 - whole;
-      const V sum = (V(h[0]) * line_[slot(at)] + V(h[1]) * line_[slot(at - 1)]) +
+      const int first = first_of(now);
+      const std::array<double, kPoints> h = weights(now - first);
+      const std::ptrdiff_t at = written_ + i - first;
+      const V sum = ((V(h[0]) * line_[slot(at)] + V(h[5]) * line_[slot(at - 5)]) +
+                     (V(h[1]) * line_[slot(at - 1)] + V(h[4]) * line_[slot(at - 4)])) +
                     (V(h[2]) * line_[slot(at - 2)] + V(h[3]) * line_[slot(at - 3)]);
       wave[i] = simd::select(simd::absolute(sum) < V(silence), V(0.0), sum);
     }
   }
   /// Becomes what has come out of another line of the same size at that delay, count samples back.
   void follow(const BoreLine& other, double delay, int count) noexcept {
-    const int whole = static_cast<int>(delay) - 2;
-    const std::array<double, 4> h = weights(delay - whole - 1);
-    count = std::min(count, static_cast<int>(mask_ + 1) - whole - 4);
+    const int first = first_of(delay);
+    const std::array<double, kPoints> h = weights(delay - first);
+    count = std::min(count, static_cast<int>(mask_ + 1) - first - kPoints);
     written_ = other.written_;
     for (int i = 1; i <= count; ++i) {
-      const std::ptrdiff_t at = written_ - i - 1 - whole;
-      line_[slot(written_ - i)] =
-          (V(h[0]) * other.line_[slot(at)] + V(h[1]) * other.line_[slot(at - 1)]) +
-          (V(h[2]) * other.line_[slot(at - 2)] + V(h[3]) * other.line_[slot(at - 3)]);
+      V sum(0.0);
+      for (int k = 0; k < kPoints; ++k)
+        sum += V(h[static_cast<std::size_t>(k)]) * other.line_[slot(written_ - i - first - k)];
+      line_[slot(written_ - i)] = sum;
     }
   }
   /// Where the next samples go, so that they can be made in place: room() of them in one piece.
@@ -80,11 +95,8 @@ public:
   void advance(int count) noexcept { written_ = (written_ + count) & mask_; }
 
 private:
-  /// Third-order Lagrange interpolation in the middle of its four points, where |H| <= 1.
-  static std::array<double, 4> weights(double d) noexcept { // 1 <= d < 2
-    return {-(d - 1) * (d - 2) * (d - 3) / 6, d * (d - 2) * (d - 3) / 2, -d * (d - 1) * (d - 3) / 2,
-            d * (d - 1) * (d - 2) / 6};
-  }
+  /// Samples back of the nearest of the points that a delay is read from.
+  static int first_of(double delay) noexcept { return static_cast<int>(delay) - 2; }
   [[nodiscard]] std::size_t slot(std::ptrdiff_t i) const noexcept {
     return static_cast<std::size_t>(i & mask_);
   }

@@ -29,7 +29,7 @@ namespace tactus::reed {
 /// pieces overtake one another the wave breaks: Steepening.
 struct RadiationConstants {
   bool plain = true;
-  // Bilinear, exact at w_c; the plain end as the difference between samples.
+  // Poles exact, slope from 0 Hz exact, level at 8 kHz exact.
   double b0 = 0, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
   double lead = 0; // internal samples for each Pa and metre of bore
   double rate = 0; // Hz, internal

@@ -464,9 +464,9 @@ private:
     value = simd::select(simd::absolute(value) < V(kSilence), V(0.0), value);
   }
   void quieten() noexcept {
-    for (V* value :
-         {&state_.jet_velocity, &state_.flow, &state_.inertance_flow, &state_.compliance_flow,
-          &state_.past, &state_.place, &state_.speed, &state_.pressure, &state_.moved_by})
+    for (V* value : {&state_.jet, &state_.carried, &state_.flow, &state_.inertance_flow,
+                     &state_.compliance_flow, &state_.past, &state_.place, &state_.speed,
+                     &state_.pressure, &state_.moved_by})
       quieten(*value);
     filter_.each([](auto& value) { quieten(value); });
     if (divided_) {
@@ -535,9 +535,9 @@ private:
       const int phase = phase_ * oversampling_ + done;
       const double first = delay_from_ + phase / period() * (trip_.delay - delay_from_);
       const double above = divided_ ? parts_.above.delay : 0;
-      int room = static_cast<int>(std::min(first, trip_.delay) - above) - 1;
+      int room = line_.stretch(std::min(first, trip_.delay) - above);
       if (divided_)
-        room = std::min({room, static_cast<int>(above) - 1, below_.room()});
+        room = std::min({room, line_.stretch(above), below_.room()});
       const int part = std::min({count - done, room, line_.room()});
       V* wave = line_.next();
       BoreLine<V, kChunk>& last = divided_ ? below_ : line_; // to the bore's end
@@ -667,7 +667,7 @@ private:
         within = within & (simd::absolute(out.bore_pressure[i]) < limit);
       sane = !simd::any(!within);
     }
-    if (sane && !beyond(state_.bore_pressure(), 1e9) && !beyond(state_.jet_velocity, 1e6) &&
+    if (sane && !beyond(state_.bore_pressure(), 1e9) && !beyond(state_.jet, 1e6) &&
         !beyond(state_.velocity(), 1e9) && radiation_.sane())
       return;
     std::fill_n(out.radiated, count, 0.0);

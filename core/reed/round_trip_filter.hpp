@@ -103,9 +103,9 @@ public:
                                    double returning_share) noexcept
         : filter_(filter), loss_(filter.loss_), loss_pole_(trip.loss_pole),
           loss_residue_(trip.loss_residue), first_(filter.end_[0]), second_(filter.end_[1]),
-          first_pole_(trip.end_pole[0]), second_pole_(trip.end_pole[1]),
-          first_excess_(trip.end_excess[0]), second_excess_(trip.end_excess[1]),
-          arriving_(trip.arriving_gain), returning_(trip.returning_gain), share_(returning_share) {}
+          first_pole_(trip.end.pole[0]), second_pole_(trip.end.pole[1]),
+          first_input_(trip.end.input[0]), second_input_(trip.end.input[1]),
+          arriving_(trip.arriving_gain), direct_(trip.end.direct), share_(returning_share) {}
     Stretch(const Stretch&) = delete;
     Stretch& operator=(const Stretch&) = delete;
     [[gnu::always_inline]] ~Stretch() {
@@ -116,12 +116,10 @@ public:
     /// From the delay line's output to what comes back, p-, and what reaches the open end and
     /// leaves it (of the first lane): a - returning_share * b.
     [[gnu::always_inline]] V operator()(const V& wave, double& leaving) noexcept {
-      const V lost = wave + loss_.sum();
-      loss_.step(loss_pole_, loss_residue_, wave);
-      const V half = lost + first_, back = returning_ * (half + second_);
-      first_ = first_pole_ * first_ + first_excess_ * lost;
-      second_ = second_pole_ * second_ + second_excess_ * half;
-      leaving = static_cast<double>(simd::lane(arriving_ * lost - share_ * back, 0));
+      const V at_end = arriving(wave), back = direct_ * at_end + second_;
+      second_ = second_pole_ * second_ + (second_input_ * at_end + first_);
+      first_ = first_pole_ * first_ + first_input_ * at_end;
+      leaving = static_cast<double>(simd::lane(at_end - share_ * back, 0));
       return back;
     }
 
@@ -135,8 +133,8 @@ public:
   private:
     RoundTripFilter& filter_;
     LossStates<V> loss_, loss_pole_, loss_residue_;
-    V first_, second_, first_pole_, second_pole_, first_excess_, second_excess_;
-    V arriving_, returning_, share_;
+    V first_, second_, first_pole_, second_pole_, first_input_, second_input_;
+    V arriving_, direct_, share_;
   };
 
 private:

@@ -16,17 +16,23 @@
 namespace tactus::reed {
 
 /// What the reed frequency enters into; constant, or one for each internal sample while f_r moves.
-/// Y = 1/(2m/T + m w_r/Q + k T/2) is the valve's mean velocity for each newton, Z = 1/(y_p +
+/// Y = 1/(2m/T + d + k T/2) is the valve's mean velocity for each newton, Z = 1/(y_p +
 /// (w lambda_b)^2 Y) the port's impedance with the valve in it.
+///
+/// The midpoint rule computes a valve whose poles s are where s_d = (2/T) tanh(s T/2) ought to be.
+/// So m and d are those of a valve with the poles s_d, which for s_d = s - s^3 T^2/12 + ... are
+///   m = k/|s_d|^2,  d = -2 m Re s_d,
+/// k as it is: static bending, resonance and decay are then those of the valve itself.
 template <class V> struct ReedCoefficients {
   V stiffness{0.0};         // k
+  V momentum{0.0};          // 2 m/T
   V port_impedance{0.0};    // Z
   V pressure_by_force{0.0}; // Z w lambda_b Y
   // Way in one sample by the force on the valve, and less that by what flows into the port.
   V way_by_force{0.0}; // T Y (1 - w lambda_b Z w lambda_b Y)
   V way_by_flow{0.0};  // T w lambda_b Y Z
   V velocity_by_flow{0.0};
-  // R = rho lambda/T + Z A over the path that the valve is on.
+  // R = rho lambda/(theta T) + Z A over the path that the valve is on.
   V resistance_at_rest{0.0};
   V resistance_by_place{0.0};    // Z w
   V resistance_by_velocity{0.0}; // Z w T/2
@@ -42,8 +48,18 @@ template <class V> struct ReedCoefficients {
   static ReedCoefficients at(const ValveConstants& c, const V& omega) noexcept {
     ReedCoefficients r;
     r.stiffness = V(c.mass) * omega * omega;
-    const V mobility =
-        V(1.0) / (V(c.momentum) + V(c.damping) * omega + V(0.5 * c.period) * r.stiffness);
+    V mass(c.mass), damping = V(c.damping) * omega;
+    if (!c.paper) {
+      // (w T)^2, and the same times 1/4Q^2; beyond what the series is for it stays positive.
+      const V turn = (V(c.period) * omega) * (V(c.period) * omega), decay = V(c.decay) * turn;
+      const V farther =
+          V(1.0) + (turn - (decay + decay)) * V(1.0 / 6) + turn * turn * V(17.0 / 720);
+      const V faster = V(1.0) + turn * V(0.25) - decay * V(1.0 / 3);
+      mass = mass / simd::maximum(farther, V(0.5));
+      damping = V(c.damping / c.mass) * omega * mass * simd::maximum(faster, V(0.5));
+    }
+    r.momentum = V(2 * c.rate) * mass;
+    const V mobility = V(1.0) / (r.momentum + damping + V(0.5 * c.period) * r.stiffness);
     const V swept_mobility = V(c.swept_area) * mobility;
     r.port_impedance = V(1.0) / (V(c.port_admittance) + V(c.swept_area) * swept_mobility);
     r.pressure_by_force = r.port_impedance * swept_mobility;
@@ -60,7 +76,7 @@ template <class V> struct ReedCoefficients {
     r.drive_by_source = twice_density * r.port_impedance;
     r.drive_by_bore = r.drive_by_source * V(2 * (c.compliance_rate - c.inertance_rate));
     r.drive_by_place = by_force * r.stiffness;
-    r.drive_by_velocity = by_force * V(c.momentum);
+    r.drive_by_velocity = by_force * r.momentum;
     r.drive_by_flow =
         (r.drive_by_place * r.way_by_flow - r.drive_by_velocity * r.velocity_by_flow) +
         r.drive_by_bore * r.port_impedance;
@@ -71,8 +87,9 @@ template <class V> struct ReedCoefficients {
 /// State of valve, jet and the lumped elements at the bore's input. Place, velocity and pressure
 /// stand here but for the flow that moved them last (step_valve says why).
 template <class V> struct ValveState {
-  V jet_velocity{0.0};    // u, m/s
-  V flow{0.0};            // U = A u, m^3/s
+  V jet{0.0};             // mean of u over the last sample, m/s
+  V carried{0.0};         // (1 - 1/theta) u at that sample's beginning
+  V flow{0.0};            // U = A u, mean over the last sample, m^3/s
   V inertance_flow{0.0};  // U_L of the cone
   V compliance_flow{0.0}; // U_C of the cup
   V past{0.0};            // what cone and cup drive into the port, less 2 (2C/T - T/2M) p_b
@@ -93,6 +110,10 @@ template <class V> struct ValveState {
   /// p_b, Pa
   [[nodiscard, gnu::always_inline]] V bore_pressure() const noexcept {
     return pressure + impedance * moved_by;
+  }
+  /// u now, m/s.
+  [[nodiscard, gnu::always_inline]] V jet_velocity(const ValveConstants& c) const noexcept {
+    return carried + V(c.jet_gain) * jet;
   }
   /// Puts the valve somewhere else; the air stays as it is.
   void move(const V& deflection, const V& velocity) noexcept {
@@ -144,14 +165,18 @@ template <class V>
 /// Advances the valve by count internal samples. stride is 0 for constant coefficients, else 1.
 /// plain: constant coefficients, no noise and ValveConstants::bare().
 ///
-/// Valve: implicit midpoint rule, exactly energy-conserving for the linear valve. Opening: averaged
-/// over the straight path that the present velocity predicts for the step, so that closing and
-/// crossing are not quantised to samples. Jet: backward Euler in u, in closed form together with
-/// the port seen by the valve, p_b = h + Z A u:
-///   (rho lambda/T + Z A) u + (rho/2) u|u| = p_m - h + (rho lambda/T) u_old.
-/// A valve that meets its stop or limit is solved again as the rigid wall it then is.
+/// All of it is of second order in T. Valve: implicit midpoint rule, exactly energy-conserving for
+/// the linear valve, with the valve's own poles (ReedCoefficients). Opening: averaged over the
+/// straight path that the present velocity predicts for the step, so that closing and crossing are
+/// not quantised to samples. (The path is too straight by T^2 x''/6, and the midpoint rule moves
+/// the valve too little by as much: both together are nearer than either.) Jet: u is the mean over
+/// the step, theta u_new + (1 - theta) u_old, in closed form together with the port seen by the
+/// valve, p_b = h + Z A u:
+///   (rho lambda/(theta T) + Z A) u + (rho/2) u|u| = p_m - h + (rho lambda/(theta T)) u_old,
+/// theta = 1/2 but for a channel so short that it would ring (ValveConstants). A valve that meets
+/// its stop or limit is solved again as the rigid wall it then is.
 ///
-/// The loop is bound by the way from one u over square root and valve to the next u. Place,
+/// The loop is bound by the way from one jet over square root and valve to the next. Place,
 /// velocity and pressure at the end of a sample are linear in its flow U = A u; so R and the drive
 /// of the next jet are linear in u, and their coefficients are computed while the square root is
 /// under way. Nor does the next jet wait to hear which valves are beyond their stop or limit: they
@@ -164,8 +189,10 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
   const V zero(0.0), one(1.0), half(0.5), tiny(1e-30);
   const V period(c.period), rate(c.rate), twice_rate(2 * c.rate);
   const V rest(c.rest_opening), width(c.width), leak(c.leak), inertia(c.inertia);
-  const V rest_area(c.width * c.rest_opening + c.leak), area_by_velocity(0.5 * c.width * c.period);
-  const V lowest(c.lowest), highest(c.highest), momentum(c.momentum);
+  const V rest_area(c.width * c.rest_opening + c.leak);
+  const V area_by_velocity(0.5 * c.width * c.period);
+  const V jet_gain(c.jet_gain), carrying(1 - c.jet_gain);
+  const V lowest(c.lowest), highest(c.highest);
   const V mouth_area(c.mouth_area), half_density(0.5 * c.density);
   const V twice_density(2 * c.density), specific_volume(c.specific_volume), wave(c.wave_admittance),
       swept(c.swept_area);
@@ -185,7 +212,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
 
   for (int i = 0; i < count; ++i) {
     const ReedCoefficients<V>& r = coefficients[plain ? 0 : i * stride];
-    const V u = now.jet_velocity, x = now.deflection(), v = now.velocity();
+    const V u = now.jet_velocity(c), x = now.deflection(), v = now.velocity();
     const V bore = now.bore_pressure();
     const V returning = signal.wave[i];
     V mouth = signal.mouth_pressure[i];
@@ -214,7 +241,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       area = (rest_area + width * x) + area_by_velocity * v;
       resistance = (r.resistance_at_rest +
                     (r.resistance_by_place * now.place + r.resistance_by_velocity * now.speed)) -
-                   now.resistance_by_jet * u;
+                   now.resistance_by_jet * now.jet;
       const auto closing = next < zero;
       if (any(closing)) {
         striking = true;
@@ -224,7 +251,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       if (moving)
         resistance = inertia + r.port_impedance * area;
     }
-    // 2 rho (p_m - h + (rho lambda/T) u)
+    // 2 rho (p_m - h + (rho lambda/(theta T)) u)
     V known = r.drive_by_mouth * mouth - r.drive_by_source * given;
     V drive;
     if (moving) {
@@ -233,13 +260,15 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
     } else {
       if (lumped)
         known -= r.drive_by_bore * now.pressure;
-      drive = (known + (r.drive_by_place * now.place - r.drive_by_velocity * now.speed)) +
-              (drive_by_inertia - now.drive_by_jet) * u;
+      drive = ((known + drive_by_inertia * now.carried) +
+               (r.drive_by_place * now.place - r.drive_by_velocity * now.speed)) +
+              (drive_by_inertia * jet_gain - now.drive_by_jet) * now.jet;
     }
-    V push = mouth_area * mouth, lift = zero;
+    V push = mouth_area * mouth, lift = zero, expected = zero; // the jet in the middle of the step
     if (pushed_by_flow) {
       lift = side * V(c.flow_area);
-      const V driven = lift * (mouth - (half_density * u) * u);
+      expected = c.paper ? u : u + half * (u - now.jet);
+      const V driven = lift * (mouth - (half_density * expected) * expected);
       push += driven;
       drive -= (twice_density * r.pressure_by_force) * driven;
     }
@@ -253,7 +282,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       jet = jet_velocity(resistance, drive, specific_volume);
     }
 
-    const V force = (momentum * v - r.stiffness * x) + push;
+    const V force = (r.momentum * v - r.stiffness * x) + push;
     const V way = r.way_by_force * force - r.way_by_flow * source;
     now.way_by_flow = r.way_by_flow;
     now.velocity_by_flow = r.velocity_by_flow;
@@ -266,7 +295,7 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
     if constexpr (!paper)
       through = area * jet;
     if (pushed_by_flow) {
-      const V gained = half_density * lift * (u * u - jet * jet); // newtons
+      const V gained = half_density * lift * (expected * expected - jet * jet); // newtons
       now.place += r.way_by_force * gained;
       now.speed += twice_rate * r.way_by_force * gained;
       now.pressure += r.pressure_by_force * gained;
@@ -322,7 +351,8 @@ step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int
       now.inertance_flow += inertance * (next_bore + bore);
       now.compliance_flow = compliance * (next_bore - bore) - now.compliance_flow;
     }
-    now.jet_velocity = jet;
+    now.carried = carrying * u;
+    now.jet = jet;
     now.flow = through;
     signal.wave[i] = next_bore - returning;
     signal.angle[i] = (now.deflection() + rest) * angle_scale;

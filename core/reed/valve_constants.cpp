@@ -4,6 +4,11 @@
 #include <numbers>
 
 namespace tactus::reed {
+namespace {
+
+constexpr double kFastJet = 60; // m/s: of 2 kPa
+
+} // namespace
 
 ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
                                     double internal_rate) noexcept {
@@ -26,11 +31,15 @@ ValveConstants ValveConstants::from(const Parameters& p, const BoreDesign& bore,
   c.flow_area = p.width * p.flow_length;
   c.mass = p.mass;
   c.damping = p.mass / p.quality;
-  c.momentum = 2 * p.mass * internal_rate;
+  c.decay = 0.25 / (p.quality * p.quality);
   c.density = bore.air().density;
   c.specific_volume = 1 / c.density;
   c.channel_length = p.channel_length;
-  c.inertia = c.density * p.channel_length * internal_rate;
+  // The jet settles at the rate u/lambda, which in the trapezoidal rule rings beyond 2/T.
+  const double steps = p.channel_length / (kFastJet * c.period), slow = 36 * steps * steps;
+  const double theta = c.paper ? 1 : 0.5 + 0.5 / (1 + slow);
+  c.jet_gain = 1 / theta;
+  c.inertia = c.density * p.channel_length * internal_rate / theta;
   c.restitution = p.restitution;
   c.wave_admittance = 2 / bore.impedance();
   const double area = std::numbers::pi * p.input_radius * p.input_radius;
@@ -58,10 +67,11 @@ ValveConstants ValveConstants::between(const ValveConstants& from, const ValveCo
                                          &ValveConstants::flow_area,
                                          &ValveConstants::mass,
                                          &ValveConstants::damping,
-                                         &ValveConstants::momentum,
+                                         &ValveConstants::decay,
                                          &ValveConstants::density,
                                          &ValveConstants::specific_volume,
                                          &ValveConstants::inertia,
+                                         &ValveConstants::jet_gain,
                                          &ValveConstants::channel_length,
                                          &ValveConstants::restitution,
                                          &ValveConstants::wave_admittance,

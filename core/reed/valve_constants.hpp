@@ -19,10 +19,11 @@ struct ValveConstants {
   double swept_area = 0;          // the same, 0 when the sweep is off
   double flow_area = 0;           // w mu
   double mass = 0, damping = 0;   // m, m/Q
-  double momentum = 0;            // 2 m/T
+  double decay = 0;               // 1/4Q^2
   double density = 0;             // rho
   double specific_volume = 0;     // 1/rho
-  double inertia = 0;             // rho lambda/T
+  double inertia = 0;             // rho lambda/(theta T)
+  double jet_gain = 1;            // 1/theta of the jet's step
   double channel_length = 0;      // lambda
   double restitution = 0;
   double wave_admittance = 0; // 2/Z_0

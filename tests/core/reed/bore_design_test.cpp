@@ -1,4 +1,5 @@
 #include "core/reed/bore_design.hpp"
+#include "core/reed/bore_line.hpp"
 #include "core/reed/linear_stability.hpp"
 #include "core/reed/presets.hpp"
 #include "core/reed/radiation.hpp"
@@ -27,10 +28,7 @@ Complex arriving(const RoundTrip& trip, double frequency, double rate) {
 /// And back.
 Complex returning(const RoundTrip& trip, double frequency, double rate) {
   const Complex back = std::polar(1.0, -kTwoPi * frequency / rate);
-  Complex h = arriving(trip, frequency, rate) * (trip.returning_gain / trip.arriving_gain);
-  for (std::size_t k = 0; k < trip.end_pole.size(); ++k)
-    h *= 1.0 + trip.end_excess[k] * back / (1.0 - trip.end_pole[k] * back);
-  return h;
+  return arriving(trip, frequency, rate) * trip.end.at(back);
 }
 
 TEST_CASE("the wall-loss filter follows exp(-G sqrt(s))") {
@@ -46,6 +44,35 @@ TEST_CASE("the wall-loss filter follows exp(-G sqrt(s))") {
         const double wanted = std::exp(-g * std::sqrt(kTwoPi * f / 2));
         CHECK(std::abs(20 * std::log10(std::abs(arriving(trip, f, rate)) / wanted)) < tolerance_db);
       }
+    }
+}
+
+TEST_CASE("the loss is that of exp(-G sqrt(s)) to 10 kHz at every sample rate") {
+  for (const double rate : {44100.0, 48000.0, 64000.0, 88200.0, 192000.0, 768000.0}) {
+    Parameters p;
+    BoreDesign design;
+    design.set(p, rate);
+    const RoundTrip trip = design.round_trip(1);
+    const double g = wall_loss(p, 1, design.air().sound_speed);
+    for (double f = 50; f <= 10e3; f *= 1.1) {
+      const double wanted = std::exp(-g * std::sqrt(kTwoPi * f / 2));
+      CHECK(std::abs(20 * std::log10(std::abs(arriving(trip, f, rate)) / wanted)) < 0.15);
+    }
+  }
+}
+
+TEST_CASE("the open end reflects as its equation says below 5 kHz, and never more than all") {
+  const double c = air_at(20).sound_speed;
+  for (const double rate : {8000.0, 44100.0, 48000.0, 192000.0, 768000.0})
+    for (const double radius : {1e-3, 3e-3, 7.5e-3, 25e-3, 60e-3, 0.3}) {
+      const auto end = DigitalOpenEnd::of(radius / c * rate, 1 / rate);
+      CHECK(std::abs(end.at(1.0) + 1.0) < 1e-9);
+      for (int i = 1; i <= 1000; ++i)
+        CHECK(std::abs(end.at(std::polar(1.0, -std::numbers::pi * i / 1000))) <= 1 + 1e-12);
+      if (rate > 40e3)
+        for (double f = 100; f < 5000; f *= 1.3)
+          CHECK(std::abs(end.at(std::polar(1.0, -kTwoPi * f / rate)) -
+                         OpenEnd::reflection({0, kTwoPi * f * radius / c})) < 0.02);
     }
 }
 
@@ -102,14 +129,13 @@ TEST_CASE("modes 1 to 6 of a plain tube lie within a cent of the poles of the ex
       design.set(p, rate);
       const RoundTrip trip = design.round_trip(length);
       const LinearStability theory(p, length);
-      const int whole = static_cast<int>(trip.delay) - 1;
-      const double d = trip.delay - whole;
-      const double weights[] = {-(d - 1) * (d - 2) * (d - 3) / 6, d * (d - 2) * (d - 3) / 2,
-                                -d * (d - 1) * (d - 3) / 2, d * (d - 1) * (d - 2) / 6};
+      const int nearest = static_cast<int>(trip.delay) - 2;
+      const auto weights = BoreLine<double, 64>::weights(trip.delay - nearest);
       const auto phase = [&](double f) {
         Complex line = 0;
-        for (int k = 0; k < 4; ++k)
-          line += weights[k] * std::polar(1.0, -kTwoPi * f / rate * (whole + k));
+        for (std::size_t k = 0; k < weights.size(); ++k)
+          line +=
+              weights[k] * std::polar(1.0, -kTwoPi * f / rate * (nearest + static_cast<double>(k)));
         return std::arg(returning(trip, f, rate) * line);
       };
       for (int mode = 1; mode <= 6; ++mode) {

@@ -14,7 +14,7 @@ namespace {
 /// A valve on a lossless cylinder whose round trip takes a whole number of samples, nobody blowing.
 class ClosedSystem {
 public:
-  ClosedSystem(const Parameters& p, double rate, int delay) : parameters_(p) {
+  ClosedSystem(const Parameters& p, double rate, int delay) {
     design_.set(p, rate);
     constants_ = ValveConstants::from(p, design_, rate);
     coefficients_ =
@@ -37,10 +37,12 @@ public:
     at_ = (at_ + 1) % line_.size();
   }
 
-  /// Spring and mass, the waves under way, and the air in the channel.
+  /// Spring and mass (that which the step computes with), the waves under way, and the air in the
+  /// channel.
   [[nodiscard]] double energy() const {
     const double v = state_.velocity(), x = state_.deflection();
-    double sum = 0.5 * parameters_.mass * v * v + 0.5 * coefficients_.stiffness * x * x;
+    double sum = 0.25 * constants_.period * coefficients_.momentum * v * v +
+                 0.5 * coefficients_.stiffness * x * x;
     for (const double p : line_)
       sum += constants_.period / design_.impedance() * p * p;
     return sum;
@@ -48,7 +50,6 @@ public:
   [[nodiscard]] const ValveConstants& constants() const { return constants_; }
 
 private:
-  Parameters parameters_;
   BoreDesign design_;
   ValveConstants constants_;
   ReedCoefficients<double> coefficients_;
@@ -116,7 +117,7 @@ TEST_CASE("the free valve without damping keeps its energy to rounding") {
     step_valve<true, false, false>(c, &r, 0, state,
                                    {&mouth, nullptr, &wave, &deflection, &bore, &flow}, 1);
   }
-  const double end = 0.5 * p.mass * state.velocity() * state.velocity() +
+  const double end = 0.25 * c.period * r.momentum * state.velocity() * state.velocity() +
                      0.5 * r.stiffness * state.deflection() * state.deflection();
   CHECK(std::abs(end / start - 1) < 1e-9);
 }

@@ -357,7 +357,7 @@ TEST_CASE("the register vent takes the clarinet a twelfth up, and a slur over it
         Fingering{fingering_for(p.end, frequency_of(50)), true});
   CHECK(key_of(p, standard_fingering(p, frequency_of(75))) == 75);
   for (const int key : {70, 74, 78})
-    for (const double pressure : {850.0, 2000.0, 5500.0}) {
+    for (const double pressure : {900.0, 2000.0, 5500.0}) {
       Instrument instrument = blown(p);
       const double note = frequency_of(key);
       const Recording r = play(instrument, ramp(pressure, 1.2, 48000), 48000, 0, note);

@@ -61,7 +61,7 @@ TEST_CASE("a hand that raises the pressure for 2 s makes a trumpet speak on its 
     return 3.0;
   };
   CHECK(speaks_at(5e-4) < 2);
-  CHECK(speaks_at(1e-7) > 2.4);
+  CHECK(speaks_at(1e-7) > 2.2);
   ReedGradient gradient = trumpet(ReedGradient::Mode::kReed);
   Parameters p = find_preset("trumpet").value();
   p.breath_noise = 5e-4;

@@ -459,7 +459,13 @@ TEST_CASE("tongue and steepening are those of the note played, refused or finger
   };
   const std::vector<double> plain = sound(0, note, note);
   CHECK(rms(std::span(plain).last(24000)) > 0.005);
-  CHECK(sound(0, note, 4000) == plain);
+  const auto apart = [&plain](const std::vector<double>& other) {
+    double most = 0;
+    for (std::size_t i = 0; i < plain.size(); ++i)
+      most = std::max(most, std::abs(other[i] - plain[i]));
+    return most;
+  };
+  CHECK(apart(sound(0, note, 4000)) < 1e-6); // lips that are held anew are rounded anew
   CHECK(sound(62, 0, 0) == plain);
 }
 

@@ -37,11 +37,17 @@ TEST_CASE("a plain open end is a point source of the flow that leaves it, at 1 m
   const double speed = 331.45 * std::sqrt(1 + 20 / 273.15);
   const double expected = kPi * 36e-6 / (4 * kPi * speed) * 2 * kPi * hz;
   CHECK(std::abs(response(c, hz / rate)) == doctest::Approx(expected).epsilon(1e-4).scale(0));
+  for (const double base : {44100.0, 48000.0, 192000.0}) {
+    const RadiationConstants at_base = constants_of(p, base);
+    for (double f = 100; f <= 10e3; f *= 1.2)
+      CHECK(std::abs(20 * std::log10(std::abs(response(at_base, f / base)) / (expected * f / hz))) <
+            0.06);
+  }
 }
 
-TEST_CASE("a bell's response is its equation's on the frequency axis of the bilinear transform") {
+TEST_CASE("a bell is as loud as its equation says, at any rate") {
   const double speed = 331.45 * std::sqrt(1 + 20 / 273.15);
-  for (const double rate : {48000.0, 192000.0})
+  for (const double rate : {44100.0, 48000.0, 192000.0})
     for (const double quality : {0.6, 1.0, 2.5})
       for (const bool cone : {false, true}) {
         Parameters p;
@@ -56,14 +62,13 @@ TEST_CASE("a bell's response is its equation's on the frequency axis of the bili
         // Where the bore opens its radius is r (r_0 + L)/r_0.
         const double opening = 0.006 * (cone ? 3.0 : 1.0);
         const double cutoff = 2 * kPi * 1300;
-        for (const double hz : {50.0, 700.0, 1300.0, 2600.0, 9000.0}) {
-          const double warped =
-              cutoff * std::tan(kPi * hz / rate) / std::tan(kPi * 1300 / rate); // exact at w_c
-          const Complex s(0, warped);
+        for (const double hz : {50.0, 700.0, 1300.0, 2600.0, 5000.0, 8000.0, 10000.0}) {
+          const Complex s(0, 2 * kPi * hz);
           const Complex wanted = 0.5 * 0.006 * s * (s + cutoff * cutoff * opening / speed) /
                                  (s * s + s * cutoff / quality + cutoff * cutoff);
           CAPTURE(hz);
-          CHECK(std::abs(response(c, hz / rate) - wanted) < 1e-9 * std::abs(wanted) + 1e-15);
+          CHECK(std::abs(20 * std::log10(std::abs(response(c, hz / rate)) / std::abs(wanted))) <
+                0.03);
         }
       }
 }
