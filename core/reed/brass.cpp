@@ -26,7 +26,8 @@ const BrassTube* brass_tube(BoreEnd end) noexcept {
 }
 
 bool plays_tube(const Parameters& p) noexcept {
-  return p.tune && brass_tube(p.end) != nullptr && (p.tube || p.valves >= 0 || p.slide > 0);
+  const BrassTube* const tube = brass_tube(p.end);
+  return p.tune && tube != nullptr && (p.tube || (tube->has_valves ? p.valves >= 0 : p.slide > 0));
 }
 
 Parameters with_tube(const Parameters& parameters) noexcept {

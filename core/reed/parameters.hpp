@@ -55,8 +55,8 @@ struct Parameters {
   bool ear = true;      // with tune: correct what is heard out of tune
   double fingering = 0; // with tune: MIDI number of the note fingered, instead of f_b; 0: none
   bool tube = false; // with tune and a brass bell: f_b is played with valves or slide (brass.hpp)
-  int valves = -1;   // with tune, on brass: bits of those pressed; -1: the player's choice
-  double slide = 0;  // with tune, on brass: position 1 to 7; 0: the player's choice
+  int valves = -1;   // with tune, on a trumpet: bits of those pressed; -1: the player's choice
+  double slide = 0;  // with tune, on a trombone: position 1 to 7; 0: the player's choice
   double gain = 2;   // of the sound outlet, 1/Pa at 1 m before the soft clip
 
   // the player's lips, with tune: what they keep of the note, and factors on the valve above

@@ -164,8 +164,8 @@ double Player::held_tube() const noexcept {
   const BrassTube* const tube = brass_tube(parameters_.end);
   if (tube == nullptr || hold_.end == nullptr)
     return 0;
-  if (parameters_.slide > 0)
-    return slide_length(*tube, *hold_.end, parameters_.slide);
+  if (!tube->has_valves)
+    return parameters_.slide > 0 ? slide_length(*tube, *hold_.end, parameters_.slide) : 0;
   return parameters_.valves >= 0
              ? valve_length(*tube, *hold_.end, static_cast<unsigned>(parameters_.valves))
              : 0;

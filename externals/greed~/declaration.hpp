@@ -100,7 +100,7 @@ inline constexpr std::array kParameters{
     Parameter{"tube", "", 0, 0, 1,
               "1: with tune and end trumpet or trombone: f_b is played with valves or slide"},
     Parameter{"slide", "", 0, 0, 7,
-              "with tune, on brass: slide position 1 to 7, fractions too; 0: the player's choice"},
+              "with tune and end trombone: slide position 1 to 7, fractions too; 0: the player's choice"},
     Parameter{"embouchure", "", kInitial.embouchure, 0, 10,
               "with tune: f_r/f_b that the lips keep, f_r bending them; 0: f_r as given"},
     Parameter{"aim", "cent", 0, -1200, 1200,
@@ -210,8 +210,10 @@ inline constexpr std::array kMessages{
     Message{"holes", "CLOSED...", 1, 33,
             "with tune and tone holes: register vent and each hole from the reed down, 1 closed, 0 "
             "open, in between partly covered; fingering ends it"},
+    Message{"valves", "[VALVE...|auto]", 0, 3,
+            "with tune and end trumpet: valves pressed, of 1 2 3, or none; auto: the player's choice"},
 };
-enum MessageIndex : std::size_t { kPreset, kReset, kTongue, kHoles };
+enum MessageIndex : std::size_t { kPreset, kReset, kTongue, kHoles, kValves };
 
 inline constexpr std::array kInlets{
     Port{Port::Kind::kSignal, "p_m", "Pa", "mouth pressure"},

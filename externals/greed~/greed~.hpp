@@ -46,6 +46,7 @@ public:
     if (index == greed::kReset) return instrument_.restart();
     if (index == greed::kTongue) return instrument_.articulate();
     if (index == greed::kHoles) return finger(arguments, host);
+    if (index == greed::kValves) return press(arguments, host);
     if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
       instrument_.set(*preset);
   }
@@ -69,9 +70,35 @@ public:
     host.info({"P_M", reed::closing_pressure(now)});
     host.info({"zeta", reed::strength(now)});
     host.info({"L", instrument_.length()});
+    std::array<Atom, 4> valves{"valves", "auto", 0.0, 0.0};
+    std::size_t count = now.valves < 0 ? 2 : 1;
+    for (int valve = 0; valve < 3 && now.valves >= 0; ++valve)
+      if ((now.valves >> valve & 1) != 0) valves[count++] = valve + 1;
+    host.info(std::span<const Atom>(valves).first(count));
   }
 
 private:
+  void press(std::span<const Atom> arguments, Host& host) {
+    reed::Parameters changed = instrument_.parameters();
+    if (changed.end != reed::BoreEnd::kTrumpet)
+      return host.error("valves: expected end trumpet, which has valves");
+    changed.valves = 0;
+    if (arguments.size() == 1 && arguments[0].is_word && arguments[0].word == "auto")
+      changed.valves = -1;
+    else
+      for (const Atom& valve : arguments) {
+        const bool usable = !valve.is_word && (valve.number == 1 || valve.number == 2 ||
+                                               valve.number == 3);
+        const int bit = usable ? 1 << (static_cast<int>(valve.number) - 1) : 0;
+        if (!usable || (changed.valves & bit) != 0)
+          return host.error("valves " +
+                            (valve.is_word ? std::string(valve.word) : number_text(valve.number)) +
+                            ": expected valves of 1, 2 and 3, each once, none, or auto");
+        changed.valves |= bit;
+      }
+    instrument_.set(changed);
+  }
+
   void finger(std::span<const Atom> arguments, Host& host) {
     const reed::Woodwind* const wind = reed::woodwind(instrument_.parameters().end);
     if (wind == nullptr)

@@ -19,16 +19,23 @@ constexpr double kRate = 48000;
 class Told : public Host {
 public:
   std::vector<std::vector<double>> ranges;
+  std::vector<std::string> errors;
+  std::string valves; // of the last dump
 
   void send(std::size_t, std::span<const Atom>) override {}
   void info(std::span<const Atom> atoms) override {
+    if (atoms[0].is_word && atoms[0].word == "valves") {
+      valves.clear();
+      for (const Atom& atom : atoms.subspan(1))
+        valves += atom.is_word ? std::string(atom.word) : number_text(atom.number);
+    }
     if (!atoms[0].is_word || atoms[0].word != "range")
       return;
     ranges.emplace_back();
     for (const Atom& atom : atoms.subspan(1))
       ranges.back().push_back(atom.number);
   }
-  void error(std::string_view) override {}
+  void error(std::string_view sentence) override { errors.emplace_back(sentence); }
   void log(std::string_view) override {}
   void wake_in(std::size_t, double) override {}
   [[nodiscard]] double now_ms() const override { return 0; }
@@ -153,6 +160,37 @@ TEST_CASE("a preset that comes while another sounds does not click") {
     CHECK(playing.object.get(Playing::index("gain")) ==
           doctest::Approx(reed::find_preset(next)->gain));
   }
+}
+
+TEST_CASE("valves are pressed by a list, dumped, and refused with one sentence") {
+  Playing playing("trumpet", true, 1000, 233);
+  Greed& object = playing.object;
+  Told& host = playing.host;
+  const auto press = [&](std::vector<Atom> valves) {
+    host.errors.clear();
+    object.message(greed::kValves, valves, host);
+    object.dump(host);
+    return host.errors.size();
+  };
+  CHECK(press({1.0, 3.0}) == 1); // an open end has none
+  CHECK(host.errors.front() == "valves: expected end trumpet, which has valves");
+  CHECK(host.valves == "auto");
+  object.set(Playing::index("end"), static_cast<double>(reed::BoreEnd::kTrumpet));
+  playing.play(0.1);
+  CHECK(press({1.0, 3.0}) == 0);
+  CHECK(host.valves == "13");
+  CHECK(press({3.0, 2.0}) == 0);
+  CHECK(host.valves == "23");
+  for (const std::vector<Atom>& wrong :
+       {std::vector<Atom>{4.0}, {0.0}, {1.5}, {1.0, 1.0}, {"one"}, {1.0, "auto"}, {std::nan("")}}) {
+    CHECK(press(wrong) == 1);
+    CHECK(host.errors.front().find("expected valves of 1, 2 and 3") != std::string::npos);
+    CHECK(host.valves == "23");
+  }
+  CHECK(press({}) == 0);
+  CHECK(host.valves.empty());
+  CHECK(press({"auto"}) == 0);
+  CHECK(host.valves == "auto");
 }
 
 TEST_CASE("a parameter that takes the value it has changes no bit") {

@@ -1,9 +1,10 @@
 #include "core/reed/brass.hpp"
 
-#include "core/reed/linear_stability.hpp"
+#include "core/reed/instrument.hpp"
 #include "core/reed/presets.hpp"
 #include "tests/core/reed/bell_reference.hpp"
 #include "tests/core/reed/bore_echo.hpp"
+#include "tests/core/reed/note_measure.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
 
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <vector>
 
 // Trumpet and trombone: the bell's filters against the horn equation
 // (bench/reed_bores/bell_reference.py), and what valves and slide make of the tube.
@@ -74,6 +76,127 @@ TEST_CASE("no bell reflects more than arrives, at any frequency and rate") {
       for (int i = 0; i <= 2048; ++i)
         REQUIRE(std::abs(digital.at(std::polar(1.0, std::numbers::pi * i / 2048))) <= 1 + 1e-9);
     }
+  }
+}
+
+TEST_CASE(
+    "slide positions are semitones, and valves together lower by a little less than their sum") {
+  for (const BoreEnd end : kBells) {
+    const BrassTube& tube = *brass_tube(end);
+    const Termination& bell = bell_of(end);
+    const double beyond = bell.length_correction(), open = tube.open_length + beyond;
+    const auto lowered = [&](double length) { return cents(length + beyond, open) / 100; };
+    CHECK(slide_length(tube, bell, 1) == tube.open_length);
+    for (const double position : {2.0, 3.5, 7.0})
+      CHECK(lowered(slide_length(tube, bell, position)) == doctest::Approx(position - 1));
+    CHECK(valve_length(tube, bell, 0) == tube.open_length);
+    CHECK(lowered(valve_length(tube, bell, 1)) == doctest::Approx(2));
+    CHECK(lowered(valve_length(tube, bell, 2)) == doctest::Approx(1));
+    CHECK(lowered(valve_length(tube, bell, 4)) == doctest::Approx(3));
+    // Three tubes cut for 2, 1 and 3 semitones of the open one.
+    const double all =
+        12 * std::log2(std::exp2(2 / 12.0) + std::exp2(1 / 12.0) + std::exp2(3 / 12.0) - 2);
+    CHECK(lowered(valve_length(tube, bell, 7)) == doctest::Approx(all));
+    CHECK(all < 6);
+    CHECK(all > 5.4);
+  }
+}
+
+TEST_CASE("players take the usual valves and positions") {
+  const BrassTube& trumpet = *brass_tube(BoreEnd::kTrumpet);
+  const auto valves = [&](int key) {
+    return usual_valves(
+        static_cast<int>(usual_positions(trumpet, 440 * std::exp2((key - 69) / 12.0)).semitones));
+  };
+  // Sounding pitch; every beginner's table: low F sharp 123, C 0, D 13, E 12, F 1, F sharp 2, G 0.
+  CHECK(valves(52) == 7);
+  CHECK(valves(58) == 0);
+  CHECK(valves(60) == 5);
+  CHECK(valves(62) == 3);
+  CHECK(valves(63) == 1);
+  CHECK(valves(64) == 2);
+  CHECK(valves(65) == 0);
+  CHECK(valves(70) == 0);
+  const BrassTube& trombone = *brass_tube(BoreEnd::kTrombone);
+  const auto slide = [&](int key) {
+    return 1 + usual_positions(trombone, 440 * std::exp2((key - 69) / 12.0)).semitones;
+  };
+  CHECK(slide(40) == doctest::Approx(7).epsilon(0.01)); // E2
+  CHECK(slide(46) == doctest::Approx(1).epsilon(0.01));
+  CHECK(slide(48) == doctest::Approx(6).epsilon(0.01)); // C3
+  CHECK(slide(53) == doctest::Approx(1).epsilon(0.02)); // F3
+}
+
+TEST_CASE(
+    "the tube's naturals are its modes, nearest to the wish, and longer tubes have lower ones") {
+  for (const BoreEnd end : kBells) {
+    Parameters p = brass(end);
+    const BrassTube& tube = *brass_tube(end);
+    const Termination& bell = bell_of(end);
+    const Parameters played = with_tube(p);
+    for (int natural = 2; natural <= 8; ++natural) {
+      const double wish = natural * tube.fundamental;
+      const double open = nearest_natural(played, bell, tube.open_length, wish);
+      const double longer =
+          nearest_natural(played, bell, slide_length(tube, bell, 2), wish / 1.0595);
+      CAPTURE(natural);
+      CAPTURE(static_cast<int>(end));
+      // A cylinder of three quarters of the length: the lowest modes lie flat, as measured ones do.
+      CHECK(std::abs(cents(open, wish)) < (natural == 2 ? 95 : 60));
+      CHECK(std::abs(cents(longer, open) + 100) < 35);
+    }
+  }
+}
+
+TEST_CASE(
+    "valves that are held choose the tube, whatever note is wished, and let go the player's") {
+  const auto length = [](int valves, double wish) {
+    Parameters p = brass(BoreEnd::kTrumpet);
+    p.tube = false;
+    p.valves = valves;
+    Instrument instrument;
+    instrument.set(p);
+    instrument.prepare(48000, 64);
+    play(instrument, ramp(1000, 0.05, 48000), 48000, 0, wish);
+    return instrument.length();
+  };
+  const BrassTube& tube = *brass_tube(BoreEnd::kTrumpet);
+  const Termination& bell = bell_of(BoreEnd::kTrumpet);
+  for (const int valves : {0, 2, 5, 7})
+    for (const double wish : {233.0, 466.0})
+      CHECK(length(valves, wish) ==
+            doctest::Approx(valve_length(tube, bell, static_cast<unsigned>(valves))));
+  CHECK(length(-1, 233) != doctest::Approx(length(-1, 466)));
+}
+
+TEST_CASE("trumpet and trombone swell in one register, without a foreign tone" *
+          doctest::skip(kSanitized)) {
+  struct Swell {
+    const char* preset;
+    int key;
+    double soft, loud;
+  };
+  constexpr double kSampleRate = 48000;
+  for (const Swell& one : {Swell{"trumpet", 52, 700, 7000}, Swell{"trumpet", 69, 700, 7000},
+                           Swell{"trombone", 40, 400, 4500}, Swell{"trombone", 62, 400, 4500}}) {
+    Parameters p = find_preset(one.preset).value();
+    p.tune = true;
+    Instrument instrument;
+    instrument.set(p);
+    instrument.prepare(kSampleRate, 64);
+    std::vector<double> mouth;
+    for (int n = 0; n < static_cast<int>(4.3 * kSampleRate); ++n) {
+      const double t = n / kSampleRate;
+      const double share = std::clamp(t < 2.3 ? (t - 0.3) / 2 : (4.3 - t) / 2, 0.0, 1.0);
+      mouth.push_back((one.soft + share * (one.loud - one.soft)) * std::min(1.0, t / 0.02));
+    }
+    const double note = 440 * std::exp2((one.key - 69) / 12.0);
+    const SwellMeasure swell = measure_swell(play(instrument, mouth, kSampleRate, 0, note), note);
+    CAPTURE(one.preset);
+    CAPTURE(one.key);
+    CHECK(swell.wrong == 0);
+    CHECK(swell.foreign_db < -30);
+    CHECK(swell.cents < 5);
   }
 }
 
