@@ -52,8 +52,8 @@ struct Section {
   double gain, pole, excess;
 };
 Section section(double zero, double pole) { // times T
-  const double fall = std::exp(-pole);
-  return {std::expm1(-pole) / std::expm1(-zero), fall, fall - std::exp(-zero)};
+  const double fallen = std::expm1(-pole), gone = std::expm1(-zero); // less 1
+  return {fallen / gone, 1 + fallen, fallen - gone};
 }
 
 } // namespace
@@ -81,12 +81,17 @@ int longest_delay(double internal_rate) noexcept {
   return static_cast<int>(internal_rate / BoreDesign::kLowestFrequency * 1.05) + 16;
 }
 
-void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcept {
+void BoreDesign::describe(const Parameters& parameters) noexcept {
   parameters_ = parameters;
-  rate_ = internal_rate;
+  rate_ = 0;
   air_ = air_at(parameters.temperature);
   impedance_ =
       air_.density * air_.sound_speed / (kPi * parameters.input_radius * parameters.input_radius);
+}
+
+void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcept {
+  describe(parameters);
+  rate_ = internal_rate;
   const double low = 2 * kPi * kLowestPole;
   const double high = 2 * kPi * std::min(0.4 * rate_, kHighestPole);
   spacing_ = std::log(high / low) / (RoundTrip::kLossSections - 1);
@@ -102,6 +107,8 @@ void BoreDesign::set(const Parameters& parameters, double internal_rate) noexcep
 
 void BoreDesign::set_end(const Termination* end) noexcept {
   end_ = end;
+  if (!(rate_ > 0))
+    return;
   const double ratio = air_.sound_speed / air_at(20).sound_speed;
   const bool same = end == digital_of_ && rate_ == digital_rate_ && ratio == digital_ratio_;
   digital_of_ = end; // null too: what it pointed to may be another by the time it comes again

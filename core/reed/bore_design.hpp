@@ -42,6 +42,9 @@ public:
   static constexpr double kLowestFrequency = 8;
   static constexpr double kHighestFrequency = 4000;
 
+  /// Air, bore and end, without digital filters: for all below but round_trip() and parts().
+  void describe(const Parameters& parameters) noexcept;
+  /// The same with filters for that many samples a second.
   void set(const Parameters& parameters, double internal_rate) noexcept;
   /// What the bore ends in, which must live on; null: an open end.
   void set_end(const Termination* end) noexcept;

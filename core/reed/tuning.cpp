@@ -36,7 +36,7 @@ public:
                      const Fingering& fingering)
       : parameters_(p), theory_(p, p.length), s_(0, 2 * kPi * frequency),
         reed_frequency_(reed_frequency) {
-    bore_.set(p, 48000);
+    bore_.describe(p);
     bore_.set_end(fingering.end);
     const double area = kPi * p.input_radius * p.input_radius;
     const Air& air = bore_.air();
@@ -153,7 +153,7 @@ double key_of(const Parameters& parameters, const Fingering& fingering) noexcept
 double wanted_length(const Parameters& parameters, double bore_frequency,
                      const Termination* end) noexcept {
   BoreDesign bore;
-  bore.set(parameters, 48000);
+  bore.describe(parameters);
   bore.set_end(end);
   if (parameters.type != ValveType::kOpen)
     return bore.length_for(bore_frequency);
@@ -200,7 +200,7 @@ double tuned_length(const Parameters& parameters, double bore_frequency, double 
     break;
   }
   BoreDesign bore;
-  bore.set(parameters, 48000);
+  bore.describe(parameters);
   return std::clamp(best.length, 5e-3, bore.longest());
 }
 
@@ -227,7 +227,7 @@ double length_alone(const Parameters& parameters, double bore_frequency,
   if (!(parameters.embouchure > 0))
     return 0;
   BoreDesign bore;
-  bore.set(parameters, 48000);
+  bore.describe(parameters);
   bore.set_end(end);
   const double lowest = aim_of(parameters, bore_frequency) / kValveAlone;
   if (lowest <= bore.ideal_frequency(parameters.length))

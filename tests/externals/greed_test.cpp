@@ -118,9 +118,10 @@ TEST_CASE("no parameter clicks when it changes while greed~ sounds" * doctest::s
         if (wanted == now || wanted < parameter.lowest || wanted > parameter.highest ||
             (words > 0 && wanted != std::floor(wanted)))
           continue;
-        // A reed or a channel of 10 cm drives the model far beyond any instrument.
+        // A reed or a channel of 10 cm, or lips for a breath of 50 kPa under 3 kPa, drive the model
+        // far beyond any instrument.
         if ((parameter.name == "lambda" || parameter.name == "width" ||
-             parameter.name == "lip_width") &&
+             parameter.name == "lip_width" || parameter.name == "breath_ref") &&
             wanted == parameter.highest)
           continue;
         CAPTURE(std::string(note.preset));
