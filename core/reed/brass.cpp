@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSlideSemitones = 6;
 constexpr int kHighestNatural = 16, kFalseNatural = 7;
-constexpr BrassTube kTrumpet{5.85e-3, 1.2e-6, 0.66, 116.54, true};
-constexpr BrassTube kTrombone{6.95e-3, 1e-5, 1.70, 58.27, false};
+constexpr BrassTube kTrumpet{5.85e-3, 1.2e-6, 0.66, 116.54, true, 0.9, 3, 6};
+constexpr BrassTube kTrombone{6.95e-3, 1e-5, 1.70, 58.27, false, 0.9, 3, 12};
 
 /// By how much each valve makes the tube longer, of its open length as it sounds.
 constexpr std::array<int, 3> kValveSemitones{2, 1, 3};
@@ -44,6 +44,10 @@ Parameters with_tube(const Parameters& parameters) noexcept {
   p.cup_volume = tube->cup_volume;
   p.length = tube->open_length;
   p.highest_mode = 0;
+  p.embouchure = tube->embouchure;
+  p.embouchure_slope = 0;
+  p.lip_quality = tube->lip_quality;
+  p.steepening = tube->steepening;
   return p;
 }
 

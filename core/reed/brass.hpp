@@ -12,6 +12,9 @@ struct BrassTube {
   double open_length; ///< from the lips to the flare, no valve pressed or slide in, m
   double fundamental; ///< Hz: the open tube's notes are meant to be its multiples
   bool has_valves;    ///< three; else a slide
+  double embouchure;  ///< f_r/f_b of lips that sound one of its many modes alone,
+  double lip_quality; ///< and by how much their Q is larger
+  double steepening;  ///< wavelengths (Parameters::steepening)
 };
 
 /// Null for an end that is no brass instrument's.
