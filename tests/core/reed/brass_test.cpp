@@ -169,6 +169,24 @@ TEST_CASE(
   CHECK(length(-1, 233) != doctest::Approx(length(-1, 466)));
 }
 
+TEST_CASE("a trumpet with valves plays its compass in the right register" *
+          doctest::skip(kSanitized)) {
+  for (const int key : {52, 59, 64, 70, 78})
+    for (const double pressure : {700.0, 3000.0, 7000.0}) {
+      Instrument instrument;
+      instrument.set(brass(BoreEnd::kTrumpet));
+      instrument.prepare(48000, 64);
+      const double note = 440 * std::exp2((key - 69) / 12.0);
+      const Recording r = play(instrument, ramp(pressure, 1.2, 48000), 48000, 0, note);
+      const NoteMeasure measured = measure_note(r, note, 0.6, 1.2);
+      CAPTURE(key);
+      CAPTURE(pressure);
+      CHECK(measured.right());
+      CHECK(std::abs(measured.cents) < 5);
+      CHECK(measured.foreign_db < -20); // two of its modes sound at some loud keys
+    }
+}
+
 TEST_CASE("trumpet and trombone swell in one register, without a foreign tone" *
           doctest::skip(kSanitized)) {
   struct Swell {
