@@ -135,10 +135,10 @@ bool near(const Parameters& a, const Parameters& b) noexcept {
     return false;
   // Another rest of the valve is only another force on it, and other losses not even that.
   constexpr double kAngle = 0.1;
-  constexpr double kSlope = 0.05;
+  constexpr double kNearSlope = 0.05;
   constexpr double kLosses = 10;
   if (std::abs(a.rest_angle - b.rest_angle) > kAngle || std::abs(a.aim - b.aim) > kCents ||
-      std::abs(a.embouchure_slope - b.embouchure_slope) > kSlope ||
+      std::abs(a.embouchure_slope - b.embouchure_slope) > kNearSlope ||
       a.quality > kLosses * b.quality || b.quality > kLosses * a.quality)
     return false;
   return within(kFactor,
