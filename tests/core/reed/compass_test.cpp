@@ -56,7 +56,7 @@ std::vector<double> breath_through(const std::vector<std::pair<double, double>>&
 TEST_CASE("the corners of every compass sound one note in its register, soft, middle and loud" *
           doctest::skip(kSanitized)) {
   const Compass compasses[] = {
-      {"clarinet", {50, 67, 83}, {900, 2000, 5500}}, {"sax", {44, 45, 58, 76}, {500, 2000, 6000}},
+      {"clarinet", {50, 67, 83}, {850, 2000, 5500}}, {"sax", {44, 45, 58, 76}, {500, 2000, 6000}},
       {"oboe", {58, 72, 84}, {500, 2000, 5000}},     {"trumpet", {52, 67, 78}, {700, 3000, 7000}},
       {"trombone", {40, 57, 72}, {400, 2000, 4500}}, {"voice", {40, 58, 73}, {500, 1500, 4000}},
       {"syrinx", {68, 83, 99}, {300, 700, 1500}}};
@@ -69,8 +69,9 @@ TEST_CASE("the corners of every compass sound one note in its register, soft, mi
         const Recording r = sounded(compass.preset, ramp(pressure, 1.2, kRate), key);
         const NoteMeasure note = measure_note(r, hertz(key), 0.5, 1.2);
         CHECK(note.right());
-        CHECK(std::abs(note.cents) < 12); // 10 is aimed at; the softest high voice is 11 flat
-        CHECK(note.foreign_db < -28);     // -30 is aimed at; the loudest trumpet and syrinx miss it
+        // The softest high voice is 11 cents flat.
+        CHECK(std::abs(note.cents) < (compass.preset == std::string("voice") ? 12 : 10));
+        CHECK(note.foreign_db < -30);
       }
 }
 
@@ -91,7 +92,7 @@ TEST_CASE("a crescendo of 2 s and back sounds one note throughout" * doctest::sk
     CAPTURE(std::string(swell.preset));
     CHECK(measured.frames > 15);
     CHECK(measured.wrong == 0);
-    CHECK(measured.foreign_db < -26); // -30 is aimed at; the oboe misses it at this rate alone
+    CHECK(measured.foreign_db < -30);
     CHECK(measured.cents < 15);
   }
 }
@@ -121,7 +122,7 @@ TEST_CASE("brass speaks within 120 ms, and short notes are as loud as long ones"
   }
 }
 
-TEST_CASE("notes of 60 ms are within 7 dB of held ones" * doctest::skip(kSanitized)) {
+TEST_CASE("notes of 60 ms are within 6 dB of held ones" * doctest::skip(kSanitized)) {
   for (const Compass& compass : {Compass{"clarinet", {51, 58, 70}, {850, 2000, 5500}},
                                  Compass{"sax", {44, 57, 70}, {500, 2000, 6000}},
                                  Compass{"oboe", {58, 66, 75}, {500, 2000, 5000}},
@@ -140,7 +141,9 @@ TEST_CASE("notes of 60 ms are within 7 dB of held ones" * doctest::skip(kSanitiz
             compass.preset,
             breath_through({{0, 0}, {0.02, pressure}, {0.05, pressure}, {0.06, 0}, {0.2, 0}}), key);
         const auto loudness = envelope(brief.sound, kRate, 50);
-        CHECK(20 * std::log10(*std::max_element(loudness.begin(), loudness.end()) / level) > -7);
+        // The oboe's 75 at 2000 Pa is 6.5 dB short.
+        const double bound = compass.preset == std::string("oboe") && key == 75 ? -7 : -6;
+        CHECK(20 * std::log10(*std::max_element(loudness.begin(), loudness.end()) / level) > bound);
       }
 }
 
