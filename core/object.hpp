@@ -133,8 +133,10 @@ template <class T> constexpr Traits traits_of() {
   traits.processes = requires(T & t, const Block<float>& b) { t.process(b); };
   traits.reports = requires(T & t, Host & h) { t.report(h); };
   traits.posts = requires(T & t, Host & h) { t.posted(h); };
-  if constexpr (requires { T::multichannel; }) traits.multichannel = T::multichannel;
-  if constexpr (requires { T::timers; }) traits.timers = T::timers;
+  if constexpr (requires { T::multichannel; })
+    traits.multichannel = T::multichannel;
+  if constexpr (requires { T::timers; })
+    traits.timers = T::timers;
   return traits;
 }
 
@@ -146,7 +148,8 @@ public:
       object_.prepare(sample_rate, max_block);
   }
   void set(std::size_t parameter, double value) override {
-    if constexpr (requires { object_.set(parameter, value); }) object_.set(parameter, value);
+    if constexpr (requires { object_.set(parameter, value); })
+      object_.set(parameter, value);
   }
   double get(std::size_t parameter) const override {
     if constexpr (requires { object_.get(parameter); })
@@ -163,25 +166,32 @@ public:
       object_.scalar(inlet, value, host);
   }
   void list(std::size_t inlet, std::span<const Atom> atoms, Host& host) override {
-    if constexpr (requires { object_.list(inlet, atoms, host); }) object_.list(inlet, atoms, host);
+    if constexpr (requires { object_.list(inlet, atoms, host); })
+      object_.list(inlet, atoms, host);
   }
   void process(const Block<S>& block) noexcept override {
-    if constexpr (requires { object_.process(block); }) object_.process(block);
+    if constexpr (requires { object_.process(block); })
+      object_.process(block);
   }
   void report(Host& host) override {
-    if constexpr (requires { object_.report(host); }) object_.report(host);
+    if constexpr (requires { object_.report(host); })
+      object_.report(host);
   }
   void tick(std::size_t timer, Host& host) override {
-    if constexpr (requires { object_.tick(timer, host); }) object_.tick(timer, host);
+    if constexpr (requires { object_.tick(timer, host); })
+      object_.tick(timer, host);
   }
   void posted(Host& host) override {
-    if constexpr (requires { object_.posted(host); }) object_.posted(host);
+    if constexpr (requires { object_.posted(host); })
+      object_.posted(host);
   }
   void created(Host& host) override {
-    if constexpr (requires { object_.created(host); }) object_.created(host);
+    if constexpr (requires { object_.created(host); })
+      object_.created(host);
   }
   void dump(Host& host) override {
-    if constexpr (requires { object_.dump(host); }) object_.dump(host);
+    if constexpr (requires { object_.dump(host); })
+      object_.dump(host);
   }
   AnyObject<S>* clone() const override {
     if constexpr (requires { T(object_); })
@@ -194,4 +204,4 @@ private:
   T object_{};
 };
 
-}  // namespace tactus
+} // namespace tactus

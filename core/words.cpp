@@ -7,16 +7,19 @@
 namespace tactus {
 namespace {
 
-template <class List> std::optional<std::size_t> find_named(const List& list, std::string_view name) {
+template <class List>
+std::optional<std::size_t> find_named(const List& list, std::string_view name) {
   for (std::size_t i = 0; i < list.size(); ++i)
-    if (list[i].name == name) return i;
+    if (list[i].name == name)
+      return i;
   return std::nullopt;
 }
 
 /// Levenshtein distance: single-letter edits from one word to the other.
 std::size_t edits(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t j = 0; j <= b.size(); ++j)
+    row[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
     std::size_t diagonal = row[0]++;
     for (std::size_t j = 1; j <= b.size(); ++j) {
@@ -32,13 +35,14 @@ std::size_t edits(std::string_view a, std::string_view b) {
 template <class List, class Text> std::string alternatives(const List& list, Text text) {
   std::string sentence;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (i > 0) sentence += i + 1 == list.size() ? " or " : ", ";
+    if (i > 0)
+      sentence += i + 1 == list.size() ? " or " : ", ";
     sentence += text(list[i]);
   }
   return sentence;
 }
 
-}  // namespace
+} // namespace
 
 std::string number_text(double value) {
   char text[40];
@@ -56,15 +60,15 @@ std::optional<std::size_t> find_message(const Declaration& declaration, std::str
 
 std::optional<std::size_t> find_choice(const Parameter& parameter, std::string_view word) {
   for (std::size_t i = 0; i < parameter.choices.size(); ++i)
-    if (parameter.choices[i] == word) return i;
+    if (parameter.choices[i] == word)
+      return i;
   return std::nullopt;
 }
 
 bool allows(const Parameter& parameter, double value) {
   return value >= parameter.lowest && value <= parameter.highest &&
-         (parameter.values.empty() ||
-          std::find(parameter.values.begin(), parameter.values.end(), value) !=
-              parameter.values.end());
+         (parameter.values.empty() || std::find(parameter.values.begin(), parameter.values.end(),
+                                                value) != parameter.values.end());
 }
 
 std::string expectation(const Parameter& parameter, std::string_view given) {
@@ -72,7 +76,8 @@ std::string expectation(const Parameter& parameter, std::string_view given) {
   if (!parameter.choices.empty())
     return sentence + ": expected " +
            alternatives(parameter.choices, [](std::string_view word) { return std::string(word); });
-  if (!parameter.unit.empty()) sentence += " " + std::string(parameter.unit);
+  if (!parameter.unit.empty())
+    sentence += " " + std::string(parameter.unit);
   sentence += ": expected ";
   return parameter.values.empty()
              ? sentence + number_text(parameter.lowest) + ".." + number_text(parameter.highest)
@@ -84,14 +89,19 @@ std::string unknown_name(const Declaration& declaration, std::string_view name) 
   std::size_t least = 3;
   const auto consider = [&](std::string_view candidate) {
     const std::size_t distance = edits(name, candidate);
-    if (distance < least && distance < candidate.size()) least = distance, nearest = candidate;
+    if (distance < least && distance < candidate.size())
+      least = distance, nearest = candidate;
   };
-  for (const Parameter& parameter : declaration.parameters) consider(parameter.name);
-  for (const Message& message : declaration.messages) consider(message.name);
+  for (const Parameter& parameter : declaration.parameters)
+    consider(parameter.name);
+  for (const Message& message : declaration.messages)
+    consider(message.name);
   std::string sentence = "no message '" + std::string(name) + "'";
-  if (!nearest.empty()) sentence += "; did you mean '" + std::string(nearest) + "'?";
-  else sentence += "; 'get' lists the parameters, the help patch all messages";
+  if (!nearest.empty())
+    sentence += "; did you mean '" + std::string(nearest) + "'?";
+  else
+    sentence += "; 'get' lists the parameters, the help patch all messages";
   return sentence;
 }
 
-}  // namespace tactus
+} // namespace tactus

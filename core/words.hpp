@@ -26,4 +26,4 @@ namespace tactus {
 /// "no message 'presset'; did you mean 'preset'?"
 [[nodiscard]] std::string unknown_name(const Declaration&, std::string_view name);
 
-}  // namespace tactus
+} // namespace tactus

@@ -32,7 +32,8 @@ struct Driver {
   std::unique_ptr<haptic::Backend> (*make)();
 };
 
-/// All that tactus knows and was added, those included that this build or this machine has no library for.
+/// All that tactus knows and was added, those included that this build or this machine has no
+/// library for.
 [[nodiscard]] std::span<const Driver* const> drivers() noexcept;
 /// A driver of another room, which the program or external that knows both joins to them; once, and
 /// false when there is one of that name or no room.

@@ -7,8 +7,8 @@
 
 namespace tactus {
 
-/// A thread is born with its parent's priority, which may be that of the audio; one that computes in
-/// the background gives it up.
+/// A thread is born with its parent's priority, which may be that of the audio; one that computes
+/// in the background gives it up.
 inline void take_ordinary_priority() noexcept {
 #if defined(__unix__) || defined(__APPLE__)
   sched_param ordinary{};

@@ -57,7 +57,7 @@ struct MultichannelSignal {
   int channels;
 };
 
-}  // namespace
+} // namespace
 
 const HostFeatures& host_features() noexcept {
   static const HostFeatures features = [] {
@@ -66,7 +66,8 @@ const HostFeatures& host_features() noexcept {
     look_up(found.signal_setmultiout, "signal_setmultiout");
     look_up(found.queue_message, "pd_queue_mess");
     look_up(found.queue_cancel, "pd_queue_cancel");
-    if (!found.queue_cancel) found.queue_message = nullptr;
+    if (!found.queue_cancel)
+      found.queue_message = nullptr;
     return found;
   }();
   return features;
@@ -81,8 +82,9 @@ bool runs_in_batch() noexcept {
 }
 
 int channel_count(const t_signal* signal) noexcept {
-  if (!host_features().signal_setmultiout) return 1;
+  if (!host_features().signal_setmultiout)
+    return 1;
   return reinterpret_cast<const MultichannelSignal*>(signal)->channels;
 }
 
-}  // namespace tactus::pd
+} // namespace tactus::pd

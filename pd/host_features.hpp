@@ -29,4 +29,4 @@ inline constexpr int kMultichannelFlag = 0x10;
 /// Channels of a signal; its field came with 0.54, after the three that the 0.53 header knows.
 [[nodiscard]] int channel_count(const t_signal* signal) noexcept;
 
-}  // namespace tactus::pd
+} // namespace tactus::pd

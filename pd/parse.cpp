@@ -22,14 +22,16 @@ std::string set_parameter(const Declaration& declaration, std::size_t index,
   double value = given.number;
   if (given.is_word) {
     const auto choice = find_choice(parameter, given.word);
-    if (!choice) return expectation(parameter, given.word);
+    if (!choice)
+      return expectation(parameter, given.word);
     value = static_cast<double>(*choice);
   } else if (!parameter.choices.empty()) {
     value = std::floor(value);
   }
   // A bound such as 1e-6 need not be a t_float; the t_float nearest to it means the bound.
   for (const double bound : {parameter.lowest, parameter.highest})
-    if (static_cast<t_float>(value) == static_cast<t_float>(bound)) value = bound;
+    if (static_cast<t_float>(value) == static_cast<t_float>(bound))
+      value = bound;
   if (!allows(parameter, value))
     return expectation(parameter, number_text(given.number));
   receiver.set(index, value);
@@ -38,7 +40,8 @@ std::string set_parameter(const Declaration& declaration, std::size_t index,
 
 std::string argument_count(const Message& message, std::size_t given) {
   const std::string name(message.name);
-  if (message.most == 0) return name + ": expected no arguments, got " + std::to_string(given);
+  if (message.most == 0)
+    return name + ": expected no arguments, got " + std::to_string(given);
   std::string count = std::to_string(message.fewest);
   if (message.most != message.fewest)
     count += message.most > 64 ? " or more" : ".." + std::to_string(message.most);
@@ -46,15 +49,18 @@ std::string argument_count(const Message& message, std::size_t given) {
          std::string(message.arguments) + "), got " + std::to_string(given);
 }
 
-}  // namespace
+} // namespace
 
 std::vector<Atom> to_atoms(int count, const t_atom* atoms) {
   std::vector<Atom> result;
   result.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    if (atoms[i].a_type == A_FLOAT) result.emplace_back(static_cast<double>(atoms[i].a_w.w_float));
-    else if (atoms[i].a_type == A_SYMBOL) result.emplace_back(atoms[i].a_w.w_symbol->s_name);
-    else result.emplace_back("pointer");
+    if (atoms[i].a_type == A_FLOAT)
+      result.emplace_back(static_cast<double>(atoms[i].a_w.w_float));
+    else if (atoms[i].a_type == A_SYMBOL)
+      result.emplace_back(atoms[i].a_w.w_symbol->s_name);
+    else
+      result.emplace_back("pointer");
   }
   return result;
 }
@@ -76,15 +82,17 @@ std::string creation_commands(const Declaration& declaration, int count, const t
                         " before the flags (-name value)");
     Command command{declaration.arguments[position].parameter, {given[i++]}};
     if (find_message(declaration, command.name))
-      while (i < given.size() && !is_flag(given[i])) command.arguments.push_back(given[i++]);
+      while (i < given.size() && !is_flag(given[i]))
+        command.arguments.push_back(given[i++]);
     commands.push_back(std::move(command));
   }
   while (i < given.size()) {
     Command command{given[i].word.substr(1), {}};
     if (!find_parameter(declaration, command.name) && !find_message(declaration, command.name))
-      return "creation flag '" + text_of(given[i]) + "': " +
-             unknown_name(declaration, command.name);
-    for (++i; i < given.size() && !is_flag(given[i]); ++i) command.arguments.push_back(given[i]);
+      return "creation flag '" + text_of(given[i]) +
+             "': " + unknown_name(declaration, command.name);
+    for (++i; i < given.size() && !is_flag(given[i]); ++i)
+      command.arguments.push_back(given[i]);
     commands.push_back(std::move(command));
   }
   return {};
@@ -95,7 +103,8 @@ std::string execute(const Declaration& declaration, const Command& command,
   if (const auto parameter = find_parameter(declaration, command.name))
     return set_parameter(declaration, *parameter, command.arguments, receiver);
   const auto index = find_message(declaration, command.name);
-  if (!index) return unknown_name(declaration, command.name);
+  if (!index)
+    return unknown_name(declaration, command.name);
   const Message& message = declaration.messages[*index];
   if (command.arguments.size() < message.fewest || command.arguments.size() > message.most)
     return argument_count(message, command.arguments.size());
@@ -103,4 +112,4 @@ std::string execute(const Declaration& declaration, const Command& command,
   return {};
 }
 
-}  // namespace tactus::pd
+} // namespace tactus::pd

@@ -33,4 +33,4 @@ struct Receiver {
 };
 [[nodiscard]] std::string execute(const Declaration&, const Command&, const Receiver&);
 
-}  // namespace tactus::pd
+} // namespace tactus::pd

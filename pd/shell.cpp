@@ -28,7 +28,7 @@ template <class Function> t_method method(Function* function) {
 /// What Pd itself allocates; everything of C++ hangs on self.
 struct Instance {
   t_object object;
-  t_float main_inlet;  // the left signal inlet's value while no signal is connected
+  t_float main_inlet; // the left signal inlet's value while no signal is connected
   PdObject* self;
 };
 
@@ -70,12 +70,15 @@ public:
   }
 
   ~PdObject() override {
-    voices_.clear();  // joins worker threads, after which nobody calls wake_from_thread
+    voices_.clear(); // joins worker threads, after which nobody calls wake_from_thread
     if (record_.traits.posts && host_features().queue_message)
       host_features().queue_cancel(&instance_.object.ob_pd);
-    for (Timer& timer : timers_) clock_free(timer.clock);
-    if (report_clock_) clock_free(report_clock_);
-    if (post_clock_) clock_free(post_clock_);
+    for (Timer& timer : timers_)
+      clock_free(timer.clock);
+    if (report_clock_)
+      clock_free(report_clock_);
+    if (post_clock_)
+      clock_free(post_clock_);
   }
   PdObject(const PdObject&) = delete;
   PdObject& operator=(const PdObject&) = delete;
@@ -87,27 +90,33 @@ public:
       error(refusal);
       return false;
     }
-    for (const Command& command : commands) run(command);
+    for (const Command& command : commands)
+      run(command);
     voices_[0]->created(*this);
     return true;
   }
 
   void receive(const t_symbol* selector, int count, const t_atom* atoms) {
     const std::string_view name = selector->s_name;
-    if (!signal_inlets_ && (name == "float" || (name == "list" && !find_message(declaration_, name))))
+    if (!signal_inlets_ &&
+        (name == "float" || (name == "list" && !find_message(declaration_, name))))
       return numbers_to_inlets(count, atoms);
-    if (name == "get") return get(count, atoms);
-    if (name == "dump") return dump();
+    if (name == "get")
+      return get(count, atoms);
+    if (name == "dump")
+      return dump();
     run({name, to_atoms(count, atoms)});
   }
 
   void scalar(std::size_t inlet, double value) {
-    for (auto& voice : voices_) voice->scalar(inlet, value, *this);
+    for (auto& voice : voices_)
+      voice->scalar(inlet, value, *this);
   }
 
   void list(std::size_t inlet, int count, const t_atom* atoms) {
     const std::vector<Atom> given = to_atoms(count, atoms);
-    for (auto& voice : voices_) voice->list(inlet, given, *this);
+    for (auto& voice : voices_)
+      voice->list(inlet, given, *this);
   }
 
   void dsp(t_signal** signals) {
@@ -119,7 +128,8 @@ public:
         channels = std::max(channels, static_cast<std::size_t>(channel_count(signals[i])));
     while (voices_.size() < channels) {
       AnyObject<t_sample>* copy = voices_[0]->clone();
-      if (!copy) break;
+      if (!copy)
+        break;
       voices_.emplace_back(copy);
     }
     voices_.resize(std::min(voices_.size(), std::max<std::size_t>(channels, 1)));
@@ -143,7 +153,8 @@ public:
   }
 
   void send(std::size_t outlet, std::span<const Atom> atoms) override {
-    if (outlet < outlets_.size()) send_to(outlets_[outlet], atoms);
+    if (outlet < outlets_.size())
+      send_to(outlets_[outlet], atoms);
   }
   void info(std::span<const Atom> atoms) override { send_to(info_, atoms); }
   void error(std::string_view sentence) override {
@@ -155,9 +166,12 @@ public:
             declaration_.name.data(), static_cast<int>(sentence.size()), sentence.data());
   }
   void wake_in(std::size_t timer, double milliseconds) override {
-    if (timer >= timers_.size()) return;
-    if (milliseconds < 0) clock_unset(timers_[timer].clock);
-    else clock_delay(timers_[timer].clock, milliseconds);
+    if (timer >= timers_.size())
+      return;
+    if (milliseconds < 0)
+      clock_unset(timers_[timer].clock);
+    else
+      clock_delay(timers_[timer].clock, milliseconds);
   }
   double now_ms() const override { return clock_gettimesince(born_); }
   std::string find_file(std::string_view name) const override {
@@ -165,7 +179,8 @@ public:
     char* base = nullptr;
     const std::string text(name);
     const int file = canvas_open(canvas_, text.c_str(), "", folder, &base, MAXPDSTRING, 1);
-    if (file < 0) return {};
+    if (file < 0)
+      return {};
     sys_close(file);
     return std::string(folder) + "/" + base;
   }
@@ -179,7 +194,8 @@ public:
     auto* array = reinterpret_cast<t_garray*>(pd_findbyclass(symbol, garray_class));
     int size = 0;
     t_word* words = nullptr;
-    if (!array || !garray_getfloatwords(array, &size, &words)) return false;
+    if (!array || !garray_getfloatwords(array, &size, &words))
+      return false;
     values.resize(static_cast<std::size_t>(size));
     for (int i = 0; i < size; ++i)
       values[static_cast<std::size_t>(i)] = static_cast<double>(words[i].w_float);
@@ -187,15 +203,15 @@ public:
   }
   bool real_time() const override { return !runs_in_batch(); }
   bool offer(std::string_view name, const std::shared_ptr<void>& what) override {
-    if (!what) return offers_.erase(std::string(name)) > 0;
+    if (!what)
+      return offers_.erase(std::string(name)) > 0;
     auto made = Offer::make(name, what);
     return made && offers_.emplace(std::string(name), std::move(made)).second;
   }
-  std::shared_ptr<void> offered(std::string_view name) const override {
-    return pd::offered(name);
-  }
+  std::shared_ptr<void> offered(std::string_view name) const override { return pd::offered(name); }
   void wake_from_thread() noexcept override {
-    if (posted_.exchange(true, std::memory_order_acq_rel)) return;
+    if (posted_.exchange(true, std::memory_order_acq_rel))
+      return;
     if (const auto queue = host_features().queue_message)
       queue(pd_, &instance_.object.ob_pd, nullptr, &on_queued);
   }
@@ -216,37 +232,45 @@ private:
     for (const Port& port : declaration_.outlets) {
       outlets_.push_back(
           outlet_new(object, port.kind == Port::Kind::kSignal ? &s_signal : nullptr));
-      if (port.name == kInfoOutlet) info_ = outlets_.back();
+      if (port.name == kInfoOutlet)
+        info_ = outlets_.back();
     }
-    if (!info_) info_ = outlet_new(object, nullptr);
+    if (!info_)
+      info_ = outlet_new(object, nullptr);
   }
 
   void run(const Command& command) {
-    const Receiver receiver{
-        [this](std::size_t index, double value) {
-          for (auto& voice : voices_) voice->set(index, value);
-        },
-        [this](std::size_t index, std::span<const Atom> arguments) {
-          for (auto& voice : voices_) voice->message(index, arguments, *this);
-        }};
+    const Receiver receiver{[this](std::size_t index, double value) {
+                              for (auto& voice : voices_)
+                                voice->set(index, value);
+                            },
+                            [this](std::size_t index, std::span<const Atom> arguments) {
+                              for (auto& voice : voices_)
+                                voice->message(index, arguments, *this);
+                            }};
     const std::string refusal = execute(declaration_, command, receiver);
-    if (!refusal.empty()) error(refusal);
+    if (!refusal.empty())
+      error(refusal);
   }
 
   void numbers_to_inlets(int count, const t_atom* atoms) {
-    const auto wanted = std::min<std::size_t>(static_cast<std::size_t>(count),
-                                              declaration_.inlets.size());
+    const auto wanted =
+        std::min<std::size_t>(static_cast<std::size_t>(count), declaration_.inlets.size());
     for (std::size_t i = wanted; i-- > 0;)
-      if (atoms[i].a_type == A_FLOAT) scalar(i, static_cast<double>(atoms[i].a_w.w_float));
+      if (atoms[i].a_type == A_FLOAT)
+        scalar(i, static_cast<double>(atoms[i].a_w.w_float));
   }
 
   void get(int count, const t_atom* atoms) {
     const std::vector<Atom> names = to_atoms(count, atoms);
-    if (names.empty()) return list_parameters();
+    if (names.empty())
+      return list_parameters();
     for (const Atom& name : names) {
       const auto index = find_parameter(declaration_, text_of(name));
-      if (index) send_parameter(*index);
-      else error("get " + text_of(name) + ": " + unknown_name(declaration_, text_of(name)));
+      if (index)
+        send_parameter(*index);
+      else
+        error("get " + text_of(name) + ": " + unknown_name(declaration_, text_of(name)));
     }
   }
 
@@ -256,7 +280,8 @@ private:
   }
 
   void list_parameters() {
-    for (std::size_t i = 0; i < declaration_.parameters.size(); ++i) send_parameter(i);
+    for (std::size_t i = 0; i < declaration_.parameters.size(); ++i)
+      send_parameter(i);
   }
 
   void send_parameter(std::size_t index) {
@@ -270,7 +295,8 @@ private:
   }
 
   void send_to(t_outlet* outlet, std::span<const Atom> atoms) {
-    if (atoms.empty()) return outlet_bang(outlet);
+    if (atoms.empty())
+      return outlet_bang(outlet);
     std::vector<t_atom> list(atoms.size());
     for (std::size_t i = 0; i < atoms.size(); ++i) {
       if (atoms[i].is_word)
@@ -279,21 +305,27 @@ private:
         SETFLOAT(&list[i], static_cast<t_float>(atoms[i].number));
     }
     const auto count = static_cast<int>(list.size());
-    if (atoms[0].is_word) outlet_anything(outlet, list[0].a_w.w_symbol, count - 1, list.data() + 1);
-    else if (count == 1) outlet_float(outlet, list[0].a_w.w_float);
-    else outlet_list(outlet, &s_list, count, list.data());
+    if (atoms[0].is_word)
+      outlet_anything(outlet, list[0].a_w.w_symbol, count - 1, list.data() + 1);
+    else if (count == 1)
+      outlet_float(outlet, list[0].a_w.w_float);
+    else
+      outlet_list(outlet, &s_list, count, list.data());
   }
 
   void perform(std::size_t frames) noexcept {
     const auto guard = host_features().audio_guard;
-    if (guard) guard(1);
+    if (guard)
+      guard(1);
     const double start_ms = block_start_ms();
     for (std::size_t v = 0; v < voices_.size(); ++v)
       voices_[v]->process({std::span(in_).subspan(v * signal_inlets_, signal_inlets_),
                            std::span(out_).subspan(v * signal_outlets_, signal_outlets_), frames,
                            start_ms});
-    if (guard) guard(0);
-    if (report_clock_) clock_delay(report_clock_, 0);
+    if (guard)
+      guard(0);
+    if (report_clock_)
+      clock_delay(report_clock_, 0);
   }
 
   /// Logical time of the first sample of the block at hand. While Pd computes signals its logical
@@ -311,7 +343,8 @@ private:
   }
 
   void deliver_posts() {
-    if (posted_.exchange(false, std::memory_order_acq_rel)) voices_[0]->posted(*this);
+    if (posted_.exchange(false, std::memory_order_acq_rel))
+      voices_[0]->posted(*this);
   }
 
   static t_int* on_perform(t_int* words) {
@@ -327,14 +360,15 @@ private:
     clock_delay(self->post_clock_, kPollMilliseconds);
   }
   static void on_queued(t_pd* object, void*) {
-    if (object) reinterpret_cast<Instance*>(object)->self->deliver_posts();
+    if (object)
+      reinterpret_cast<Instance*>(object)->self->deliver_posts();
   }
 
   Instance& instance_;
   const PdClass& record_;
   const Declaration& declaration_;
   t_canvas* canvas_;
-  t_pdinstance* pd_ = pd_this;  // a worker thread has no pd_this of its own
+  t_pdinstance* pd_ = pd_this; // a worker thread has no pd_this of its own
   double born_;
   double block_ms_ = 0, tick_ms_ = 0; // lengths
   double performed_ms_ = -1, next_block_ms_ = 0;
@@ -359,7 +393,8 @@ void on_message(Instance* instance, t_symbol* selector, int count, t_atom* atoms
 
 void on_dsp(Instance* instance, t_signal** signals) { instance->self->dsp(signals); }
 
-/// Numbers to the control inlets right of the first arrive as `_inletN value`, lists as `_listN ...`.
+/// Numbers to the control inlets right of the first arrive as `_inletN value`, lists as `_listN
+/// ...`.
 template <std::size_t N> void on_inlet(Instance* instance, t_floatarg value) {
   instance->self->scalar(N, static_cast<double>(value));
 }
@@ -376,15 +411,16 @@ template <std::size_t... N> void add_inlets(t_class* handle, std::index_sequence
    ...);
 }
 
-}  // namespace
+} // namespace
 
 void register_class(PdClass& record, Create create) {
   const Declaration& declaration = *record.traits.declaration;
   int flags = CLASS_DEFAULT;
-  if (record.traits.multichannel && host_features().signal_setmultiout) flags |= kMultichannelFlag;
-  record.handle = class_new(gensym(std::string(declaration.name).c_str()), reinterpret_cast<t_newmethod>(method(create)),
-                            method(&destroy), sizeof(Instance), flags,
-                            A_GIMME, 0);
+  if (record.traits.multichannel && host_features().signal_setmultiout)
+    flags |= kMultichannelFlag;
+  record.handle = class_new(gensym(std::string(declaration.name).c_str()),
+                            reinterpret_cast<t_newmethod>(method(create)), method(&destroy),
+                            sizeof(Instance), flags, A_GIMME, 0);
   if (record.traits.processes)
     class_addmethod(record.handle, method(&on_dsp), gensym("dsp"), A_CANT, 0);
   if (!declaration.inlets.empty() && declaration.inlets[0].kind == Port::Kind::kSignal)
@@ -399,7 +435,8 @@ void* create_instance(PdClass& record, int count, t_atom* atoms) {
   instance->self = nullptr;
   try {
     instance->self = new PdObject(*instance, record);
-    if (instance->self->begin(count, atoms)) return instance;
+    if (instance->self->begin(count, atoms))
+      return instance;
   } catch (const std::bad_alloc&) {
     pd_error(instance, "%s: not enough memory", record.traits.declaration->name.data());
   }
@@ -407,4 +444,4 @@ void* create_instance(PdClass& record, int count, t_atom* atoms) {
   return nullptr;
 }
 
-}  // namespace tactus::pd
+} // namespace tactus::pd

@@ -29,7 +29,7 @@ template <class T> struct External {
   static void setup() { register_class(record, &create); }
 };
 
-}  // namespace tactus::pd
+} // namespace tactus::pd
 
 #ifdef _WIN32
 #define TACTUS_PD_EXPORT extern "C" __declspec(dllexport)

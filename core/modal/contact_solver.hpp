@@ -180,7 +180,7 @@ private:
     unsigned reach_age = 0;    ///< samples that it has been known for; 0: it is not
     double surface_m = 0;      ///< of the place, after the steps so far
     double preload_velocity_m_per_s = 0; ///< of the place, mean of a step, for all that presses
-    ForceMoments moments{};    ///< of the force within the sample at hand
+    ForceMoments moments{};              ///< of the force within the sample at hand
   };
   [[nodiscard]] static double rigid_at(const Slot& slot, const Rigid& q) noexcept {
     double sum = 0;

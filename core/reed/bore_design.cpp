@@ -51,7 +51,7 @@ Shares shares_at(double rate) {
 struct Section {
   double gain, pole, excess;
 };
-Section section(double zero, double pole) { // times T
+Section section(double zero, double pole) {                          // times T
   const double fallen = std::expm1(-pole), gone = std::expm1(-zero); // less 1
   return {fallen / gone, 1 + fallen, fallen - gone};
 }

@@ -19,8 +19,8 @@ namespace tactus {
 class GreedGradient {
 public:
   static constexpr std::array<std::string_view, 3> kModes{"reed", "growth", "guide"};
-  /// Of the jet's pressure: a hand that raises the pressure slowly is no tongue, and fixed lips near
-  /// their threshold need long to grow from less. In silence -108 dB.
+  /// Of the jet's pressure: a hand that raises the pressure slowly is no tongue, and fixed lips
+  /// near their threshold need long to grow from less. In silence -108 dB.
   static constexpr double kBreathNoise = 5e-4;
   static constexpr std::array kOwnParameters{
       Parameter{"delta", "", 0.01, 1e-3, 0.25, "distance of the neighbours, of the plane's side"},

@@ -16,8 +16,8 @@ using reed::Parameters;
 
 inline constexpr std::array<std::string_view, 3> kTypes{"closed", "open", "swing"};
 inline constexpr std::array<std::string_view, 2> kBores{"cyl", "cone"};
-inline constexpr std::array<std::string_view, 6> kEnds{"open",    "clarinet", "saxophone", "oboe",
-                                                        "trumpet", "trombone"};
+inline constexpr std::array<std::string_view, 6> kEnds{"open", "clarinet", "saxophone",
+                                                       "oboe", "trumpet",  "trombone"};
 inline constexpr std::array<std::string_view, 2> kFlows{"implicit", "paper"};
 inline constexpr std::array<double, 4> kOversamplings{0, 1, 2, 4};
 
@@ -35,8 +35,10 @@ template <auto member> constexpr Member number() {
 template <auto member> constexpr Member whole() {
   return {[](Parameters& p, double value) {
             using Type = std::remove_reference_t<decltype(p.*member)>;
-            if constexpr (std::is_same_v<Type, bool>) p.*member = value >= 0.5;
-            else p.*member = static_cast<Type>(static_cast<int>(value));
+            if constexpr (std::is_same_v<Type, bool>)
+              p.*member = value >= 0.5;
+            else
+              p.*member = static_cast<Type>(static_cast<int>(value));
           },
           [](const Parameters& p) { return static_cast<double>(p.*member); }};
 }
@@ -45,8 +47,10 @@ template <auto member> constexpr Member whole() {
 constexpr Member type() {
   return {[](Parameters& p, double value) {
             p.type = static_cast<reed::ValveType>(static_cast<int>(value));
-            if (p.type == reed::ValveType::kClosed) p.rest_angle = -std::abs(p.rest_angle);
-            if (p.type == reed::ValveType::kOpen) p.rest_angle = std::abs(p.rest_angle);
+            if (p.type == reed::ValveType::kClosed)
+              p.rest_angle = -std::abs(p.rest_angle);
+            if (p.type == reed::ValveType::kOpen)
+              p.rest_angle = std::abs(p.rest_angle);
           },
           [](const Parameters& p) { return static_cast<double>(p.type); }};
 }
@@ -88,7 +92,13 @@ inline constexpr std::array kParameters{
     Parameter{"end", "", 0, 0, 5,
               "with tune: an open end, or holes and bell of an instrument, for radius_end and bell",
               kEnds},
-    Parameter{"os", "", 0, 0, 4, "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1", {},
+    Parameter{"os",
+              "",
+              0,
+              0,
+              4,
+              "oversampling 1, 2 or 4; 0: 4 for the swinging valve, else 1",
+              {},
               kOversamplings},
     Parameter{"flow", "", 0, 0, 1, "jet solved implicitly, or as printed in the paper", kFlows},
     Parameter{"noise", "", kInitial.breath_noise, 0, 1, "breath noise, of the jet's pressure"},
@@ -99,8 +109,9 @@ inline constexpr std::array kParameters{
               "with tune: MIDI note fingered, in place of the bore frequency; 0: none"},
     Parameter{"tube", "", 0, 0, 1,
               "1: with tune and end trumpet or trombone: f_b is played with valves or slide"},
-    Parameter{"slide", "", 0, 0, 7,
-              "with tune and end trombone: slide position 1 to 7, fractions too; 0: the player's choice"},
+    Parameter{
+        "slide", "", 0, 0, 7,
+        "with tune and end trombone: slide position 1 to 7, fractions too; 0: the player's choice"},
     Parameter{"embouchure", "", kInitial.embouchure, 0, 10,
               "with tune: f_r/f_b that the lips keep, f_r bending them; 0: f_r as given"},
     Parameter{"aim", "cent", 0, -1200, 1200,
@@ -122,9 +133,11 @@ inline constexpr std::array kParameters{
               "with tune: wavelengths that brassiness counts; 0: lengths of the bore"},
     Parameter{"played_gain", "", 1, 0, 100, "with tune: times gain"},
     Parameter{"tongue_burst", "", 0, 0, 3,
-              "with tune: by how much a tongued breath exceeds p_m at first (220 Hz, breath_ref); 0: none"},
-    Parameter{"breath_ref", "Pa", kInitial.breath_reference, 0, 50000,
-              "with tune: mouth pressure at which the lips are as given; they follow others; 0: not"},
+              "with tune: by how much a tongued breath exceeds p_m at first (220 Hz, breath_ref); "
+              "0: none"},
+    Parameter{
+        "breath_ref", "Pa", kInitial.breath_reference, 0, 50000,
+        "with tune: mouth pressure at which the lips are as given; they follow others; 0: not"},
     Parameter{"breath_opening", "", kInitial.breath_opening, 0, 2,
               "with breath_ref: theta0 times p_m/breath_ref to this power"},
     Parameter{"breath_tension", "", kInitial.breath_tension, 0, 2,
@@ -210,8 +223,9 @@ inline constexpr std::array kMessages{
     Message{"holes", "CLOSED...", 1, 33,
             "with tune and tone holes: register vent and each hole from the reed down, 1 closed, 0 "
             "open, in between partly covered; fingering ends it"},
-    Message{"valves", "[VALVE...|auto]", 0, 3,
-            "with tune and end trumpet: valves pressed, of 1 2 3, or none; auto: the player's choice"},
+    Message{
+        "valves", "[VALVE...|auto]", 0, 3,
+        "with tune and end trumpet: valves pressed, of 1 2 3, or none; auto: the player's choice"},
 };
 enum MessageIndex : std::size_t { kPreset, kReset, kTongue, kHoles, kValves };
 
@@ -227,4 +241,4 @@ inline constexpr std::array kOutlets{
     Port{Port::Kind::kSignal, "U", "m^3/s", "volume flow through the valve"},
 };
 
-}  // namespace tactus::greed
+} // namespace tactus::greed

@@ -35,7 +35,8 @@ public:
   void set(std::size_t parameter, double value) noexcept {
     reed::Parameters changed = instrument_.parameters();
     greed::kMembers[parameter].set(changed, value);
-    if (greed::kParameters[parameter].name == "fingering") instrument_.release_holes();
+    if (greed::kParameters[parameter].name == "fingering")
+      instrument_.release_holes();
     instrument_.set(changed);
   }
   [[nodiscard]] double get(std::size_t parameter) const noexcept {
@@ -43,10 +44,14 @@ public:
   }
 
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-    if (index == greed::kReset) return instrument_.restart();
-    if (index == greed::kTongue) return instrument_.articulate();
-    if (index == greed::kHoles) return finger(arguments, host);
-    if (index == greed::kValves) return press(arguments, host);
+    if (index == greed::kReset)
+      return instrument_.restart();
+    if (index == greed::kTongue)
+      return instrument_.articulate();
+    if (index == greed::kHoles)
+      return finger(arguments, host);
+    if (index == greed::kValves)
+      return press(arguments, host);
     if (const auto preset = greed::preset_of(arguments[0], instrument_.parameters(), host))
       instrument_.set(*preset);
   }
@@ -59,7 +64,8 @@ public:
   /// Notes that were refused since: one message each, with the limits.
   void report(Host& host) {
     const reed::Refusal& refusal = instrument_.refusal();
-    if (refusal.count == told_) return;
+    if (refusal.count == told_)
+      return;
     told_ = refusal.count;
     const reed::Parameters& now = instrument_.parameters();
     host.info({"range", refusal.note, now.lowest_note, now.highest_note});
@@ -73,7 +79,8 @@ public:
     std::array<Atom, 4> valves{"valves", "auto", 0.0, 0.0};
     std::size_t count = now.valves < 0 ? 2 : 1;
     for (int valve = 0; valve < 3 && now.valves >= 0; ++valve)
-      if ((now.valves >> valve & 1) != 0) valves[count++] = valve + 1;
+      if ((now.valves >> valve & 1) != 0)
+        valves[count++] = valve + 1;
     host.info(std::span<const Atom>(valves).first(count));
   }
 
@@ -87,8 +94,8 @@ private:
       changed.valves = -1;
     else
       for (const Atom& valve : arguments) {
-        const bool usable = !valve.is_word && (valve.number == 1 || valve.number == 2 ||
-                                               valve.number == 3);
+        const bool usable =
+            !valve.is_word && (valve.number == 1 || valve.number == 2 || valve.number == 3);
         const int bit = usable ? 1 << (static_cast<int>(valve.number) - 1) : 0;
         if (!usable || (changed.valves & bit) != 0)
           return host.error("valves " +
@@ -110,12 +117,15 @@ private:
     for (std::size_t i = 0; i < count && usable; ++i) {
       usable = !arguments[i].is_word && arguments[i].number >= 0 && arguments[i].number <= 1;
       closed[i] = arguments[i].number;
-      if (!usable) given = arguments[i].is_word ? std::string(arguments[i].word) : number_text(arguments[i].number);
+      if (!usable)
+        given = arguments[i].is_word ? std::string(arguments[i].word)
+                                     : number_text(arguments[i].number);
     }
     if (!usable)
-      return host.error("holes: " + given + ", expected " + std::to_string(count) +
-                        " numbers in 0..1, the register vent and then the holes from the reed down: "
-                        "1 closed, 0 open");
+      return host.error(
+          "holes: " + given + ", expected " + std::to_string(count) +
+          " numbers in 0..1, the register vent and then the holes from the reed down: "
+          "1 closed, 0 open");
     if (!instrument_.finger_holes(std::span(closed).first(count)))
       host.error("holes: found no filter for these, expected another fingering");
   }
@@ -124,4 +134,4 @@ private:
   unsigned told_ = 0; // of the notes refused
 };
 
-}  // namespace tactus
+} // namespace tactus

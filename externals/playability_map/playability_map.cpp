@@ -85,9 +85,8 @@ std::string PlayabilityMapObject::key() const {
 
 MapWorker::Portion PlayabilityMapObject::portion() const {
   if (growth_) {
-    const Playing playing =
-        embouchure_for(clamped(parameters_), own_[kBoreFrequency],
-                       length_of(parameters_, own_[kBoreFrequency]));
+    const Playing playing = embouchure_for(clamped(parameters_), own_[kBoreFrequency],
+                                           length_of(parameters_, own_[kBoreFrequency]));
     const LinearStability theory(playing.valve, playing.length, playing.fingering.end);
     const double scale = playing.reed_scale;
     const ControlRange range = range_;
@@ -166,8 +165,8 @@ void PlayabilityMapObject::send_cells(Host& host, std::size_t to) {
     const double value = worker_.node(sent_);
     const Colour c = colour(growth_ ? 0.5 + 0.5 * value / (std::abs(value) + kGrowthScale) : value);
     const std::size_t column = sent_ % columns_, row = sent_ / columns_;
-    host.send(2, {"cell", static_cast<double>(column), static_cast<double>(row), value, c.r, c.g,
-                  c.b});
+    host.send(
+        2, {"cell", static_cast<double>(column), static_cast<double>(row), value, c.r, c.g, c.b});
   }
 }
 

@@ -20,9 +20,9 @@ struct ValidStep {
 };
 
 /// The largest fraction, to 1e-3, of the way from the mesh to `target` (node positions, m) after
-/// which no element has a scaled Jacobian below `least`, nor less than that share of its volume: one
-/// that is flattened evenly keeps its scaled Jacobian. Elements that are below it at the start must
-/// not get worse.
+/// which no element has a scaled Jacobian below `least`, nor less than that share of its volume:
+/// one that is flattened evenly keeps its scaled Jacobian. Elements that are below it at the start
+/// must not get worse.
 [[nodiscard]] ValidStep valid_step(const Mesh&, std::span<const Vector3> target,
                                    double least = kMinScaledJacobian);
 

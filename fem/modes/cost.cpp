@@ -150,9 +150,8 @@ Cost foretell(const Workload& work, const std::optional<FactorCost>& exact) {
   cost.seconds = 1e-6 * pairs + (1 + work.residual) * cost.factor_seconds +
                  2 * solves * factor.entries / 3e9 + 4e-9 * mesh.dofs() * solves * solves;
   if (panels > 0)
-    cost.seconds +=
-        solutions * (6e-8 * panels * panels +
-                     8. / 3 * unknowns * unknowns * unknowns / (.5 * work.flops_per_second));
+    cost.seconds += solutions * (6e-8 * panels * panels + 8. / 3 * unknowns * unknowns * unknowns /
+                                                              (.5 * work.flops_per_second));
   return cost;
 }
 

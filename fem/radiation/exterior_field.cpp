@@ -78,7 +78,8 @@ void ExteriorField::prepare_neighbours() {
         continue;
       Neighbours pair{static_cast<int>(u), {}, {}, {}};
       for (const OuterPoint& o : distance < reach ? touching : plain) {
-        // Test point on the first panel: potential and the slope back, as the normal is the second's.
+        // Test point on the first panel: potential and the slope back, as the normal is the
+        // second's.
         const StaticIntegrals over_q = static_integrals(q, point_of(p, o.hat));
         const StaticIntegrals over_p = static_integrals(p, point_of(q, o.hat));
         for (std::size_t a = 0; a < 3; ++a)

@@ -12,11 +12,11 @@ struct ModeRadiation {
   std::vector<double> ratios;                    ///< of frequency, ascending; {1} alone is usual
   std::vector<std::complex<float>> coefficients; ///< [ratios][offset[K]], Pa s/(m sqrt(kg))
   Vector3 centre;
-  double reference_radius = 0;        ///< m, of the smallest sphere about the centre
-  std::vector<double> decay_rate;     ///< [K] 1/s: radiated power over twice the energy
-  std::vector<double> efficiency;     ///< [K] power over rho c ∫ v_n^2/2 dS
+  double reference_radius = 0;    ///< m, of the smallest sphere about the centre
+  std::vector<double> decay_rate; ///< [K] 1/s: radiated power over twice the energy
+  std::vector<double> efficiency; ///< [K] power over rho c ∫ v_n^2/2 dS
   std::size_t triangles = 0;
-  double resolved_hz = 0;             ///< up to here a wave has four edges of the acoustic mesh
+  double resolved_hz = 0; ///< up to here a wave has four edges of the acoustic mesh
   /// The same waves of every mode's motion at frequencies common to all modes, which a force drives
   /// them at; arrays mp_band_*. Empty: not asked for.
   struct Band {

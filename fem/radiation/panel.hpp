@@ -9,9 +9,9 @@ namespace tactus::fem {
 struct Panel {
   std::array<Vector3, 3> corner;
   Vector3 normal, middle;
-  double area = 0, radius = 0;        ///< radius: middle to the farthest corner
-  std::array<Vector3, 3> curl;        ///< (signed) surface curl of each hat function, 1/m
-  std::array<Vector3, 3> point;       ///< of the three-point rule, each of weight area/3
+  double area = 0, radius = 0;  ///< radius: middle to the farthest corner
+  std::array<Vector3, 3> curl;  ///< (signed) surface curl of each hat function, 1/m
+  std::array<Vector3, 3> point; ///< of the three-point rule, each of weight area/3
 
   explicit Panel(const std::array<Vector3, 3>& corners);
 };

@@ -167,8 +167,8 @@ std::vector<Complex> multipoles(const ExteriorField& field, double k, std::span<
 
 double radiated_power(std::span<const Complex> coefficients, double k, double reference_radius,
                       double air_density, double sound_speed) {
-  const auto degrees = static_cast<std::size_t>(
-      std::lround(std::sqrt(static_cast<double>(coefficients.size()))));
+  const auto degrees =
+      static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(coefficients.size()))));
   const auto h = spherical_hankel(degrees - 1, k * reference_radius);
   double sum = 0;
   for (std::size_t l = 0; l < degrees; ++l)

@@ -113,8 +113,7 @@ std::array<bool, 3> read_directions(const std::string& option, const std::string
   std::array<bool, 3> directions{};
   for (const char c : word) {
     if (c < 'x' || c > 'z')
-      throw Refusal(option + " " + printable(word, 20) +
-                    ": expected directions out of x, y and z");
+      throw Refusal(option + " " + printable(word, 20) + ": expected directions out of x, y and z");
     directions[static_cast<std::size_t>(c - 'x')] = true;
   }
   if (word.empty())

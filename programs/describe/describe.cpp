@@ -14,9 +14,12 @@ using namespace tactus;
 std::string quoted(std::string_view text) {
   std::string result = "\"";
   for (const char letter : text) {
-    if (letter == '"' || letter == '\\') result += '\\';
-    if (letter == '\n') result += "\\n";
-    else result += letter;
+    if (letter == '"' || letter == '\\')
+      result += '\\';
+    if (letter == '\n')
+      result += "\\n";
+    else
+      result += letter;
   }
   return result + '"';
 }
@@ -61,20 +64,19 @@ std::string message(const Message& m) {
 std::string object(const Described& described) {
   const Declaration& d = *described.declaration;
   const auto flag = [](bool value) { return std::string(value ? "true" : "false"); };
-  return "{" + field("name", quoted(d.name)) + ",\n  " + field("title", quoted(d.title)) +
-         ",\n  " + field("description", quoted(d.description)) + ",\n  " +
+  return "{" + field("name", quoted(d.name)) + ",\n  " + field("title", quoted(d.title)) + ",\n  " +
+         field("description", quoted(d.description)) + ",\n  " +
          field("keywords", quoted(d.keywords)) + ",\n  " + field("inlets", array(d.inlets, port)) +
          ",\n  " + field("outlets", array(d.outlets, port)) + ",\n  " +
-         field("arguments", array(d.arguments, [](const CreationArgument& a) {
-                 return quoted(a.parameter);
-               })) +
+         field("arguments",
+               array(d.arguments, [](const CreationArgument& a) { return quoted(a.parameter); })) +
          ",\n  " + field("parameters", array(d.parameters, parameter)) + ",\n  " +
          field("messages", array(d.messages, message)) + ",\n  " +
          field("signal", flag(described.traits.processes)) + ",\n  " +
          field("multichannel", flag(described.traits.multichannel)) + "}";
 }
 
-}  // namespace
+} // namespace
 
 int main() {
   std::printf("%s\n", array(described_objects(), object).c_str());

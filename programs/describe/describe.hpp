@@ -14,4 +14,4 @@ struct Described {
 /// Every object that pd_external() registered, in the order of the folders.
 [[nodiscard]] std::vector<Described> described_objects();
 
-}  // namespace tactus
+} // namespace tactus

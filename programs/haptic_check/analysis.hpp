@@ -48,8 +48,8 @@ struct Wall {
 struct WallResult {
   double deepest_m = 0, largest_n = 0;
   double stiffness_n_per_m = 0; ///< of the force sent against the depth; 0 without contact
-  double hum_m = 0;             ///< RMS of the motion in the wall that 40 ms of a parabola do not follow
-  std::size_t ticks = 0;        ///< in contact
+  double hum_m = 0;      ///< RMS of the motion in the wall that 40 ms of a parabola do not follow
+  std::size_t ticks = 0; ///< in contact
 };
 /// From the time on when the motors are fully on; a force within 2 % of limit_n is no measure.
 [[nodiscard]] WallResult wall_result(std::span<const Record> records, const Wall& wall,

@@ -193,7 +193,8 @@ TEST_CASE("a step stops where the mesh would turn inside out") {
   CHECK(step.fraction < .5);
   for (std::size_t n = 0; n < target.size(); ++n)
     target[n] = {cube.nodes[n].x, cube.nodes[n].y, -cube.nodes[n].z};
-  CHECK(valid_step(cube, target).fraction == doctest::Approx(.475).epsilon(2e-3)); // flattened evenly
+  CHECK(valid_step(cube, target).fraction ==
+        doctest::Approx(.475).epsilon(2e-3)); // flattened evenly
   for (std::size_t n = 0; n < target.size(); ++n)
     target[n] = cube.nodes[n] + Vector3{.1, 0, 0};
   step = valid_step(cube, target);

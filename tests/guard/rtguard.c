@@ -48,7 +48,8 @@ static void seen(const char* what) {
 
 /* After a violation the rest of the block passes unwatched: it has failed already. */
 #define WATCH(what)                                                                                \
-  if (guarded) seen(what)
+  if (guarded)                                                                                     \
+  seen(what)
 
 #if defined(__x86_64__) && defined(PR_SET_SYSCALL_USER_DISPATCH)
 static void on_trap(int signal, siginfo_t* info, void* context) {
@@ -65,7 +66,8 @@ static void on_trap(int signal, siginfo_t* info, void* context) {
 static void arm_trap(void) {
   trap_armed = 1;
   struct sigaction action = {.sa_sigaction = on_trap, .sa_flags = SA_SIGINFO | SA_NODEFER};
-  if (sigaction(SIGSYS, &action, 0)) return;
+  if (sigaction(SIGSYS, &action, 0))
+    return;
   trapping = !prctl(PR_SET_SYSCALL_USER_DISPATCH, PR_SYS_DISPATCH_ON, 0, 0, &trap_selector);
 }
 #else
@@ -82,14 +84,16 @@ static unsigned float_mode(void) {
 
 void rtguard_set(int on) {
   if (on) {
-    if (!trap_armed) arm_trap();
+    if (!trap_armed)
+      arm_trap();
     __atomic_add_fetch(&guarded_calls, 1, __ATOMIC_RELAXED);
     mode_before = float_mode();
     guarded = 1;
     trap_selector = 1;
   } else {
     trap_selector = 0;
-    if (guarded && float_mode() != mode_before) seen("a changed floating-point mode");
+    if (guarded && float_mode() != mode_before)
+      seen("a changed floating-point mode");
     guarded = 0;
   }
 }
@@ -135,7 +139,8 @@ int posix_memalign(void** p, size_t alignment, size_t n) {
   result name parameters {                                                                         \
     static result(*real) parameters;                                                               \
     WATCH(#name);                                                                                  \
-    if (!real) real = dlsym(RTLD_NEXT, #name);                                                     \
+    if (!real)                                                                                     \
+      real = dlsym(RTLD_NEXT, #name);                                                              \
     return real arguments;                                                                         \
   }
 REPLACE(int, pthread_mutex_lock, (pthread_mutex_t * m), (m))
@@ -166,5 +171,6 @@ static void __attribute__((destructor)) report(void) {
   fprintf(stderr, "rtguard: %d violations in %d guarded calls, system calls %s\n", violations,
           guarded_calls, trapping ? "trapped" : "watched by name");
   fflush(stderr);
-  if (violations) _exit(86);
+  if (violations)
+    _exit(86);
 }

@@ -15,21 +15,23 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kSamples = 8192;  // of every comparison
+constexpr std::size_t kSamples = 8192; // of every comparison
 
 /// The one answer to `get name`.
 Words value_of(Box& box, std::string_view name) {
   static_cast<void>(sent());
   box.send("get", {Word(std::string(name))});
   for (const Sent& answer : sent())
-    if (answer.selector == name) return answer.atoms;
+    if (answer.selector == name)
+      return answer.atoms;
   return {};
 }
 
 void check_finite(const Buffers& outputs, const Declaration& declaration) {
   std::size_t port = 0;
   for (const Port& outlet : declaration.outlets) {
-    if (outlet.kind != Port::Kind::kSignal) continue;
+    if (outlet.kind != Port::Kind::kSignal)
+      continue;
     const std::vector<double>& signal = outputs.at(port++);
     const bool sound = outlet.name == "sound";
     const auto bad = std::count_if(signal.begin(), signal.end(), [sound](double x) {
@@ -55,11 +57,13 @@ Buffers render(const Declaration& declaration, int frames, int rebuild_every = 0
     Buffers part;
     for (const auto& signal : inputs)
       part.emplace_back(signal.begin() + static_cast<std::ptrdiff_t>(begin),
-                        signal.begin() + static_cast<std::ptrdiff_t>(std::min(begin + step, kSamples)));
+                        signal.begin() +
+                            static_cast<std::ptrdiff_t>(std::min(begin + step, kSamples)));
     const Buffers heard = box.run(part, std::min(step, kSamples - begin));
     for (std::size_t i = 0; i < whole.size(); ++i)
       whole[i].insert(whole[i].end(), heard[i].begin(), heard[i].end());
-    if (rebuild_every) box.dsp(rate, frames, 1, alias);
+    if (rebuild_every)
+      box.dsp(rate, frames, 1, alias);
   }
   return whole;
 }
@@ -73,7 +77,7 @@ void check_same(const Buffers& a, const Buffers& b) {
   }
 }
 
-}  // namespace
+} // namespace
 
 TEST_CASE("every object starts with the values it declares and tells them") {
   for (const Described& described : objects()) {
@@ -84,7 +88,8 @@ TEST_CASE("every object starts with the values it declares and tells them") {
     CHECK(errors().empty());
     box.send("get");
     std::map<std::string, Words> answers;
-    for (const Sent& answer : sent()) answers[answer.selector] = answer.atoms;
+    for (const Sent& answer : sent())
+      answers[answer.selector] = answer.atoms;
     CHECK(answers.size() == declaration.parameters.size());
     for (const Parameter& parameter : declaration.parameters) {
       CAPTURE(parameter.name);
@@ -121,7 +126,8 @@ TEST_CASE("every parameter takes its whole range and refuses, in one sentence, w
       for (const double good : {parameter.lowest, parameter.highest}) {
         CAPTURE(good);
         box.send(parameter.name, {good});
-        for (const std::string& sentence : errors()) FAIL_CHECK(sentence);
+        for (const std::string& sentence : errors())
+          FAIL_CHECK(sentence);
         const Words kept = value_of(box, parameter.name);
         REQUIRE(kept.size() == 1);
         // The sign of a rest angle follows the valve's type; its size is kept.
@@ -129,13 +135,15 @@ TEST_CASE("every parameter takes its whole range and refuses, in one sentence, w
       }
       const double span = std::max(parameter.highest - parameter.lowest, 1e-3);
       const Words before = value_of(box, parameter.name);
-      for (const Word& bad : {Word(parameter.lowest - 0.01 * span), Word(parameter.highest + 0.01 * span),
-                              Word(kNan), Word(kInfinity), Word(-kInfinity), Word("word")}) {
+      for (const Word& bad :
+           {Word(parameter.lowest - 0.01 * span), Word(parameter.highest + 0.01 * span), Word(kNan),
+            Word(kInfinity), Word(-kInfinity), Word("word")}) {
         box.send(parameter.name, {bad});
         const auto said = errors();
         CAPTURE(bad.number);
         REQUIRE(said.size() == 1);
-        CHECK(said[0].rfind(std::string(declaration.name) + ": " + std::string(parameter.name), 0) == 0);
+        CHECK(said[0].rfind(std::string(declaration.name) + ": " + std::string(parameter.name),
+                            0) == 0);
         CHECK(value_of(box, parameter.name) == before);
       }
     }
@@ -148,7 +156,8 @@ TEST_CASE("a parameter of listed numbers takes each of them and nothing between"
     const Declaration& declaration = *described.declaration;
     CAPTURE(declaration.name);
     for (const Parameter& parameter : declaration.parameters) {
-      if (parameter.values.empty()) continue;
+      if (parameter.values.empty())
+        continue;
       CAPTURE(parameter.name);
       ++found;
       CHECK(parameter.lowest == parameter.values.front());
@@ -158,7 +167,8 @@ TEST_CASE("a parameter of listed numbers takes each of them and nothing between"
         box.send(parameter.name, {parameter.values[i]});
         CHECK(errors().empty());
         CHECK(value_of(box, parameter.name) == Words{Word(parameter.values[i])});
-        if (i + 1 == parameter.values.size()) continue;
+        if (i + 1 == parameter.values.size())
+          continue;
         box.send(parameter.name, {0.5 * (parameter.values[i] + parameter.values[i + 1])});
         CHECK(errors().size() == 1);
         CHECK(value_of(box, parameter.name) == Words{Word(parameter.values[i])});
@@ -174,16 +184,18 @@ TEST_CASE("every parameter is a creation flag, and an unknown flag makes no obje
     CAPTURE(declaration.name);
     for (const Parameter& parameter : declaration.parameters) {
       CAPTURE(parameter.name);
-      const Word value = parameter.choices.empty()
-                             ? Word(parameter.lowest)
-                             : Word(std::string(parameter.choices.back()));
+      const Word value = parameter.choices.empty() ? Word(parameter.lowest)
+                                                   : Word(std::string(parameter.choices.back()));
       Box box(declaration.name, {"-" + std::string(parameter.name), value});
-      for (const std::string& sentence : errors()) FAIL_CHECK(sentence);
+      for (const std::string& sentence : errors())
+        FAIL_CHECK(sentence);
       REQUIRE(box.made());
       const Words kept = value_of(box, parameter.name);
       REQUIRE(kept.size() == 1);
-      if (value.is_word) CHECK(kept[0].text == value.text);
-      else CHECK(kept[0].number == doctest::Approx(value.number).epsilon(1e-6));
+      if (value.is_word)
+        CHECK(kept[0].text == value.text);
+      else
+        CHECK(kept[0].number == doctest::Approx(value.number).epsilon(1e-6));
     }
     Box box(declaration.name, {"-no-such-flag", 1});
     CHECK_FALSE(box.made());
@@ -193,7 +205,8 @@ TEST_CASE("every parameter is a creation flag, and an unknown flag makes no obje
 
 TEST_CASE("the sound is the same bits in blocks of any size") {
   for (const Described& described : objects()) {
-    if (!described.traits.processes) continue;
+    if (!described.traits.processes)
+      continue;
     CAPTURE(described.declaration->name);
     const Buffers reference = render(*described.declaration, 64);
     check_finite(reference, *described.declaration);
@@ -206,9 +219,11 @@ TEST_CASE("the sound is the same bits in blocks of any size") {
   }
 }
 
-TEST_CASE("128 rebuilds of the graph while it sounds change no bit, nor do outputs in the inputs' memory") {
+TEST_CASE("128 rebuilds of the graph while it sounds change no bit, nor do outputs in the inputs' "
+          "memory") {
   for (const Described& described : objects()) {
-    if (!described.traits.processes) continue;
+    if (!described.traits.processes)
+      continue;
     CAPTURE(described.declaration->name);
     const Buffers reference = render(*described.declaration, 64);
     check_same(reference, render(*described.declaration, 64, 1));
@@ -220,7 +235,8 @@ TEST_CASE("128 rebuilds of the graph while it sounds change no bit, nor do outpu
 
 TEST_CASE("instances do not hear each other") {
   for (const Described& described : objects()) {
-    if (!described.traits.processes) continue;
+    if (!described.traits.processes)
+      continue;
     const Declaration& declaration = *described.declaration;
     CAPTURE(declaration.name);
     const Buffers reference = render(declaration, 64);
@@ -248,7 +264,8 @@ TEST_CASE("instances do not hear each other") {
 
 TEST_CASE("all rates from 8 to 384 kHz stay finite, bounded and silent about it") {
   for (const Described& described : objects()) {
-    if (!described.traits.processes) continue;
+    if (!described.traits.processes)
+      continue;
     CAPTURE(described.declaration->name);
     Box box(described.declaration->name);
     for (const double rate : {8000.0, 22050.0, 44100.0, 48000.0, 96000.0, 192000.0, 384000.0}) {

@@ -35,7 +35,8 @@ public:
       : declaration_(*described.declaration), random_(seed) {
     for (const Parameter& parameter : declaration_.parameters) {
       selectors_.emplace_back(parameter.name);
-      for (const auto choice : parameter.choices) words_.emplace_back(choice);
+      for (const auto choice : parameter.choices)
+        words_.emplace_back(choice);
     }
     for (const Message& message : declaration_.messages) {
       selectors_.emplace_back(message.name);
@@ -55,14 +56,21 @@ public:
   [[nodiscard]] double number() {
     const double unit = std::uniform_real_distribution<>(0, 1)(random_);
     switch (up_to(9)) {
-    case 0: return std::numeric_limits<double>::quiet_NaN();
-    case 1: return (unit < 0.5 ? 1 : -1) * std::numeric_limits<double>::infinity();
-    case 2: return 0;
-    case 3: return std::numeric_limits<float>::denorm_min() * 3;
-    case 4: return (unit - 0.5) * std::pow(10.0, static_cast<double>(up_to(76)) - 38);
-    case 5: return std::floor(unit * 20) - 5;
+    case 0:
+      return std::numeric_limits<double>::quiet_NaN();
+    case 1:
+      return (unit < 0.5 ? 1 : -1) * std::numeric_limits<double>::infinity();
+    case 2:
+      return 0;
+    case 3:
+      return std::numeric_limits<float>::denorm_min() * 3;
+    case 4:
+      return (unit - 0.5) * std::pow(10.0, static_cast<double>(up_to(76)) - 38);
+    case 5:
+      return std::floor(unit * 20) - 5;
     default:
-      if (declaration_.parameters.empty()) return unit;
+      if (declaration_.parameters.empty())
+        return unit;
       const Parameter& p = declaration_.parameters[up_to(declaration_.parameters.size() - 1)];
       return p.lowest + unit * (p.highest - p.lowest);
     }
@@ -71,8 +79,10 @@ public:
   void message(Box& box) {
     Words atoms;
     for (std::size_t n = up_to(up_to(1) ? 3 : 9); n-- > 0;) {
-      if (up_to(3) == 0 && !words_.empty()) atoms.emplace_back(words_[up_to(words_.size() - 1)]);
-      else atoms.emplace_back(number());
+      if (up_to(3) == 0 && !words_.empty())
+        atoms.emplace_back(words_[up_to(words_.size() - 1)]);
+      else
+        atoms.emplace_back(number());
     }
     const auto inlets = static_cast<std::size_t>(host_inlets(box.get(), 0));
     if (up_to(3) == 0 && inlets > 1) {
@@ -85,9 +95,12 @@ public:
       return;
     }
     std::string selector = selectors_[up_to(selectors_.size() - 1)];
-    if (selector == "float") atoms = {number()};
-    if (selector == "symbol") atoms = {"word"};
-    if (selector == "bang") atoms.clear();
+    if (selector == "float")
+      atoms = {number()};
+    if (selector == "symbol")
+      atoms = {"word"};
+    if (selector == "bang")
+      atoms.clear();
     // What a user sets: half of the time a value in range, so that odd states are reached at all.
     const std::size_t parameters = declaration_.parameters.size();
     if (parameters && up_to(1) == 0) {
@@ -102,20 +115,23 @@ public:
     if (took.count() < kSlowWait && worked_s() - before < kSlowWork)
       return;
     std::string text = selector;
-    for (const Word& atom : atoms) text += " " + (atom.is_word ? atom.text : std::to_string(atom.number));
+    for (const Word& atom : atoms)
+      text += " " + (atom.is_word ? atom.text : std::to_string(atom.number));
     FAIL_CHECK("a message held the host for ", took.count(), " s: ", text);
   }
 
   [[nodiscard]] Buffers inputs(std::size_t samples) {
     Buffers result;
     for (const Port& port : declaration_.inlets) {
-      if (port.kind != Port::Kind::kSignal) continue;
+      if (port.kind != Port::Kind::kSignal)
+        continue;
       std::vector<double> signal(samples);
       const double level = number();
       const bool wild = up_to(4) == 0;
       for (double& x : signal)
         x = wild ? number() : level * std::uniform_real_distribution<>(-1, 1)(random_);
-      if (up_to(4) == 0) signal.clear();
+      if (up_to(4) == 0)
+        signal.clear();
       result.push_back(std::move(signal));
     }
     return result;
@@ -126,8 +142,10 @@ private:
   void split(std::string_view text) {
     std::string word;
     for (const char letter : std::string(text) + " ") {
-      if (std::isalnum(static_cast<unsigned char>(letter)) || letter == '_') word += letter;
-      else if (!word.empty()) words_.push_back(std::exchange(word, {}));
+      if (std::isalnum(static_cast<unsigned char>(letter)) || letter == '_')
+        word += letter;
+      else if (!word.empty())
+        words_.push_back(std::exchange(word, {}));
     }
   }
 
@@ -144,14 +162,15 @@ std::size_t rounds() {
 void check_outputs(const Buffers& outputs, const Declaration& declaration, bool& good) {
   std::size_t port = 0;
   for (const Port& outlet : declaration.outlets) {
-    if (outlet.kind != Port::Kind::kSignal) continue;
+    if (outlet.kind != Port::Kind::kSignal)
+      continue;
     for (const double x : outputs.at(port))
       good = good && std::isfinite(x) && (outlet.name != "sound" || std::abs(x) <= 1);
     ++port;
   }
 }
 
-}  // namespace
+} // namespace
 
 TEST_CASE("any messages and signals leave every object finite, bounded and answering") {
   const double array[] = {0, 10, 20, std::numeric_limits<double>::quiet_NaN(), 1e30};
@@ -161,8 +180,9 @@ TEST_CASE("any messages and signals leave every object finite, bounded and answe
   for (const Described& described : objects()) {
     const Declaration& declaration = *described.declaration;
     const char* only = std::getenv("TACTUS_FUZZ_OBJECT");
-    if (only && declaration.name != only) continue;
-    const bool bounded = &described != &objects().back();  // the probe multiplies whatever comes
+    if (only && declaration.name != only)
+      continue;
+    const bool bounded = &described != &objects().back(); // the probe multiplies whatever comes
     CAPTURE(declaration.name);
     for (unsigned seed = 1; seed <= 4; ++seed) {
       Fuzzer fuzz(described, seed);
@@ -171,20 +191,24 @@ TEST_CASE("any messages and signals leave every object finite, bounded and answe
       for (std::size_t round = 0; round < rounds() && good; ++round) {
         CAPTURE(seed);
         CAPTURE(round);
-        for (std::size_t n = fuzz.up_to(6); n-- > 0;) fuzz.message(box);
+        for (std::size_t n = fuzz.up_to(6); n-- > 0;)
+          fuzz.message(box);
         const int frames = 1 << fuzz.up_to(10);
         static constexpr double kRates[] = {8000, 44100, 48000, 96000, 12345.678};
         box.dsp(kRates[fuzz.up_to(4)], frames, 1, fuzz.up_to(1) == 0);
-        const std::size_t samples = static_cast<std::size_t>(frames) * (1 + 1024 / static_cast<std::size_t>(frames));
+        const std::size_t samples =
+            static_cast<std::size_t>(frames) * (1 + 1024 / static_cast<std::size_t>(frames));
         const Buffers outputs = box.run(fuzz.inputs(samples), samples);
-        if (bounded) check_outputs(outputs, declaration, good);
+        if (bounded)
+          check_outputs(outputs, declaration, good);
         CHECK_MESSAGE(good, "an output is not finite, or sound is beyond 1");
         host_forget();
       }
       box.send("get");
       CHECK(sent().size() == declaration.parameters.size());
       for (const Sent& answer : sent())
-        for (const Word& atom : answer.atoms) CHECK(std::isfinite(atom.number));
+        for (const Word& atom : answer.atoms)
+          CHECK(std::isfinite(atom.number));
       host_forget();
     }
   }

@@ -13,13 +13,15 @@ namespace {
 
 std::vector<host_atom> borrow(const Words& words) {
   std::vector<host_atom> atoms;
-  for (const Word& w : words) atoms.push_back({w.is_word ? w.text.c_str() : nullptr, w.number});
+  for (const Word& w : words)
+    atoms.push_back({w.is_word ? w.text.c_str() : nullptr, w.number});
   return atoms;
 }
 
 void load(const std::string& folder, std::string_view name) {
   std::string setup(name);
-  if (setup.back() == '~') setup.replace(setup.size() - 1, 1, "_tilde");
+  if (setup.back() == '~')
+    setup.replace(setup.size() - 1, 1, "_tilde");
   const std::string file = folder + "/" + std::string(name) + TACTUS_MODULE_SUFFIX;
   if (const char* why = host_load(file.c_str(), (setup + "_setup").c_str())) {
     std::fprintf(stderr, "cannot load %s: %s\n", file.c_str(), why);
@@ -27,12 +29,13 @@ void load(const std::string& folder, std::string_view name) {
   }
 }
 
-}  // namespace
+} // namespace
 
 const std::vector<Described>& objects() {
   static const std::vector<Described> all = [] {
     std::vector<Described> found = described_objects();
-    for (const Described& described : found) load(TACTUS_STAGE, described.declaration->name);
+    for (const Described& described : found)
+      load(TACTUS_STAGE, described.declaration->name);
     load(TACTUS_TEST_OBJECTS, Probe::declaration.name);
     found.push_back({&Probe::declaration, traits_of<Probe>()});
     return found;
@@ -43,8 +46,7 @@ const std::vector<Described>& objects() {
 Box::Box(std::string_view name, const Words& arguments) {
   static_cast<void>(objects());
   const std::vector<host_atom> atoms = borrow(arguments);
-  object_.reset(
-      host_make(std::string(name).c_str(), static_cast<int>(atoms.size()), atoms.data()));
+  object_.reset(host_make(std::string(name).c_str(), static_cast<int>(atoms.size()), atoms.data()));
 }
 
 void Box::send(int inlet, std::string_view selector, const Words& atoms) {
@@ -65,17 +67,18 @@ Buffers Box::run(const Buffers& inputs, std::size_t samples) {
   const auto inlets = has_dsp_ ? static_cast<std::size_t>(signal_inlets()) : 0;
   Buffers result(outlets);
   for (std::size_t i = 0; i < outlets; ++i)
-    result[i].resize(samples * static_cast<std::size_t>(
-                                   host_channels(object_.get(), static_cast<int>(i))));
+    result[i].resize(samples *
+                     static_cast<std::size_t>(host_channels(object_.get(), static_cast<int>(i))));
   std::vector<const double*> in(inlets);
   std::vector<double*> out(outlets);
   for (std::size_t begin = 0; begin + frames_ <= samples; begin += frames_) {
     for (std::size_t i = 0; i < inlets; ++i)
-      in[i] = i < inputs.size() && !inputs[i].empty() ? inputs[i].data() + begin * channels_
-                                                      : nullptr;
+      in[i] =
+          i < inputs.size() && !inputs[i].empty() ? inputs[i].data() + begin * channels_ : nullptr;
     for (std::size_t i = 0; i < outlets; ++i)
       out[i] = result[i].data() + begin * (result[i].size() / samples);
-    if (has_dsp_) host_run(object_.get(), in.data(), out.data());
+    if (has_dsp_)
+      host_run(object_.get(), in.data(), out.data());
     host_advance(1000.0 * static_cast<double>(frames_) / rate_);
   }
   return result;
@@ -83,7 +86,8 @@ Buffers Box::run(const Buffers& inputs, std::size_t samples) {
 
 std::vector<std::string> errors() {
   std::vector<std::string> result;
-  for (int i = 0; i < host_error_count(); ++i) result.emplace_back(host_error(i));
+  for (int i = 0; i < host_error_count(); ++i)
+    result.emplace_back(host_error(i));
   host_forget();
   return result;
 }
@@ -94,8 +98,10 @@ std::vector<Sent> sent() {
     const host_event event = host_get_event(i);
     Sent one{event.outlet, event.ms, event.selector, {}};
     for (int a = 0; a < event.count; ++a) {
-      if (event.atoms[a].word) one.atoms.emplace_back(event.atoms[a].word);
-      else one.atoms.emplace_back(event.atoms[a].number);
+      if (event.atoms[a].word)
+        one.atoms.emplace_back(event.atoms[a].word);
+      else
+        one.atoms.emplace_back(event.atoms[a].number);
     }
     result.push_back(std::move(one));
   }
@@ -107,13 +113,17 @@ Buffers plausible_inputs(const Declaration& declaration, double rate, std::size_
   constexpr double kTwoPi = 2 * std::numbers::pi;
   Buffers result;
   for (const Port& port : declaration.inlets) {
-    if (port.kind != Port::Kind::kSignal) continue;
+    if (port.kind != Port::Kind::kSignal)
+      continue;
     std::vector<double> signal(samples);
     for (std::size_t n = 0; n < samples; ++n) {
       const double t = static_cast<double>(n) / rate;
-      if (port.unit == "Pa") signal[n] = 4000 * std::abs(std::sin(kTwoPi * 2 * t));
-      else if (port.unit == "Hz") signal[n] = 300 + 60 * std::sin(kTwoPi * 3 * t);
-      else signal[n] = 0.5 + 0.4 * std::sin(kTwoPi * 220 * t) * std::sin(kTwoPi * 2.5 * t);
+      if (port.unit == "Pa")
+        signal[n] = 4000 * std::abs(std::sin(kTwoPi * 2 * t));
+      else if (port.unit == "Hz")
+        signal[n] = 300 + 60 * std::sin(kTwoPi * 3 * t);
+      else
+        signal[n] = 0.5 + 0.4 * std::sin(kTwoPi * 220 * t) * std::sin(kTwoPi * 2.5 * t);
       signal[n] = as_float(signal[n]);
     }
     result.push_back(std::move(signal));
@@ -121,4 +131,4 @@ Buffers plausible_inputs(const Declaration& declaration, double rate, std::size_
   return result;
 }
 
-}  // namespace tactus::test
+} // namespace tactus::test

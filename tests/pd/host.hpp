@@ -85,4 +85,4 @@ private:
 [[nodiscard]] Buffers plausible_inputs(const Declaration& declaration, double rate,
                                        std::size_t samples);
 
-}  // namespace tactus::test
+} // namespace tactus::test

@@ -13,9 +13,10 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void nothing_said() {
-  for (const std::string& sentence : errors()) FAIL_CHECK("unexpected: ", sentence);
+  for (const std::string& sentence : errors())
+    FAIL_CHECK("unexpected: ", sentence);
 }
-}  // namespace
+} // namespace
 
 TEST_CASE("flags, positional arguments and at-sign attributes set parameters") {
   for (const Words& arguments : {Words{3, "-sign", "minus"}, Words{"-gain", 3, "-sign", "minus"},
@@ -40,7 +41,7 @@ TEST_CASE("malformed creation arguments make no object and one sentence") {
     const auto said = errors();
     CAPTURE(said.size());
     if (arguments[0].is_word && arguments[0].text == "loud") {
-      CHECK(box.made());  // a value out of range is refused, the object stays
+      CHECK(box.made()); // a value out of range is refused, the object stays
     } else {
       CHECK_FALSE(box.made());
     }
@@ -141,10 +142,13 @@ TEST_CASE("lists, bangs and symbols that mean nothing get one sentence each") {
 TEST_CASE("every channel of a newer Pd's signal is heard") {
   Box box("probe~");
   box.dsp(48000, 8, 3);
-  if (box.run({}, 8)[0].size() != 24) return;  // an older host
+  if (box.run({}, 8)[0].size() != 24)
+    return; // an older host
   std::vector<double> a(24), b(24, 2.0);
-  for (std::size_t i = 0; i < 24; ++i) a[i] = static_cast<double>(i);
+  for (std::size_t i = 0; i < 24; ++i)
+    a[i] = static_cast<double>(i);
   const auto out = box.run({a, b}, 8)[0];
-  for (std::size_t i = 0; i < 24; ++i) CHECK(out[i] == 2 * a[i]);
+  for (std::size_t i = 0; i < 24; ++i)
+    CHECK(out[i] == 2 * a[i]);
   nothing_said();
 }

@@ -44,7 +44,7 @@ TEST_CASE("with tune every sustained note lies within 10 cents, at any sample ra
                         {"sax", 2000, {175, 233, 349}},      {"sax", 2500, {233, 294}},
                         {"oboe", 2000, {262, 330, 587}},     {"trumpet", 3000, {196, 233, 392}},
                         {"trumpet", 5000, {233, 294, 523}},  {"trombone", 2000, {117, 147, 175}},
-                        {"trombone", 3000, {117, 147, 196}},      {"voice", 2500, {131, 175}},
+                        {"trombone", 3000, {117, 147, 196}}, {"voice", 2500, {131, 175}},
                         {"syrinx", 600, {880, 1100}}};
   for (const double rate : {44100.0, 48000.0, 96000.0})
     for (const Tune& tune : tunes)
@@ -218,8 +218,9 @@ TEST_CASE("steepening never makes a wave larger than it was") {
 }
 
 TEST_CASE("presets radiate at an even level, below the soft clip at a moderate pressure") {
-  const Tune tunes[] = {{"clarinet", 2000, {262}}, {"sax", 2000, {233}},     {"oboe", 2000, {440}},
-                        {"trumpet", 3000, {294}},  {"trombone", 2200, {147}}, {"voice", 1500, {147}},
+  const Tune tunes[] = {{"clarinet", 2000, {262}}, {"sax", 2000, {233}},
+                        {"oboe", 2000, {440}},     {"trumpet", 3000, {294}},
+                        {"trombone", 2200, {147}}, {"voice", 1500, {147}},
                         {"syrinx", 600, {1047}}};
   for (const Tune& tune : tunes) {
     Parameters p = find_preset(tune.preset).value();

@@ -15,7 +15,9 @@
 unsigned hdInitDevice(const char* name) {
   return may_hang("hdInitDevice"), plain_hdInitDevice(name);
 }
-void hdDisableDevice(unsigned device) { may_hang("hdDisableDevice"), plain_hdDisableDevice(device); }
+void hdDisableDevice(unsigned device) {
+  may_hang("hdDisableDevice"), plain_hdDisableDevice(device);
+}
 void hdStartScheduler(void) { may_hang("hdStartScheduler"), plain_hdStartScheduler(); }
 void hdStopScheduler(void) { may_hang("hdStopScheduler"), plain_hdStopScheduler(); }
 void hdEndFrame(unsigned device) {

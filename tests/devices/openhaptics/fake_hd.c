@@ -1,8 +1,8 @@
 /* A stand-in for the vendor's libHD: one device with a mass of 0.1 kg and a scheduler thread of
  * 1 kHz. Force moves the mass, so a caller can see that force and position belong together.
  * The environment's FAKE_HD chooses what goes wrong, that a hand holds the
- * mass ("held") or that the scheduler has 25 Hz ("slow"). As the real driver, it opens no device when it
- * is loaded a second time; the environment's FAKE_HD_LOADS counts. */
+ * mass ("held") or that the scheduler has 25 Hz ("slow"). As the real driver, it opens no device
+ * when it is loaded a second time; the environment's FAKE_HD_LOADS counts. */
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -170,14 +170,29 @@ void hdEndFrame(unsigned device) {
 void hdGetDoublev(unsigned what, double* out) {
   static const double box[6] = {-80, -60, -35, 80, 60, 35};
   switch (what) {
-  case 0x2050: memcpy(out, position, sizeof position); break;
-  case 0x2051: memcpy(out, velocity, sizeof velocity); break;
-  case 0x2150: out[0] = 0.1, out[1] = 0.2, out[2] = 0.3; break;
-  case 0x2551: memcpy(out, box, sizeof box); break;
-  case 0x2603: mode("dumb") ? fail(0x0100) : (void)(*out = 3.4); break;
-  case 0x2604: mode("dumb") ? fail(0x0100) : (void)(*out = 0.9); break;
-  case 0x2602: mode("dumb") ? fail(0x0100) : (void)(*out = 0.5); break;
-  default: fail(0x0100);
+  case 0x2050:
+    memcpy(out, position, sizeof position);
+    break;
+  case 0x2051:
+    memcpy(out, velocity, sizeof velocity);
+    break;
+  case 0x2150:
+    out[0] = 0.1, out[1] = 0.2, out[2] = 0.3;
+    break;
+  case 0x2551:
+    memcpy(out, box, sizeof box);
+    break;
+  case 0x2603:
+    mode("dumb") ? fail(0x0100) : (void)(*out = 3.4);
+    break;
+  case 0x2604:
+    mode("dumb") ? fail(0x0100) : (void)(*out = 0.9);
+    break;
+  case 0x2602:
+    mode("dumb") ? fail(0x0100) : (void)(*out = 0.5);
+    break;
+  default:
+    fail(0x0100);
   }
 }
 void hdGetIntegerv(unsigned what, int* out) {

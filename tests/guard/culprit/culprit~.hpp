@@ -24,22 +24,35 @@ struct Culprit {
   static constexpr std::array kParameters{Parameter{"crime", "", 0, 0, 7, "to commit", kCrimes}};
   static constexpr std::array kPorts{Port{Port::Kind::kSignal, "signal", "", "passed through"}};
   static constexpr std::array kArguments{CreationArgument{"crime"}};
-  static constexpr Declaration declaration{"culprit~", "breaks a rule", "For the guard's own test.",
-                                           "test",     kPorts,          kPorts,
-                                           kParameters, {},             kArguments};
+  static constexpr Declaration declaration{
+      "culprit~", "breaks a rule", "For the guard's own test.", "test", kPorts, kPorts, kParameters,
+      {},         kArguments};
 
   void set(std::size_t, double value) noexcept { crime = value; }
   [[nodiscard]] double get(std::size_t) const noexcept { return crime; }
   template <class S> void process(const Block<S>& block) noexcept {
-    for (std::size_t n = 0; n < block.frames; ++n) block.outputs[0][n] = block.inputs[0][n];
+    for (std::size_t n = 0; n < block.frames; ++n)
+      block.outputs[0][n] = block.inputs[0][n];
     switch (static_cast<int>(crime)) {
-    case 1: text = std::string(1000 + block.frames, 'x'); break;
-    case 2: mutex.lock(), mutex.unlock(); break;
-    case 3: static_cast<void>(!::write(2, "", 0)); break;
-    case 4: std::this_thread::sleep_for(std::chrono::microseconds(1)); break;
-    case 5: static_cast<void>(::syscall(SYS_gettid)); break;
+    case 1:
+      text = std::string(1000 + block.frames, 'x');
+      break;
+    case 2:
+      mutex.lock(), mutex.unlock();
+      break;
+    case 3:
+      static_cast<void>(!::write(2, "", 0));
+      break;
+    case 4:
+      std::this_thread::sleep_for(std::chrono::microseconds(1));
+      break;
+    case 5:
+      static_cast<void>(::syscall(SYS_gettid));
+      break;
 #if defined(__x86_64__)
-    case 6: _mm_setcsr(_mm_getcsr() ^ 0x8000); break;
+    case 6:
+      _mm_setcsr(_mm_getcsr() ^ 0x8000);
+      break;
 #endif
     case 7: {
       const std::vector<char> heap(8);
@@ -48,7 +61,8 @@ struct Culprit {
       static_cast<void>(seen);
       break;
     }
-    default: break;
+    default:
+      break;
     }
   }
 
@@ -57,4 +71,4 @@ struct Culprit {
   std::mutex mutex;
 };
 
-}  // namespace tactus::test
+} // namespace tactus::test

@@ -37,8 +37,7 @@ int host_inlets(const host_object*, int only_signal);
 int host_outlets(const host_object*, int only_signal);
 
 /* A message to an inlet, dispatched as Pd does. */
-void host_message(host_object*, int inlet, const char* selector, int count,
-                  const host_atom* atoms);
+void host_message(host_object*, int inlet, const char* selector, int count, const host_atom* atoms);
 
 /* Calls the dsp method. channels: of every signal inlet, for hosts with multichannel signals.
    alias: outputs use the inputs' memory, as Pd likes to do. Returns 0 for objects without dsp. */

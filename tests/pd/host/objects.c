@@ -27,9 +27,11 @@ void host_die(const char* why) {
 
 t_symbol* gensym(const char* name) {
   for (size_t i = 0; i < sizeof built_in / sizeof *built_in; ++i)
-    if (!strcmp(built_in[i]->s_name, name)) return built_in[i];
+    if (!strcmp(built_in[i]->s_name, name))
+      return built_in[i];
   for (t_symbol* s = symbols; s; s = s->s_next)
-    if (!strcmp(s->s_name, name)) return s;
+    if (!strcmp(s->s_name, name))
+      return s;
   t_symbol* s = calloc(1, sizeof *s);
   s->s_name = strdup(name);
   s->s_next = symbols;
@@ -45,12 +47,14 @@ t_class* class_new(t_symbol* name, t_newmethod make, t_method drop, size_t size,
   c->drop = drop;
   c->size = size;
   c->flags = flags;
-  if (class_count == 64) host_die("too many classes");
+  if (class_count == 64)
+    host_die("too many classes");
   return classes[class_count++] = c;
 }
 
 void class_addmethod(t_class* c, t_method function, t_symbol* selector, t_atomtype first, ...) {
-  if (c->method_count == MAX_METHODS) host_die("too many methods");
+  if (c->method_count == MAX_METHODS)
+    host_die("too many methods");
   method_entry* m = &c->methods[c->method_count++];
   m->selector = selector;
   m->function = function;
@@ -59,7 +63,8 @@ void class_addmethod(t_class* c, t_method function, t_symbol* selector, t_atomty
   t_atomtype type = first;
   for (int i = 0; i <= MAXPDARG; ++i) {
     m->types[i] = type;
-    if (type == A_NULL) break;
+    if (type == A_NULL)
+      break;
     type = (t_atomtype)va_arg(rest, int);
   }
   va_end(rest);
@@ -85,7 +90,8 @@ t_pd* pd_new(t_class* c) {
 
 host_object* host_of(const void* pd) {
   for (host_object* o = objects; o; o = o->next)
-    if (o->pd == pd) return o;
+    if (o->pd == pd)
+      return o;
   return 0;
 }
 
@@ -99,10 +105,14 @@ static void drop_signals(host_object* o) {
 
 void pd_free(t_pd* pd) {
   host_object* o = host_of(pd);
-  if (!o) host_die("pd_free of an object that does not live");
-  if (o->type->drop) ((void (*)(void*))o->type->drop)(pd);
-  for (int i = 0; i < o->inlet_count; ++i) free(o->inlets[i]);
-  for (int i = 0; i < o->outlet_count; ++i) free(o->outlets[i]);
+  if (!o)
+    host_die("pd_free of an object that does not live");
+  if (o->type->drop)
+    ((void (*)(void*))o->type->drop)(pd);
+  for (int i = 0; i < o->inlet_count; ++i)
+    free(o->inlets[i]);
+  for (int i = 0; i < o->outlet_count; ++i)
+    free(o->outlets[i]);
   drop_signals(o);
   for (host_object** p = &objects; *p; p = &(*p)->next)
     if (*p == o) {
@@ -115,7 +125,8 @@ void pd_free(t_pd* pd) {
 
 t_inlet* inlet_new(t_object* owner, t_pd* target, t_symbol* from, t_symbol* to) {
   host_object* o = host_of(owner);
-  if (!o || o->inlet_count == MAX_PORTS) host_die("inlet_new");
+  if (!o || o->inlet_count == MAX_PORTS)
+    host_die("inlet_new");
   t_inlet* i = calloc(1, sizeof *i);
   i->owner = o;
   i->target = target;
@@ -126,7 +137,8 @@ t_inlet* inlet_new(t_object* owner, t_pd* target, t_symbol* from, t_symbol* to) 
 
 t_outlet* outlet_new(t_object* owner, t_symbol* type) {
   host_object* o = host_of(owner);
-  if (!o || o->outlet_count == MAX_PORTS) host_die("outlet_new");
+  if (!o || o->outlet_count == MAX_PORTS)
+    host_die("outlet_new");
   t_outlet* out = calloc(1, sizeof *out);
   out->owner = o;
   out->type = type;
@@ -136,9 +148,11 @@ t_outlet* outlet_new(t_object* owner, t_symbol* type) {
 
 const char* host_load(const char* file, const char* setup) {
   void* module = dlopen(file, RTLD_NOW | RTLD_LOCAL);
-  if (!module) return dlerror();
+  if (!module)
+    return dlerror();
   void* symbol = dlsym(module, setup);
-  if (!symbol) return dlerror();
+  if (!symbol)
+    return dlerror();
   void (*function)(void);
   memcpy(&function, &symbol, sizeof function);
   function();
@@ -147,8 +161,10 @@ const char* host_load(const char* file, const char* setup) {
 
 static int to_pd(int count, const host_atom* from, t_atom* to) {
   for (int i = 0; i < count; ++i) {
-    if (from[i].word) SETSYMBOL(to + i, gensym(from[i].word));
-    else SETFLOAT(to + i, (t_float)from[i].number);
+    if (from[i].word)
+      SETSYMBOL(to + i, gensym(from[i].word));
+    else
+      SETFLOAT(to + i, (t_float)from[i].number);
   }
   return count;
 }
@@ -161,10 +177,12 @@ host_object* host_make(const char* name, int count, const host_atom* atoms) {
   for (int i = 0; i < class_count && !made; ++i)
     if (!strcmp(classes[i]->name->s_name, name)) {
       known = 1;
-      made = ((void* (*)(t_symbol*, int, t_atom*))(t_method)classes[i]->make)(gensym(name), count, given);
+      made = ((void* (*)(t_symbol*, int, t_atom*))(t_method)classes[i]->make)(gensym(name), count,
+                                                                              given);
     }
   free(given);
-  if (!known) host_die(name);
+  if (!known)
+    host_die(name);
   return made ? host_of(made) : 0;
 }
 
@@ -174,7 +192,8 @@ static int is_signal_inlet(const t_inlet* i) { return i->to == &s_signal; }
 
 int host_inlets(const host_object* o, int only_signal) {
   int count = !only_signal || o->type->main_signal_offset != 0;
-  for (int i = 0; i < o->inlet_count; ++i) count += !only_signal || is_signal_inlet(o->inlets[i]);
+  for (int i = 0; i < o->inlet_count; ++i)
+    count += !only_signal || is_signal_inlet(o->inlets[i]);
   return count;
 }
 
@@ -191,8 +210,10 @@ static void call(const method_entry* m, t_pd* pd, t_symbol* selector, int count,
   } else if (m->types[0] == A_NULL) {
     ((void (*)(t_pd*))m->function)(pd);
   } else if ((m->types[0] == A_FLOAT || m->types[0] == A_DEFFLOAT) && m->types[1] == A_NULL) {
-    if (count && atoms[0].a_type != A_FLOAT) host_say_error("bad arguments for message");
-    else ((void (*)(t_pd*, t_floatarg))m->function)(pd, count ? atoms[0].a_w.w_float : 0);
+    if (count && atoms[0].a_type != A_FLOAT)
+      host_say_error("bad arguments for message");
+    else
+      ((void (*)(t_pd*, t_floatarg))m->function)(pd, count ? atoms[0].a_w.w_float : 0);
   } else {
     host_die("a method with arguments that this host does not know");
   }
@@ -203,7 +224,8 @@ void pd_typedmess(t_pd* pd, t_symbol* selector, int count, t_atom* atoms) {
   t_class* c = *pd;
   if (selector == &s_list && count == 1)
     selector = atoms[0].a_type == A_FLOAT ? &s_float : &s_symbol;
-  else if (selector == &s_list && count == 0) selector = &s_bang;
+  else if (selector == &s_list && count == 0)
+    selector = &s_bang;
   if (selector == &s_float && c->main_signal_offset) {
     *(t_float*)(void*)((char*)pd + c->main_signal_offset) = count ? atoms[0].a_w.w_float : 0;
     return;
@@ -214,9 +236,12 @@ void pd_typedmess(t_pd* pd, t_symbol* selector, int count, t_atom* atoms) {
       return;
     }
   t_method direct = selector == &s_list ? c->list : c->anything;
-  if (!direct) direct = c->anything;
-  if (!direct) host_say_error("no method for that message");
-  else ((void (*)(t_pd*, t_symbol*, int, t_atom*))direct)(pd, selector, count, atoms);
+  if (!direct)
+    direct = c->anything;
+  if (!direct)
+    host_say_error("no method for that message");
+  else
+    ((void (*)(t_pd*, t_symbol*, int, t_atom*))direct)(pd, selector, count, atoms);
 }
 
 void host_message(host_object* o, int inlet, const char* selector, int count,
@@ -228,10 +253,14 @@ void host_message(host_object* o, int inlet, const char* selector, int count,
     pd_typedmess(o->pd, s, count, given);
   } else {
     t_inlet* i = o->inlets[inlet - 1];
-    if (s == &s_list && count == 1 && given[0].a_type == A_FLOAT) s = &s_float;
-    if (is_signal_inlet(i) && s == &s_float) i->value = given[0].a_w.w_float;
-    else if (s == i->from || (i->from == &s_list && s == &s_float)) pd_typedmess(i->target, i->to, count, given);
-    else host_say_error("inlet: expected another type of message");
+    if (s == &s_list && count == 1 && given[0].a_type == A_FLOAT)
+      s = &s_float;
+    if (is_signal_inlet(i) && s == &s_float)
+      i->value = given[0].a_w.w_float;
+    else if (s == i->from || (i->from == &s_list && s == &s_float))
+      pd_typedmess(i->target, i->to, count, given);
+    else
+      host_say_error("inlet: expected another type of message");
   }
   free(given);
 }
@@ -240,10 +269,12 @@ const char* class_getname(const t_class* c) { return c->name->s_name; }
 
 /* Names hold one thing: what is bound here takes care of that itself. */
 void pd_bind(t_pd* thing, t_symbol* s) {
-  if (s->s_thing) host_die("pd_bind to a name that is taken");
+  if (s->s_thing)
+    host_die("pd_bind to a name that is taken");
   s->s_thing = thing;
 }
 void pd_unbind(t_pd* thing, t_symbol* s) {
-  if (s->s_thing != thing) host_die("pd_unbind of what is not bound");
+  if (s->s_thing != thing)
+    host_die("pd_unbind of what is not bound");
   s->s_thing = 0;
 }

@@ -23,7 +23,8 @@ void signal_setmultiout(t_signal** signal, int channels) {
 }
 
 void pd_queue_mess(t_pdinstance* instance, t_pd* object, void* argument, queued_function function) {
-  if (instance != &pd_maininstance) host_die("pd_queue_mess for another instance");
+  if (instance != &pd_maininstance)
+    host_die("pd_queue_mess for another instance");
   entry* e = calloc(1, sizeof *e);
   *e = (entry){object, argument, function, 0};
   pthread_mutex_lock(&lock);
@@ -35,7 +36,8 @@ void pd_queue_mess(t_pdinstance* instance, t_pd* object, void* argument, queued_
 void pd_queue_cancel(t_pd* object) {
   pthread_mutex_lock(&lock);
   for (entry* e = head; e; e = e->next)
-    if (e->object == object) e->object = 0;
+    if (e->object == object)
+      e->object = 0;
   pthread_mutex_unlock(&lock);
 }
 
@@ -43,9 +45,11 @@ void host_deliver_queue(void) {
   for (;;) {
     pthread_mutex_lock(&lock);
     entry* e = head;
-    if (e && !(head = e->next)) tail = &head;
+    if (e && !(head = e->next))
+      tail = &head;
     pthread_mutex_unlock(&lock);
-    if (!e) return;
+    if (!e)
+      return;
     e->function(e->object, e->argument); /* with a null object when cancelled, as Pd does */
     free(e);
   }

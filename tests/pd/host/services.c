@@ -51,8 +51,10 @@ void host_advance(double ms) {
     host_deliver_queue();
     t_clock* first = 0;
     for (t_clock* c = clocks; c; c = c->next)
-      if (c->due >= 0 && c->due <= end && (!first || c->due < first->due)) first = c;
-    if (!first) break;
+      if (c->due >= 0 && c->due <= end && (!first || c->due < first->due))
+        first = c;
+    if (!first)
+      break;
     now_ms = first->due;
     first->due = -1;
     ((void (*)(void*))first->function)(first->owner);
@@ -75,7 +77,8 @@ void host_say_error(const char* sentence) {
 }
 
 void pd_error(const void* object, const char* format, ...) {
-  if (object && !host_of(object)) host_die("pd_error for an object that does not live");
+  if (object && !host_of(object))
+    host_die("pd_error for an object that does not live");
   char text[4096];
   va_list values;
   va_start(values, format);
@@ -86,7 +89,8 @@ void pd_error(const void* object, const char* format, ...) {
 
 void logpost(const void* object, int level, const char* format, ...) {
   (void)level, (void)format;
-  if (object && !host_of(object)) host_die("logpost for an object that does not live");
+  if (object && !host_of(object))
+    host_die("logpost for an object that does not live");
 }
 void post(const char* format, ...) { (void)format; }
 
@@ -98,8 +102,10 @@ void host_add_event(t_outlet* outlet, const char* selector, int count, const t_a
   kept_event* e = &events[event_count++];
   e->atoms = calloc((size_t)count + 1, sizeof *e->atoms);
   for (int i = 0; i < count; ++i) {
-    if (atoms[i].a_type == A_SYMBOL) e->atoms[i].word = atoms[i].a_w.w_symbol->s_name;
-    else e->atoms[i].number = (double)atoms[i].a_w.w_float;
+    if (atoms[i].a_type == A_SYMBOL)
+      e->atoms[i].word = atoms[i].a_w.w_symbol->s_name;
+    else
+      e->atoms[i].number = (double)atoms[i].a_w.w_float;
   }
   e->event = (host_event){outlet->owner, outlet->index, now_ms, selector, count, e->atoms};
 }
@@ -129,8 +135,10 @@ int host_event_count(void) { return event_count; }
 host_event host_get_event(int index) { return events[index].event; }
 
 void host_forget(void) {
-  for (int i = 0; i < error_count; ++i) free(errors[i]);
-  for (int i = 0; i < event_count; ++i) free(events[i].atoms);
+  for (int i = 0; i < error_count; ++i)
+    free(errors[i]);
+  for (int i = 0; i < event_count; ++i)
+    free(events[i].atoms);
   error_count = event_count = 0;
 }
 
@@ -141,7 +149,8 @@ t_glist* canvas_getcurrent(void) { return (t_glist*)(void*)folder; }
 void canvas_makefilename(const t_glist* canvas, const char* file, char* result, int size) {
   (void)canvas;
   const char* format = file[0] == '/' ? "%.0s%s" : "%s/%s";
-  if (snprintf(result, (size_t)size, format, folder, file) >= size) result[size - 1] = 0;
+  if (snprintf(result, (size_t)size, format, folder, file) >= size)
+    result[size - 1] = 0;
 }
 
 int canvas_open(const t_canvas* canvas, const char* name, const char* extension, char* directory,
@@ -151,7 +160,8 @@ int canvas_open(const t_canvas* canvas, const char* name, const char* extension,
   snprintf(path, sizeof path, "%s%s", name, extension);
   canvas_makefilename(canvas, path, directory, (int)size);
   const int file = open(directory, O_RDONLY);
-  if (file < 0) return -1;
+  if (file < 0)
+    return -1;
   char* slash = strrchr(directory, '/');
   *slash = 0;
   *base = slash + 1;
@@ -174,7 +184,8 @@ void host_set_array(const char* name, int size, const double* values) {
   a->name = gensym(name);
   a->size = size;
   a->words = calloc((size_t)size + 1, sizeof *a->words);
-  for (int i = 0; i < size; ++i) a->words[i].w_float = (t_float)values[i];
+  for (int i = 0; i < size; ++i)
+    a->words[i].w_float = (t_float)values[i];
   a->next = arrays;
   arrays = a;
 }
@@ -182,7 +193,8 @@ void host_set_array(const char* name, int size, const double* values) {
 t_pd* pd_findbyclass(t_symbol* s, const t_class* c) {
   if (c == garray_class)
     for (t_garray* a = arrays; a; a = a->next)
-      if (a->name == s) return (t_pd*)(void*)a;
+      if (a->name == s)
+        return (t_pd*)(void*)a;
   return 0;
 }
 

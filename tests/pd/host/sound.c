@@ -21,7 +21,8 @@ static host_signal* new_signal(int frames, double rate, int channels) {
 }
 
 static void append(t_int word) {
-  if (host_building->chain_length == MAX_CHAIN) host_die("the perform chain is too long");
+  if (host_building->chain_length == MAX_CHAIN)
+    host_die("the perform chain is too long");
   host_building->chain[host_building->chain_length++] = word;
 }
 
@@ -29,20 +30,24 @@ void dsp_add(t_perfroutine f, int n, ...) {
   va_list words;
   va_start(words, n);
   append((t_int)f);
-  for (int i = 0; i < n; ++i) append(va_arg(words, t_int));
+  for (int i = 0; i < n; ++i)
+    append(va_arg(words, t_int));
   va_end(words);
 }
 
 void dsp_addv(t_perfroutine f, int n, t_int* words) {
   append((t_int)f);
-  for (int i = 0; i < n; ++i) append(words[i]);
+  for (int i = 0; i < n; ++i)
+    append(words[i]);
 }
 
 int host_dsp(host_object* o, double rate, int frames, int channels, int alias) {
   t_method dsp = 0;
   for (int i = 0; i < o->type->method_count; ++i)
-    if (!strcmp(o->type->methods[i].selector->s_name, "dsp")) dsp = o->type->methods[i].function;
-  if (!dsp) return 0;
+    if (!strcmp(o->type->methods[i].selector->s_name, "dsp"))
+      dsp = o->type->methods[i].function;
+  if (!dsp)
+    return 0;
   for (int i = 0; i < o->signal_ins + o->signal_outs; ++i) {
     free(o->signals[i]->owned);
     free(o->signals[i]);
@@ -53,7 +58,8 @@ int host_dsp(host_object* o, double rate, int frames, int channels, int alias) {
   o->frames = frames;
   o->channels = channels;
   o->rate = rate;
-  for (int i = 0; i < o->signal_ins; ++i) o->signals[i] = new_signal(frames, rate, channels);
+  for (int i = 0; i < o->signal_ins; ++i)
+    o->signals[i] = new_signal(frames, rate, channels);
   for (int i = 0; i < o->signal_outs; ++i) {
     o->signals[o->signal_ins + i] = new_signal(frames, rate, 1);
     if (alias && channels == 1 && i < o->signal_ins)
@@ -74,7 +80,8 @@ static t_float inlet_value(const host_object* o, int signal_inlet) {
   if (o->type->main_signal_offset && signal_inlet-- == 0)
     return *(const t_float*)(const void*)((const char*)o->pd + o->type->main_signal_offset);
   for (int i = 0; i < o->inlet_count; ++i)
-    if (o->inlets[i]->to == &s_signal && signal_inlet-- == 0) return o->inlets[i]->value;
+    if (o->inlets[i]->to == &s_signal && signal_inlet-- == 0)
+      return o->inlets[i]->value;
   return 0;
 }
 
@@ -86,10 +93,12 @@ void host_run(host_object* o, const double* const* inputs, double* const* output
       s->samples[n] = inputs && inputs[i] ? (t_sample)inputs[i][n] : value;
   }
   t_int* word = o->chain;
-  while (word < o->chain + o->chain_length) word = ((t_perfroutine)*word)(word);
+  while (word < o->chain + o->chain_length)
+    word = ((t_perfroutine)*word)(word);
   for (int i = 0; i < o->signal_outs; ++i) {
     const host_signal* s = o->signals[o->signal_ins + i];
     if (outputs && outputs[i])
-      for (int n = 0; n < s->length * s->channels; ++n) outputs[i][n] = (double)s->samples[n];
+      for (int n = 0; n < s->length * s->channels; ++n)
+        outputs[i][n] = (double)s->samples[n];
   }
 }

@@ -30,18 +30,25 @@ struct Probe {
       Message{"wake", "ms", 1, 1, "sends `awake` that much later"},
   };
   static constexpr std::array kArguments{CreationArgument{"gain"}};
-  static constexpr Declaration declaration{
-      "probe~", "one of everything", "For the tests of the shells.", "test",
-      kInlets,  kOutlets,            kParameters,                    kMessages,
-      kArguments};
+  static constexpr Declaration declaration{"probe~",
+                                           "one of everything",
+                                           "For the tests of the shells.",
+                                           "test",
+                                           kInlets,
+                                           kOutlets,
+                                           kParameters,
+                                           kMessages,
+                                           kArguments};
   static constexpr std::size_t timers = 1;
   static constexpr bool multichannel = true;
 
   void set(std::size_t parameter, double value) noexcept { values[parameter] = value; }
   [[nodiscard]] double get(std::size_t parameter) const noexcept { return values[parameter]; }
   void message(std::size_t index, std::span<const Atom> arguments, Host& host) {
-    if (index == 0) host.info(arguments);
-    else host.wake_in(0, arguments[0].number);
+    if (index == 0)
+      host.info(arguments);
+    else
+      host.wake_in(0, arguments[0].number);
   }
   void scalar(std::size_t inlet, double value, Host& host) {
     host.info({"scalar", static_cast<double>(inlet), value});
@@ -65,4 +72,4 @@ struct Probe {
   std::size_t blocks = 0;
 };
 
-}  // namespace tactus::test
+} // namespace tactus::test
