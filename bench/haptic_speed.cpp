@@ -4,9 +4,9 @@
 //
 // prints nanoseconds a tick and its share of 1 ms. A hand slides along a
 // circle, half of it inside the bodies, with friction. bench_haptic_scene has the worst ticks.
+#include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/scene/scene_model.hpp"
-#include "core/haptic/servo.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/servo/servo.hpp"
 #include "tests/core/haptic/meshes.hpp"
 
 #include <benchmark/benchmark.h>

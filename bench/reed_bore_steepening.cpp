@@ -8,14 +8,14 @@
 // bore, one length inside at three sample rates, and what each costs a sample (--quick leaves that
 // out).
 #include "bench/paired.hpp"
-#include "core/reed/bore_design.hpp"
-#include "core/reed/bore_line.hpp"
-#include "core/reed/instrument.hpp"
-#include "core/reed/presets.hpp"
-#include "core/reed/radiation_path.hpp"
-#include "core/reed/round_trip_filter.hpp"
-#include "core/reed/tuning.hpp"
-#include "core/reed/valve_bore_step.hpp"
+#include "core/reed/bore/bore_design.hpp"
+#include "core/reed/bore/bore_line.hpp"
+#include "core/reed/bore/radiation_path.hpp"
+#include "core/reed/bore/round_trip_filter.hpp"
+#include "core/reed/instrument/instrument.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/instrument/tuning.hpp"
+#include "core/reed/instrument/valve_bore_step.hpp"
 
 #include <algorithm>
 #include <array>

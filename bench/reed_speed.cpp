@@ -7,15 +7,15 @@
 // prints nanoseconds a sample. The last lines, ratios of rounds that were run in turn within
 // milliseconds of each other, are what to trust on a shared machine.
 #include "bench/paired.hpp"
-#include "core/reed/bore_line.hpp"
-#include "core/reed/gradient.hpp"
-#include "core/reed/holed_end.hpp"
-#include "core/reed/instrument.hpp"
-#include "core/reed/playability_follower.hpp"
-#include "core/reed/presets.hpp"
-#include "core/reed/radiation_path.hpp"
-#include "core/reed/round_trip_filter.hpp"
-#include "core/reed/valve_bore_step.hpp"
+#include "core/reed/bore/bore_line.hpp"
+#include "core/reed/bore/holed_end.hpp"
+#include "core/reed/bore/radiation_path.hpp"
+#include "core/reed/bore/round_trip_filter.hpp"
+#include "core/reed/instrument/instrument.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/instrument/valve_bore_step.hpp"
+#include "core/reed/playability/gradient.hpp"
+#include "core/reed/playability/playability_follower.hpp"
 
 #include <benchmark/benchmark.h>
 #ifdef TACTUS_HAS_STK

@@ -1,6 +1,6 @@
 #include "net/bus_link.hpp"
 
-#include "core/haptic/force_timeout.hpp"
+#include "core/haptic/device/force_timeout.hpp"
 #include "net/backoff.hpp"
 #include "net/bus_topic.hpp"
 #include "net/osc.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/haptic/device.hpp"
-#include "core/haptic/workspace.hpp"
+#include "core/haptic/device/device.hpp"
+#include "core/haptic/device/workspace.hpp"
 #include "net/datagrams.hpp"
 #include "net/framing.hpp"
 #include "net/limits.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/force_timeout.hpp"
+#include "core/haptic/device/force_timeout.hpp"
 #include "net/client.hpp"
 
 #include <atomic>

@@ -1,6 +1,6 @@
 #include "net/remote_wire.hpp"
 
-#include "core/haptic/force_timeout.hpp"
+#include "core/haptic/device/force_timeout.hpp"
 #include "net/client.hpp"
 
 #include <boost/asio/connect.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/haptic/mailbox.hpp"
-#include "core/haptic/servo.hpp"
+#include "core/haptic/servo/mailbox.hpp"
+#include "core/haptic/servo/servo.hpp"
 #include "core/stress/linear_glide.hpp"
 #include "core/stress/render.hpp"
 

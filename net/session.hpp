@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/workspace.hpp"
+#include "core/haptic/device/workspace.hpp"
 #include "core/stress/render.hpp"
 #include "net/datagrams.hpp"
 #include "net/peer_connection.hpp"

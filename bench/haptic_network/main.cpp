@@ -6,8 +6,8 @@
 // The four take turns, a round trip each, so that they share whatever else the machine does.
 // Trust the ratios. While it measures, the server also steps its link to a servo, once a
 // millisecond.
-#include "core/haptic/force_timeout.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/device/force_timeout.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 #include "net/servo_link.hpp"
 #include "net/tcp_server.hpp"
 

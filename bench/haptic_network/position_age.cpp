@@ -5,7 +5,7 @@
 // One row a millisecond, `s mm`: the clock of the servo (CLOCK_MONOTONIC) and x.
 // bench/position_age.py runs it against a haptic_server whose handle moves along a known path, and
 // makes ages of the rows.
-#include "core/haptic/force_timeout.hpp"
+#include "core/haptic/device/force_timeout.hpp"
 #include "net/remote_device.hpp"
 
 #include <chrono>

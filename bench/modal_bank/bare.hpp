@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bench/modal_bank/peer.hpp"
-#include "core/modal/bank_kernel.hpp"
+#include "core/modal/bank/bank_kernel.hpp"
 
 #include <cstddef>
 #include <memory>

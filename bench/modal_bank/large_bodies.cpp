@@ -1,6 +1,6 @@
 #include "bench/modal_bank/large_bodies.hpp"
 
-#include "core/modal/struck_body.hpp"
+#include "core/modal/body/struck_body.hpp"
 
 #include <algorithm>
 #include <array>

@@ -11,7 +11,7 @@
 #include "bench/modal_bank/faust_peers.hpp"
 #include "bench/modal_bank/large_bodies.hpp"
 #include "bench/modal_bank/peers.hpp"
-#include "core/modal/struck_body.hpp"
+#include "core/modal/body/struck_body.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -174,7 +174,7 @@ void banks() {
         std::printf("%s%s: %.2f times Faust's best\n", what, name, faust / best);
     }
   // In a leap of 16 samples: 16 products for the force, 16 for what is heard, 10 for gains, weights
-  // and the state's step (core/modal/bank_lanes.hpp).
+  // and the state's step (core/modal/bank/bank_lanes.hpp).
   for (const auto& [set, name] : kSets)
     if (const double rate = multiply_adds_per_ns(set); rate > 0)
       std::printf("%s: %.1f multiply-adds a ns at best; the bank's 42 in 16 samples take %.4f ns a "

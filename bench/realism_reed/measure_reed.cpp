@@ -5,8 +5,8 @@
 // in the bore dB, rms, rms in the bore Pa, centroid Hz, right (0 or 1), time to half and to a tenth
 // of the level s, largest rms of 20 ms, H1..H10 dB; with SWELL 1 in front of H1 the frames' worst
 // foreign tone dB, cents and number in the wrong register.
-#include "core/reed/instrument.hpp"
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/instrument.hpp"
+#include "core/reed/instrument/presets.hpp"
 #include "externals/greed~/declaration.hpp"
 #include "tests/core/reed/note_measure.hpp"
 

@@ -2,8 +2,8 @@
 //   FILE PRESET RATE SECONDS PRESSURE_PA REED_HZ BORE_HZ [NAME VALUE]...
 // with the parameters of [greed~] by their message names. The mouth pressure rises over 20 ms.
 // FILE receives doubles: sound, p_b and U one after the other.
-#include "core/reed/instrument.hpp"
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/instrument.hpp"
+#include "core/reed/instrument/presets.hpp"
 #include "externals/greed~/declaration.hpp"
 
 #include <algorithm>

@@ -65,7 +65,7 @@ def peaks(bell: Bell, length: float, step: float):
 
 def main() -> int:
     text = ("// Written by bench/reed_bores/bell_reference.py, by Runge-Kutta over the horn equation.\n"
-            "#pragma once\n\n#include \"core/reed/termination.hpp\"\n\n#include <array>\n\n"
+            "#pragma once\n\n#include \"core/reed/bore/termination.hpp\"\n\n#include <array>\n\n"
             "namespace tactus::reed::test {\n\n"
             "/// Peaks of the input impedance of a cylinder with its bell, below the bell's cut-off.\n"
             "struct BellReference {\n  BoreEnd end;\n  double length; // of the cylinder, m\n"

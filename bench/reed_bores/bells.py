@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes core/reed/bell_tables.cpp: what the wave of a trumpet or trombone meets where its tube flares.
+"""Writes core/reed/bore/bell_tables.cpp: what the wave of a trumpet or trombone meets where its tube flares.
 
   bench/reed_bores/bells.py [--check]
 
@@ -24,7 +24,7 @@ from terminations import RADIATION_BLOCKS, REFLECTION_BLOCKS, approximate, block
 from transfer_matrix import respond
 from vector_fit import evaluate, fit, residues
 
-TABLE = Path(__file__).resolve().parents[2] / "core/reed/bell_tables.cpp"
+TABLE = Path(__file__).resolve().parents[2] / "core/reed/bore/bell_tables.cpp"
 GRID = np.concatenate([[1.0], np.arange(5, 300, 5), np.arange(300, 10000, 10)])  # Hz
 
 
@@ -107,7 +107,7 @@ def main() -> int:
     arguments = parser.parse_args()
     text = ("// Written by bench/reed_bores/bells.py; geometry and sources are there.\n"
             "// Poles in rad/s at 20 deg C; see termination.hpp.\n"
-            "#include \"core/reed/termination.hpp\"\n\n#include <array>\n\n"
+            "#include \"core/reed/bore/termination.hpp\"\n\n#include <array>\n\n"
             "namespace tactus::reed {\nnamespace {\n\n// clang-format off\n")
     for name, bell in BELLS.items():
         row = Row(bell)

@@ -18,7 +18,7 @@ import numpy as np
 
 SOUND_SPEED = 331.45 * np.sqrt(1 + 20 / 273.15)
 DENSITY = 1.2929 * 273.15 / 293.15
-VISCOSITY, PRANDTL, GAMMA = 1.51e-5, 0.71, 1.402  # as core/reed/air.hpp
+VISCOSITY, PRANDTL, GAMMA = 1.51e-5, 0.71, 1.402  # as core/reed/bore/air.hpp
 
 
 def key_frequency(key: float) -> float:

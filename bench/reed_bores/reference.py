@@ -180,7 +180,7 @@ def main() -> int:
     parser.add_argument("--only", help="this instrument's alone, printed")
     arguments = parser.parse_args()
     text = ("// Written by bench/reed_bores/reference.py, by finite elements.\n#pragma once\n\n"
-            "#include \"core/reed/termination.hpp\"\n\n#include <array>\n#include <string_view>\n\n"
+            "#include \"core/reed/bore/termination.hpp\"\n\n#include <array>\n#include <string_view>\n\n"
             "namespace tactus::reed::test {\n\n"
             "/// Peaks of the input impedance of a bore with its holes, below the lattice's cut-off.\n"
             "struct BoreReference {\n  BoreEnd end;\n  int key;\n  double length; // of the line, m\n"

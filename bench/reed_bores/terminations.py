@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes core/reed/termination_tables.cpp: what [greed~]'s notes meet at the end of their line.
+"""Writes core/reed/bore/termination_tables.cpp: what [greed~]'s notes meet at the end of their line.
 
   bench/reed_bores/terminations.py [--check]
 
@@ -17,7 +17,7 @@ from bores import SOUND_SPEED, WOODWINDS
 from transfer_matrix import bore_radius_at, respond
 from vector_fit import evaluate, fit, residues
 
-TABLE = Path(__file__).resolve().parents[2] / "core/reed/termination_tables.cpp"
+TABLE = Path(__file__).resolve().parents[2] / "core/reed/bore/termination_tables.cpp"
 REFLECTION_BLOCKS, RADIATION_BLOCKS = 6, 4
 GRID = np.concatenate([[1.0], np.arange(10, 8000, 10)])  # Hz
 
@@ -106,7 +106,7 @@ def main() -> int:
     arguments = parser.parse_args()
     text = ("// Written by bench/reed_bores/terminations.py; geometry and sources are in bores.py there.\n"
             "// Poles in rad/s at 20 deg C; see termination.hpp.\n"
-            "#include \"core/reed/termination.hpp\"\n\n#include <array>\n\n"
+            "#include \"core/reed/bore/termination.hpp\"\n\n#include <array>\n\n"
             "namespace tactus::reed {\nnamespace {\n\n// clang-format off\n")
     cases = []
     for name in WOODWINDS:

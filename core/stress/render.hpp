@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/vec3.hpp"
+#include "core/geometry/vec3.hpp"
 
 /// Stress feedback felt as a spring or a damper (Fischer, Vance & Vo's interactive virtual design):
 /// a scalar gamma in 0..1, the stress of the part, sets how stiff or how viscous the handle is.

@@ -14,7 +14,7 @@ struct ServeHeader {
 };
 
 enum class ServeKind : std::uint32_t {
-  solve = 1,    ///< core/stress/serve_protocol.hpp, core/modal/serve_protocol.hpp
+  solve = 1,    ///< core/stress/serve_protocol.hpp, core/modal/table/serve_protocol.hpp
   quit = 2,     ///< nothing
   ready = 16,   ///< the part is loaded: stress::ServeReady, modal::ModesReady
   stress = 17,  ///< see stress::StressAnswer

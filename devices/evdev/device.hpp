@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/haptic/device.hpp"
-#include "core/haptic/force_timeout.hpp"
+#include "core/haptic/device/device.hpp"
+#include "core/haptic/device/force_timeout.hpp"
 #include "devices/evdev/effect.hpp"
 
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/haptic/device.hpp"
-#include "core/haptic/velocity.hpp"
+#include "core/haptic/chain/velocity.hpp"
+#include "core/haptic/device/device.hpp"
 #include "devices/driver.hpp"
 #include "devices/falcon/encoder_watch.hpp"
 #include "devices/falcon/kinematics.hpp"

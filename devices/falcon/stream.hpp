@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/haptic/force_timeout.hpp"
-#include "core/haptic/mailbox.hpp"
+#include "core/haptic/device/force_timeout.hpp"
+#include "core/haptic/servo/mailbox.hpp"
 #include "devices/falcon/link.hpp"
 #include "devices/falcon/packet.hpp"
 

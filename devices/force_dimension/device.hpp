@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/haptic/device.hpp"
-#include "core/haptic/force_timeout.hpp"
+#include "core/haptic/device/device.hpp"
+#include "core/haptic/device/force_timeout.hpp"
 #include "devices/force_dimension/dhd_library.hpp"
 #include "devices/force_dimension/stall_guard.hpp"
 #include "devices/open_devices.hpp"

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/haptic/device.hpp"
-#include "core/haptic/force_timeout.hpp"
-#include "core/haptic/mailbox.hpp"
+#include "core/haptic/device/device.hpp"
+#include "core/haptic/device/force_timeout.hpp"
+#include "core/haptic/servo/mailbox.hpp"
 #include "devices/haply/protocol.hpp"
 
 #include <atomic>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/device.hpp"
+#include "core/haptic/device/device.hpp"
 #include "devices/hid/hid_library.hpp"
 #include "devices/hid/report_descriptor.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/haptic/device.hpp"
-#include "core/haptic/linear_glide.hpp"
-#include "core/haptic/mailbox.hpp"
+#include "core/haptic/device/device.hpp"
+#include "core/haptic/device/linear_glide.hpp"
+#include "core/haptic/servo/mailbox.hpp"
 #include "devices/hid/axis_table.hpp"
 #include "devices/hid/catalogue.hpp"
 

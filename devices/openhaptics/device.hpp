@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/device.hpp"
+#include "core/haptic/device/device.hpp"
 #include "devices/open_devices.hpp"
 #include "devices/openhaptics/hd_library.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "core/contact/touched_body.hpp"
 #include "core/object.hpp"
-#include "core/reed/soft_clip.hpp"
+#include "core/reed/instrument/soft_clip.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/object.hpp"
-#include "core/reed/gradient.hpp"
-#include "core/reed/gradient_range.hpp"
+#include "core/reed/playability/gradient.hpp"
+#include "core/reed/playability/gradient_range.hpp"
 #include "externals/greed_gradient~/guide_keeper.hpp"
 #include "externals/greed~/settings.hpp"
 
@@ -15,7 +15,7 @@
 namespace tactus {
 
 /// [greed_gradient~]: one reed that sounds, the slope of its playability around the hand, and the
-/// force that follows from it (core/reed/gradient.hpp). docs/guidance.md.
+/// force that follows from it (core/reed/playability/gradient.hpp). docs/guidance.md.
 class GreedGradient {
 public:
   static constexpr std::array<std::string_view, 3> kModes{"reed", "growth", "guide"};

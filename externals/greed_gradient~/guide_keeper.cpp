@@ -1,6 +1,6 @@
 #include "externals/greed_gradient~/guide_keeper.hpp"
 
-#include "core/reed/gradient.hpp"
+#include "core/reed/playability/gradient.hpp"
 
 #include <algorithm>
 #include <cmath>

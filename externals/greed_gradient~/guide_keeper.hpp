@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/haptic/mailbox.hpp"
-#include "core/reed/plane_guide.hpp"
+#include "core/haptic/servo/mailbox.hpp"
+#include "core/reed/playability/plane_guide.hpp"
 #include "externals/playability_map/map_worker.hpp"
 
 #include <cstddef>

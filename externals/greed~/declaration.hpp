@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/declaration.hpp"
-#include "core/reed/parameters.hpp"
+#include "core/reed/instrument/parameters.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/object.hpp"
-#include "core/reed/instrument.hpp"
+#include "core/reed/instrument/instrument.hpp"
 #include "core/words.hpp"
 #include "externals/greed~/declaration.hpp"
 #include "externals/greed~/settings.hpp"
@@ -13,7 +13,8 @@
 
 namespace tactus {
 
-/// [greed~]: a pressure-controlled valve on a bore (core/reed/instrument.hpp) in a patch.
+/// [greed~]: a pressure-controlled valve on a bore (core/reed/instrument/instrument.hpp) in a
+/// patch.
 class Greed {
 public:
   static constexpr Declaration declaration{

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/object.hpp"
-#include "core/reed/gradient_plane.hpp"
-#include "core/reed/parameters.hpp"
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/parameters.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/playability/gradient_plane.hpp"
 #include "core/words.hpp"
 #include "externals/greed~/declaration.hpp"
 

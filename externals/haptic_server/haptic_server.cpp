@@ -1,6 +1,6 @@
 #include "externals/haptic_server/haptic_server.hpp"
 
-#include "core/haptic/force_timeout.hpp"
+#include "core/haptic/device/force_timeout.hpp"
 #include "net/host_messages.hpp"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/modal/materials.hpp"
+#include "core/modal/table/materials.hpp"
 #include "core/words.hpp"
 #include "externals/modal_impact~/modal_impact~.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/modal/struck_body.hpp"
+#include "core/modal/body/struck_body.hpp"
 #include "core/object.hpp"
 #include "externals/modal_impact~/declaration.hpp"
 #include "externals/modal_impact~/mode_solver.hpp"

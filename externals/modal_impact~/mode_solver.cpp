@@ -1,6 +1,6 @@
 #include "externals/modal_impact~/mode_solver.hpp"
 
-#include "core/modal/resolved_modes.hpp"
+#include "core/modal/table/resolved_modes.hpp"
 #include "externals/ordinary_priority.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/modal/loaded_table.hpp"
+#include "core/modal/table/loaded_table.hpp"
 #include "externals/served_program.hpp"
 
 #include <atomic>

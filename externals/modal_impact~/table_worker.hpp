@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/modal/body_model.hpp"
+#include "core/modal/body/body_model.hpp"
 
 #include <condition_variable>
 #include <functional>

@@ -3,7 +3,7 @@
 #include "core/object.hpp"
 #include "core/particle/particle_system.hpp"
 #include "core/particle/presets.hpp"
-#include "core/reed/soft_clip.hpp"
+#include "core/reed/instrument/soft_clip.hpp"
 #include "core/words.hpp"
 #include "externals/particle~/declaration.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/motor_control.hpp"
+#include "core/haptic/device/motor_control.hpp"
 
 namespace tactus::phantom {
 

@@ -1,6 +1,6 @@
 #include "externals/phantom/motor_heat.hpp"
 
-#include "core/haptic/thermal.hpp"
+#include "core/haptic/chain/thermal.hpp"
 
 #include <algorithm>
 #include <cmath>

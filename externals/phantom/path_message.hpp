@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/path.hpp"
+#include "core/haptic/device/path.hpp"
 #include "core/object.hpp"
 
 #include <span>

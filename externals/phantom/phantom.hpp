@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/effects/effect_model.hpp"
-#include "core/haptic/simulated_device.hpp"
 #include "core/object.hpp"
 #include "devices/servo_thread.hpp"
 #include "externals/phantom/declaration.hpp"

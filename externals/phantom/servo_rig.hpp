@@ -1,11 +1,11 @@
 #pragma once
 
 #include "core/haptic/effects/effect_model.hpp"
-#include "core/haptic/local_models.hpp"
 #include "core/haptic/network/network_model.hpp"
 #include "core/haptic/scene/scene_model.hpp"
-#include "core/haptic/servo.hpp"
-#include "core/haptic/signal_link.hpp"
+#include "core/haptic/servo/local_models.hpp"
+#include "core/haptic/servo/servo.hpp"
+#include "core/haptic/signal/signal_link.hpp"
 #include "externals/phantom/live_connections.hpp"
 
 #include <memory>

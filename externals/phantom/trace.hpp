@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/servo.hpp"
+#include "core/haptic/servo/servo.hpp"
 
 #include <cstdio>
 #include <memory>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/signal_player.hpp"
+#include "core/haptic/signal/signal_player.hpp"
 #include "core/object.hpp"
 #include "core/words.hpp"
 #include "devices/servo_thread.hpp"

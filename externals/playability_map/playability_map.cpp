@@ -1,9 +1,9 @@
 #include "externals/playability_map/playability_map.hpp"
 
-#include "core/reed/gradient_range.hpp"
-#include "core/reed/linear_stability.hpp"
-#include "core/reed/playability_map.hpp"
-#include "core/reed/tuning.hpp"
+#include "core/reed/instrument/tuning.hpp"
+#include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/linear_stability.hpp"
+#include "core/reed/playability/playability_map.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/object.hpp"
-#include "core/reed/gradient_field.hpp"
-#include "core/reed/gradient_plane.hpp"
-#include "core/reed/parameters.hpp"
+#include "core/reed/instrument/parameters.hpp"
+#include "core/reed/playability/gradient_field.hpp"
+#include "core/reed/playability/gradient_plane.hpp"
 #include "externals/greed~/settings.hpp"
 #include "externals/playability_map/map_store.hpp"
 #include "externals/playability_map/map_worker.hpp"

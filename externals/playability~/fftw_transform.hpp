@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/reed/playability_analysis.hpp"
+#include "core/reed/playability/playability_analysis.hpp"
 
 #include <algorithm>
 #include <complex>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/object.hpp"
-#include "core/reed/playability.hpp"
+#include "core/reed/playability/playability.hpp"
 #include "externals/playability~/fftw_transform.hpp"
 
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/velocity.hpp"
+#include "core/haptic/chain/velocity.hpp"
 #include "core/object.hpp"
 #include "core/stress/linear_glide.hpp"
 #include "core/stress/render.hpp"

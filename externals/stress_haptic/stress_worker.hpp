@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/mailbox.hpp"
+#include "core/haptic/servo/mailbox.hpp"
 #include "core/stress/stress_session.hpp"
 #include "externals/stress_haptic/part_solver.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/scene/scene_model.hpp"
-#include "core/haptic/servo.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/servo/servo.hpp"
 #include "devices/servo_thread.hpp"
 #include "programs/haptic_check/analysis.hpp"
 #include "programs/haptic_check/options.hpp"

@@ -1,6 +1,6 @@
 #include "programs/haptic_server/station.hpp"
 
-#include "core/haptic/path.hpp"
+#include "core/haptic/device/path.hpp"
 #include "devices/driver.hpp"
 #include "devices/signals_held_back.hpp"
 #include "net/token_file.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-#include "core/modal/struck_body.hpp"
+#include "core/modal/body/struck_body.hpp"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "programs/modal_fem/serve.hpp"
 
-#include "core/modal/modal_table.hpp"
-#include "core/modal/serve_protocol.hpp"
+#include "core/modal/table/modal_table.hpp"
+#include "core/modal/table/serve_protocol.hpp"
 #include "fem/design/valid_step.hpp"
 #include "fem/io/words.hpp"
 #include "fem/mesh/surface.hpp"

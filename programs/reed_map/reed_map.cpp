@@ -9,10 +9,10 @@
 //   --bore HZ                     bore frequency; otherwise the preset's own length
 //   --nodes COLUMNS ROWS          along pressure and along frequency; otherwise 61 61
 //   --part I/N                    only the I-th of N shares of the rows (1 <= I <= N), for batches
-#include "core/reed/gradient_range.hpp"
-#include "core/reed/linear_stability.hpp"
-#include "core/reed/playability_map.hpp"
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/linear_stability.hpp"
+#include "core/reed/playability/playability_map.hpp"
 
 #include <algorithm>
 #include <charconv>

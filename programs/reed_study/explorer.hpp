@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/dsp/random.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 
 #include <cstdint>
 

@@ -18,8 +18,8 @@
 //   --seconds S           otherwise 60
 //   --part I/N            every N-th trial from the I-th on (1 <= I <= N), for batches
 //   --trace               the course of each trial instead: feel,seed,t,y,z,f_p,force_y,force_z
-#include "core/reed/gradient_range.hpp"
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/playability/gradient_range.hpp"
 #include "programs/reed_study/trial.hpp"
 
 #include <charconv>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "core/haptic/chain.hpp"
-#include "core/reed/gradient.hpp"
-#include "core/reed/guidance.hpp"
-#include "core/reed/playability_map.hpp"
+#include "core/haptic/chain/chain.hpp"
+#include "core/reed/playability/gradient.hpp"
+#include "core/reed/playability/guidance.hpp"
+#include "core/reed/playability/playability_map.hpp"
 #include "programs/reed_study/explorer.hpp"
 
 #include <array>

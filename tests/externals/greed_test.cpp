@@ -1,4 +1,4 @@
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/presets.hpp"
 #include "externals/greed~/greed~.hpp"
 #include "tests/sanitized.hpp"
 

@@ -1,5 +1,5 @@
 // What [modal_impact~] makes of a table's waves, against boundary elements at the driven frequency.
-#include "core/modal/multipole.hpp"
+#include "core/modal/radiation/multipole.hpp"
 #include "fem/radiation/mode_radiation.hpp"
 #include "fem/radiation/spherical_waves.hpp"
 #include "solve.hpp"

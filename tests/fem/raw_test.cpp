@@ -1,6 +1,6 @@
 // Tables with sound, as the player reads them: multipoles, and velocities after a blow.
-#include "core/modal/radiation.hpp"
-#include "core/modal/raw_radiation.hpp"
+#include "core/modal/radiation/radiation.hpp"
+#include "core/modal/radiation/raw_radiation.hpp"
 #include "fem/io/modal_table.hpp"
 #include "fem/radiation/spherical_waves.hpp"
 #include "programs/modal_fem/raw.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 #include "net/servo_link.hpp"
 #include "tests/net/bytes.hpp"
 

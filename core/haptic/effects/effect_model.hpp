@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/haptic/mailbox.hpp"
 #include "core/haptic/scene/scene_model.hpp"
-#include "core/haptic/servo.hpp"
+#include "core/haptic/servo/mailbox.hpp"
+#include "core/haptic/servo/servo.hpp"
 
 #include <algorithm>
 #include <atomic>

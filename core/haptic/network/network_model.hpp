@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/haptic/network/network.hpp"
-#include "core/haptic/ring.hpp"
-#include "core/haptic/servo.hpp"
+#include "core/haptic/servo/ring.hpp"
+#include "core/haptic/servo/servo.hpp"
 
 #include <array>
 #include <atomic>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/geometry/vec3.hpp"
 #include "core/haptic/scene/work_limit.hpp"
-#include "core/haptic/vec3.hpp"
 
 namespace tactus::haptic {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/vec3.hpp"
+#include "core/geometry/vec3.hpp"
 
 #include <array>
 #include <cstddef>

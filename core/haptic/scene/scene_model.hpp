@@ -1,9 +1,9 @@
 #pragma once
 
-#include "core/haptic/ring.hpp"
 #include "core/haptic/scene/proxy.hpp"
 #include "core/haptic/scene/scene.hpp"
-#include "core/haptic/servo.hpp"
+#include "core/haptic/servo/ring.hpp"
+#include "core/haptic/servo/servo.hpp"
 
 #include <array>
 #include <atomic>

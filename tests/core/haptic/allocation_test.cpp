@@ -1,9 +1,9 @@
+#include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/effects/effect_model.hpp"
-#include "core/haptic/local_models.hpp"
 #include "core/haptic/network/shapes.hpp"
-#include "core/haptic/servo.hpp"
-#include "core/haptic/signal_player.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/servo/local_models.hpp"
+#include "core/haptic/servo/servo.hpp"
+#include "core/haptic/signal/signal_player.hpp"
 #include "tests/core/haptic/meshes.hpp"
 
 #include <doctest/doctest.h>

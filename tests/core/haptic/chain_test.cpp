@@ -1,5 +1,5 @@
 #include "core/dsp/random.hpp"
-#include "core/haptic/chain.hpp"
+#include "core/haptic/chain/chain.hpp"
 
 #include "tests/core/haptic/approx.hpp"
 

@@ -1,7 +1,7 @@
 #include "core/dsp/random.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/effects/effect_model.hpp"
-#include "core/haptic/local_models.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/servo/local_models.hpp"
 #include "tests/core/haptic/approx.hpp"
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
-#include "core/haptic/mailbox.hpp"
-#include "core/haptic/ring.hpp"
-#include "core/haptic/statistics.hpp"
+#include "core/haptic/servo/mailbox.hpp"
+#include "core/haptic/servo/ring.hpp"
+#include "core/haptic/servo/statistics.hpp"
 
 #include "tests/core/haptic/approx.hpp"
 

@@ -1,5 +1,5 @@
-#include "core/haptic/servo.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/device/simulated_device.hpp"
+#include "core/haptic/servo/servo.hpp"
 
 #include "tests/core/haptic/approx.hpp"
 

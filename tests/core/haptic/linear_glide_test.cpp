@@ -1,6 +1,6 @@
 #include "core/dsp/random.hpp"
-#include "core/haptic/linear_glide.hpp"
-#include "core/haptic/velocity.hpp"
+#include "core/haptic/chain/velocity.hpp"
+#include "core/haptic/device/linear_glide.hpp"
 #include "tests/core/haptic/scene_rig.hpp"
 
 #include <doctest/doctest.h>

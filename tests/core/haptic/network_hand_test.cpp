@@ -1,5 +1,5 @@
 #include "core/dsp/random.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 #include "tests/core/haptic/approx.hpp"
 #include "tests/core/haptic/network_rig.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/haptic/signal_player.hpp"
+#include "core/haptic/signal/signal_player.hpp"
 #include "tests/core/haptic/approx.hpp"
 #include "tests/core/haptic/network_rig.hpp"
 

@@ -1,6 +1,6 @@
 #include "core/dsp/random.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/network/stability.hpp"
-#include "core/haptic/simulated_device.hpp"
 #include "tests/core/haptic/approx.hpp"
 #include "tests/core/haptic/network_rig.hpp"
 #include "tests/sanitized.hpp"

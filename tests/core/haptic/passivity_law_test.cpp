@@ -1,5 +1,5 @@
 #include "core/dsp/random.hpp"
-#include "core/haptic/passivity.hpp"
+#include "core/haptic/chain/passivity.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 #include "core/dsp/random.hpp"
-#include "core/haptic/path.hpp"
+#include "core/haptic/device/path.hpp"
 
 #include "tests/core/haptic/approx.hpp"
 

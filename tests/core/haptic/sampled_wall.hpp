@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/dsp/random.hpp"
-#include "core/haptic/servo.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/device/simulated_device.hpp"
+#include "core/haptic/servo/servo.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include "core/dsp/random.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/scene/half_spaces.hpp"
 #include "core/haptic/scene/mesh_file.hpp"
-#include "core/haptic/simulated_device.hpp"
 #include "tests/core/haptic/scene_rig.hpp"
 
 #include <doctest/doctest.h>

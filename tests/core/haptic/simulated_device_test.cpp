@@ -1,4 +1,4 @@
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 
 #include "tests/core/haptic/approx.hpp"
 

@@ -1,6 +1,6 @@
-#include "core/haptic/servo.hpp"
-#include "core/haptic/simulated_device.hpp"
-#include "core/haptic/thermal.hpp"
+#include "core/haptic/chain/thermal.hpp"
+#include "core/haptic/device/simulated_device.hpp"
+#include "core/haptic/servo/servo.hpp"
 #include "tests/core/haptic/approx.hpp"
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
 #include "core/dsp/random.hpp"
-#include "core/haptic/velocity.hpp"
+#include "core/haptic/chain/velocity.hpp"
 
 #include <doctest/doctest.h>
 

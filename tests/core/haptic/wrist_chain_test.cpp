@@ -1,4 +1,4 @@
-#include "core/haptic/servo.hpp"
+#include "core/haptic/servo/servo.hpp"
 
 #include <doctest/doctest.h>
 

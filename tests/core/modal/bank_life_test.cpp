@@ -1,6 +1,6 @@
 // A bank's states, weights and ends beside the recursion written out: what is pushed while weights
 // glide, what is released, what rests.
-#include "core/modal/mode_bank.hpp"
+#include "core/modal/bank/mode_bank.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

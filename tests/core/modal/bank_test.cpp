@@ -1,4 +1,4 @@
-#include "core/modal/mode_bank.hpp"
+#include "core/modal/bank/mode_bank.hpp"
 #include "tests/sanitized.hpp"
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 // What a body of a table, a material and a sample rate consists of: which modes ring, which only
 // give way, how they decay and how loud the ear finds them; and what goes over to a next model.
-#include "core/modal/body_model.hpp"
+#include "core/modal/body/body_model.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/tables.hpp"
 

@@ -1,5 +1,5 @@
 // When a contact of a struck body ends, how finely it is followed, and what is kept of it.
-#include "core/modal/contact_solver.hpp"
+#include "core/modal/contact/contact_solver.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

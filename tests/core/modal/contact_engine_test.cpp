@@ -1,7 +1,7 @@
 // A struck body's contacts are those of core/contact: the same forces, sample by sample, and what
 // ContactSolver adds to them.
 #include "core/contact/touched_body.hpp"
-#include "core/modal/contact_solver.hpp"
+#include "core/modal/contact/contact_solver.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // The modes that a contact meets: passes of one and two steps, in double and in single precision,
 // against the recursion written out; and the force of a ball against its equation.
-#include "core/modal/contact_modes.hpp"
-#include "core/modal/contact_solver.hpp"
+#include "core/modal/contact/contact_modes.hpp"
+#include "core/modal/contact/contact_solver.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

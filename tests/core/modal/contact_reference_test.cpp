@@ -1,6 +1,6 @@
 // A struck body's contacts beside an integration of the equations of motion by Runge and Kutta's
 // method in steps a hundred times finer, which shares nothing with the solver.
-#include "core/modal/contact_solver.hpp"
+#include "core/modal/contact/contact_solver.hpp"
 
 #include <doctest/doctest.h>
 

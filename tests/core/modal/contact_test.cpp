@@ -1,4 +1,4 @@
-#include "core/modal/contact_solver.hpp"
+#include "core/modal/contact/contact_solver.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-#include "core/modal/delay_line.hpp"
+#include "core/modal/radiation/delay_line.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

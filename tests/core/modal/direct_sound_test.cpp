@@ -1,5 +1,5 @@
-#include "core/modal/direct_sound.hpp"
-#include "core/modal/multipole.hpp"
+#include "core/modal/radiation/direct_sound.hpp"
+#include "core/modal/radiation/multipole.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 #include "tests/sanitized.hpp"

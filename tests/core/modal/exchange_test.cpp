@@ -1,6 +1,6 @@
 // One body gives way to another: what waits for its sample, where points and rubs come to lie, and
 // what still rings.
-#include "core/modal/direct_sound.hpp"
+#include "core/modal/radiation/direct_sound.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 

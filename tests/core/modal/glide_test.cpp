@@ -1,5 +1,5 @@
 // Listeners that move, bodies that are exchanged and silenced: nothing clicks.
-#include "core/modal/struck_body.hpp"
+#include "core/modal/body/struck_body.hpp"
 #include "tests/core/modal/rig.hpp"
 #include "tests/sanitized.hpp"
 

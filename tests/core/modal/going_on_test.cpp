@@ -1,5 +1,5 @@
 // What goes on: contacts while the body is retuned, balls that bounce, culled bowls.
-#include "core/modal/struck_body.hpp"
+#include "core/modal/body/struck_body.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 

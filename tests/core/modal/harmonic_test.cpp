@@ -1,5 +1,5 @@
 // Spherical harmonics and waves beside the standard library's special functions.
-#include "core/modal/multipole.hpp"
+#include "core/modal/radiation/multipole.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

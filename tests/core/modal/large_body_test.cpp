@@ -1,4 +1,4 @@
-#include "core/modal/direct_sound.hpp"
+#include "core/modal/radiation/direct_sound.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 

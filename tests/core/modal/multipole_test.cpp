@@ -1,6 +1,6 @@
 // What a listener receives of multipoles, beside the exact field of a vibrating sphere: known at
 // one frequency or in a band, from any side, in any size, air and sample rate.
-#include "core/modal/multipole.hpp"
+#include "core/modal/radiation/multipole.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

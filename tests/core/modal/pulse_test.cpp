@@ -1,5 +1,5 @@
 // Blows as pulses of closed form, against the coupled contact.
-#include "core/modal/pulse.hpp"
+#include "core/modal/contact/pulse.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 #include "tests/sanitized.hpp"

@@ -1,4 +1,4 @@
-#include "core/modal/body_model.hpp"
+#include "core/modal/body/body_model.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/tables.hpp"
 

@@ -1,7 +1,7 @@
 // The direct sound of forces beside closed forms: the recoil of a free body, what forces before
 // now have still to give, and sources of high degree at low frequencies.
-#include "core/modal/direct_sound.hpp"
-#include "core/modal/multipole.hpp"
+#include "core/modal/radiation/direct_sound.hpp"
+#include "core/modal/radiation/multipole.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 

@@ -1,5 +1,5 @@
 // Contacts between two bodies in the solver: what they may never do, and what they are in theory.
-#include "core/modal/contact_solver.hpp"
+#include "core/modal/contact/contact_solver.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/modal/struck_body.hpp"
+#include "core/modal/body/struck_body.hpp"
 #include "tests/core/modal/tables.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // A surface that rubs a body of modes: a bowed string against Helmholtz' motion and Schelleng's
 // limits, and what rubbing may never do.
-#include "core/modal/contact_solver.hpp"
+#include "core/modal/contact/contact_solver.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 #include "tests/sanitized.hpp"

@@ -1,5 +1,5 @@
 // Blows, points and silence at their own samples.
-#include "core/modal/timed_queue.hpp"
+#include "core/modal/body/timed_queue.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 

@@ -1,5 +1,5 @@
 // A body whose shape moves while it sounds: frequencies and decays against beam theory, no click.
-#include "core/modal/shape_sensitivity.hpp"
+#include "core/modal/table/shape_sensitivity.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/modal/struck_body.hpp"
+#include "core/modal/body/struck_body.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 

@@ -1,5 +1,5 @@
 // A body that is solved anew in another shape while it rings: energy, sound and places go on.
-#include "core/modal/resolved_modes.hpp"
+#include "core/modal/table/resolved_modes.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/rig.hpp"
 

@@ -1,6 +1,6 @@
 // The kernels of forces on large bodies, whose sums over the modes are taken beforehand at the
 // surface's vertices, beside those of the same body with fewer modes, summed where a force acts.
-#include "core/modal/body_model.hpp"
+#include "core/modal/body/body_model.hpp"
 #include "tests/approx.hpp"
 #include "tests/core/modal/tables.hpp"
 

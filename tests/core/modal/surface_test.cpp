@@ -1,7 +1,7 @@
 // Surfaces of triangles: the nearest place by search through all of them, directions along them,
 // integrals over them by closed forms, and their nodes.
-#include "core/modal/surface.hpp"
-#include "core/modal/surface_quadrature.hpp"
+#include "core/geometry/surface.hpp"
+#include "core/modal/radiation/surface_quadrature.hpp"
 #include "tests/approx.hpp"
 
 #include <doctest/doctest.h>

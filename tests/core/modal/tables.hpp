@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/modal/modal_table.hpp"
+#include "core/modal/table/modal_table.hpp"
 #include "tests/core/table/archives.hpp"
 
 #include <cmath>

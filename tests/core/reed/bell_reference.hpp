@@ -1,7 +1,7 @@
 // Written by bench/reed_bores/bell_reference.py, by Runge-Kutta over the horn equation.
 #pragma once
 
-#include "core/reed/termination.hpp"
+#include "core/reed/bore/termination.hpp"
 
 #include <array>
 

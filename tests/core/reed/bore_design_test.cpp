@@ -1,9 +1,9 @@
-#include "core/reed/bore_design.hpp"
-#include "core/reed/bore_line.hpp"
-#include "core/reed/linear_stability.hpp"
-#include "core/reed/presets.hpp"
-#include "core/reed/radiation.hpp"
-#include "core/reed/wall_loss.hpp"
+#include "core/reed/bore/bore_design.hpp"
+#include "core/reed/bore/bore_line.hpp"
+#include "core/reed/bore/radiation.hpp"
+#include "core/reed/bore/wall_loss.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/playability/linear_stability.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "core/reed/bore_line.hpp"
-#include "core/reed/holed_end.hpp"
-#include "core/reed/register_vent.hpp"
-#include "core/reed/round_trip_filter.hpp"
+#include "core/reed/bore/bore_line.hpp"
+#include "core/reed/bore/holed_end.hpp"
+#include "core/reed/bore/register_vent.hpp"
+#include "core/reed/bore/round_trip_filter.hpp"
 
 #include <algorithm>
 #include <cmath>

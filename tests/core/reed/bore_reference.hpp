@@ -1,7 +1,7 @@
 // Written by bench/reed_bores/reference.py, by finite elements.
 #pragma once
 
-#include "core/reed/termination.hpp"
+#include "core/reed/bore/termination.hpp"
 
 #include <array>
 #include <string_view>

@@ -1,7 +1,7 @@
-#include "core/reed/brass.hpp"
+#include "core/reed/bore/brass.hpp"
 
-#include "core/reed/instrument.hpp"
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/instrument.hpp"
+#include "core/reed/instrument/presets.hpp"
 #include "tests/core/reed/bell_reference.hpp"
 #include "tests/core/reed/bore_echo.hpp"
 #include "tests/core/reed/note_measure.hpp"

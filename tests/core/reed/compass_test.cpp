@@ -1,4 +1,4 @@
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/presets.hpp"
 #include "tests/core/reed/note_measure.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"

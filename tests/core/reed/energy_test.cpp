@@ -1,4 +1,4 @@
-#include "core/reed/valve_bore_step.hpp"
+#include "core/reed/instrument/valve_bore_step.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
-#include "core/reed/gradient_ensemble.hpp"
+#include "core/reed/playability/gradient_ensemble.hpp"
 
-#include "core/reed/gradient.hpp"
-#include "core/reed/instrument.hpp"
+#include "core/reed/instrument/instrument.hpp"
+#include "core/reed/playability/gradient.hpp"
 #include "tests/core/reed/guides.hpp"
 #include "tests/core/reed/reference_instruments.hpp"
 

@@ -1,7 +1,7 @@
 // The force that comes with the gradient, and the maps that lead it.
-#include "core/reed/gradient.hpp"
-#include "core/reed/playability_map.hpp"
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/playability/gradient.hpp"
+#include "core/reed/playability/playability_map.hpp"
 #include "tests/core/reed/guides.hpp"
 #include "tests/core/reed/reference_instruments.hpp"
 #include "tests/sanitized.hpp"

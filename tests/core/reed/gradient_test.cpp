@@ -1,7 +1,7 @@
-#include "core/reed/gradient_field.hpp"
-#include "core/reed/gradient_plane.hpp"
-#include "core/reed/gradient_range.hpp"
-#include "core/reed/growth_map.hpp"
+#include "core/reed/playability/gradient_field.hpp"
+#include "core/reed/playability/gradient_plane.hpp"
+#include "core/reed/playability/gradient_range.hpp"
+#include "core/reed/playability/growth_map.hpp"
 
 #include "tests/core/reed/reference_instruments.hpp"
 

@@ -1,7 +1,7 @@
-#include "core/reed/guidance.hpp"
+#include "core/reed/playability/guidance.hpp"
 
-#include "core/haptic/chain.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/chain/chain.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/reed/gradient.hpp"
+#include "core/reed/playability/gradient.hpp"
 
 namespace tactus::reed::test {
 

@@ -1,4 +1,4 @@
-#include "core/reed/halfband.hpp"
+#include "core/reed/instrument/halfband.hpp"
 
 #include <doctest/doctest.h>
 

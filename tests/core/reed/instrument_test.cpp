@@ -1,4 +1,4 @@
-#include "core/reed/presets.hpp"
+#include "core/reed/instrument/presets.hpp"
 #include "tests/core/reed/render.hpp"
 
 #include <doctest/doctest.h>

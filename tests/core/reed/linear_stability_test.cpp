@@ -1,4 +1,4 @@
-#include "core/reed/linear_stability.hpp"
+#include "core/reed/playability/linear_stability.hpp"
 
 #include "tests/core/reed/reference_instruments.hpp"
 #include "tests/sanitized.hpp"

@@ -1,8 +1,8 @@
-#include "core/reed/ear.hpp"
-#include "core/reed/length_table.hpp"
-#include "core/reed/player.hpp"
-#include "core/reed/presets.hpp"
-#include "core/reed/tuning.hpp"
+#include "core/reed/instrument/length_table.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/instrument/tuning.hpp"
+#include "core/reed/player/ear.hpp"
+#include "core/reed/player/player.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
 

@@ -1,8 +1,8 @@
-#include "core/reed/playability_map.hpp"
+#include "core/reed/playability/playability_map.hpp"
 
-#include "core/reed/instrument.hpp"
-#include "core/reed/linear_stability.hpp"
-#include "core/reed/playability.hpp"
+#include "core/reed/instrument/instrument.hpp"
+#include "core/reed/playability/linear_stability.hpp"
+#include "core/reed/playability/playability.hpp"
 #include "tests/core/reed/reference_instruments.hpp"
 #include "tests/core/reed/reference_transform.hpp"
 #include "tests/sanitized.hpp"

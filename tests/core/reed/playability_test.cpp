@@ -1,4 +1,4 @@
-#include "core/reed/playability.hpp"
+#include "core/reed/playability/playability.hpp"
 
 #include "tests/core/reed/reference_transform.hpp"
 

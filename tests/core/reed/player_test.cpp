@@ -1,7 +1,7 @@
-#include "core/reed/ear.hpp"
-#include "core/reed/presets.hpp"
-#include "core/reed/radiation_path.hpp"
-#include "core/reed/tuning.hpp"
+#include "core/reed/bore/radiation_path.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/instrument/tuning.hpp"
+#include "core/reed/player/ear.hpp"
 #include "tests/core/reed/render.hpp"
 #include "tests/sanitized.hpp"
 

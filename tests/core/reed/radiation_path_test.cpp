@@ -1,4 +1,4 @@
-#include "core/reed/radiation_path.hpp"
+#include "core/reed/bore/radiation_path.hpp"
 
 #include <doctest/doctest.h>
 

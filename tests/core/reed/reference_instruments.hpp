@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/reed/parameters.hpp"
+#include "core/reed/instrument/parameters.hpp"
 
 #include <numbers>
 

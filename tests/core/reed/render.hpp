@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/reed/instrument.hpp"
+#include "core/reed/instrument/instrument.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/reed/steepening.hpp"
+#include "core/reed/bore/steepening.hpp"
 
 #include "tests/core/reed/render.hpp"
 

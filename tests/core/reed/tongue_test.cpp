@@ -1,7 +1,7 @@
-#include "core/reed/parameter_glide.hpp"
-#include "core/reed/player.hpp"
-#include "core/reed/presets.hpp"
-#include "core/reed/tongue.hpp"
+#include "core/reed/instrument/parameter_glide.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/player/player.hpp"
+#include "core/reed/player/tongue.hpp"
 #include "tests/core/reed/render.hpp"
 
 #include <doctest/doctest.h>

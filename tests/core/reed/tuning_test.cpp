@@ -1,7 +1,7 @@
-#include "core/reed/bore_design.hpp"
-#include "core/reed/linear_stability.hpp"
-#include "core/reed/presets.hpp"
-#include "core/reed/tuning.hpp"
+#include "core/reed/bore/bore_design.hpp"
+#include "core/reed/instrument/presets.hpp"
+#include "core/reed/instrument/tuning.hpp"
+#include "core/reed/playability/linear_stability.hpp"
 #include "tests/core/reed/render.hpp"
 
 #include <doctest/doctest.h>

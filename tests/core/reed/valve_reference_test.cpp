@@ -1,5 +1,5 @@
 #include "core/dsp/random.hpp"
-#include "core/reed/valve_bore_step.hpp"
+#include "core/reed/instrument/valve_bore_step.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 #include "devices/falcon/encoder_watch.hpp"
 
 #include "core/dsp/random.hpp"
-#include "core/haptic/hand.hpp"
+#include "core/haptic/device/hand.hpp"
 #include "devices/falcon/kinematics.hpp"
 #include "tests/sanitized.hpp"
 

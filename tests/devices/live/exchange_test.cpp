@@ -1,8 +1,8 @@
+#include "core/haptic/device/simulated_device.hpp"
 #include "core/haptic/effects/effect_model.hpp"
-#include "core/haptic/local_models.hpp"
 #include "core/haptic/network/shapes.hpp"
-#include "core/haptic/signal_player.hpp"
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/servo/local_models.hpp"
+#include "core/haptic/signal/signal_player.hpp"
 #include "devices/servo_thread.hpp"
 
 #include <doctest/doctest.h>

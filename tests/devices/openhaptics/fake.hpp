@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/haptic/servo.hpp"
+#include "core/haptic/servo/servo.hpp"
 #include "devices/driver.hpp"
 #include "devices/servo_thread.hpp"
 #include "devices/shared_library.hpp"

@@ -1,4 +1,4 @@
-#include "core/haptic/force_timeout.hpp"
+#include "core/haptic/device/force_timeout.hpp"
 #include "net/bus_link.hpp"
 
 #include <boost/asio/io_context.hpp>

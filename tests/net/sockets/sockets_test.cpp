@@ -1,4 +1,4 @@
-#include "core/haptic/simulated_device.hpp"
+#include "core/haptic/device/simulated_device.hpp"
 #include "net/remote_device.hpp"
 #include "net/servo_link.hpp"
 #include "net/tcp_server.hpp"

@@ -1,4 +1,4 @@
-#include "core/haptic/workspace.hpp"
+#include "core/haptic/device/workspace.hpp"
 #include "tests/devices/hid/live/rig.hpp"
 
 #include <doctest/doctest.h>

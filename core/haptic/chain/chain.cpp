@@ -1,0 +1,235 @@
+#include "core/haptic/chain/chain.hpp"
+
+namespace tactus::haptic {
+namespace {
+
+// Larger targets are shortened on arrival so that differences and products of them stay finite.
+constexpr double kLongestTarget_n = 1e6;
+constexpr double kLongestLocal_n = 1e6;
+constexpr double kFarthest_m = 1e3;
+constexpr double kFastest_m_per_s = 1e4;
+constexpr std::uint64_t kLongestAuto_ticks = 50;
+
+std::uint64_t ticks_of(double seconds, double period_s) noexcept {
+  const double ticks = std::floor(seconds / period_s + 0.5);
+  return ticks >= 1.0 ? static_cast<std::uint64_t>(std::min(ticks, 1e6)) : 0;
+}
+
+Vec3 interpolated(ChainState& state, const ChainSettings& settings) noexcept {
+  const std::uint64_t elapsed = state.tick - state.command_tick + 1;
+  const double length = static_cast<double>(state.length);
+  const Vec3 way = state.target - state.start;
+  if (elapsed < state.length)
+    return state.start + way * (static_cast<double>(elapsed) / length);
+  if (!state.sloped || settings.extrapolation_s <= 0.0)
+    return state.target;
+  const std::uint64_t beyond =
+      std::min(elapsed - state.length, ticks_of(settings.extrapolation_s, settings.period_s));
+  if (beyond == 0)
+    return state.target;
+  return limited(state.target + way * (static_cast<double>(beyond) / length),
+                 std::max(settings.force_limit_n, norm(state.target)));
+}
+
+Vec3 soft_walls(const ChainSettings& settings, const Vec3& position) noexcept {
+  Vec3 force;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double inside =
+        std::clamp(position[axis], settings.workspace.min[axis], settings.workspace.max[axis]);
+    force[axis] = settings.wall_n_per_m * (inside - position[axis]);
+  }
+  return force;
+}
+
+double watchdog_gain(ChainState& state, const ChainSettings& settings, const ChainInput& input,
+                     double elapsed_s) noexcept {
+  double silence_s = input.time_s - input.heartbeat_s;
+  if (settings.strict)
+    silence_s = std::max(silence_s, input.time_s - state.command_s);
+  if (state.refusing)
+    silence_s = std::max(silence_s, input.time_s - state.refused_since_s);
+  const double overdue_s = silence_s - settings.hold_s;
+  const double ramp_s = std::max(settings.ramp_s, 1e-9);
+  if (overdue_s > 1e-9) {
+    state.alive_gain -= std::min(elapsed_s, overdue_s) / ramp_s;
+    if (!state.tripped)
+      ++state.counters.watchdog_trips;
+    state.tripped = true;
+  } else {
+    state.alive_gain += elapsed_s / ramp_s;
+    state.tripped = false;
+  }
+  if (state.alive_gain < 1e-12)
+    state.alive_gain = 0.0; // rounding of the sum
+  return state.alive_gain = std::min(state.alive_gain, 1.0);
+}
+
+PassivitySettings passivity_of(const ChainSettings& settings) noexcept {
+  return {settings.period_s,
+          settings.slew_n_per_s,
+          settings.tank_j,
+          settings.device.damping_limit_n_s_per_m,
+          settings.device.position_noise_m,
+          settings.device.latency_ticks};
+}
+
+/// A patch that guides the hand does work on purpose: what its own forces put in is forgiven up to
+/// allowance_w, so that guidance is not braked away while a contact's energy still is. What the
+/// hand gives back to them is taken from what was forgiven: a constant push on a handle that swings
+/// does no work in the mean and must earn no credit.
+void observe(ChainState& state, const ChainSettings& settings, const Vec3& position,
+             double elapsed_s) noexcept {
+  const Vec3 displacement = position - state.position;
+  const double asked_j = dot(state.asked, displacement);
+  const double forgiven_j = asked_j < 0.0
+                                ? std::max(asked_j, -state.forgiven_j)
+                                : std::max(std::min({asked_j, dot(state.written, displacement),
+                                                     settings.allowance_w * elapsed_s}),
+                                           0.0);
+  state.forgiven_j = std::min(state.forgiven_j + forgiven_j, settings.tank_j);
+  state.passivity.observe(passivity_of(settings), position, state.written, forgiven_j);
+  state.energy_j = state.passivity.energy_j();
+  state.lowest_energy_j = std::min(state.lowest_energy_j, state.energy_j);
+}
+
+/// The force limit of this tick, lowered while the motors are warm.
+double force_limit(ChainState& state, const ChainSettings& settings, double elapsed_s,
+                   bool warm) noexcept {
+  // True time, since late ticks hold the force for longer; drivers end the force of a servo that
+  // stalls for more than this (core/haptic/device/force_timeout.hpp).
+  constexpr double kLongestHeld_s = 0.05;
+  const ThermalSettings motors{std::min(elapsed_s, kLongestHeld_s), settings.force_limit_n,
+                               settings.device.continuous_force_n};
+  state.thermal.advance(motors, norm(state.written), warm);
+  const double ceiling_n = state.thermal.ceiling_n(motors);
+  state.sparing = state.thermal.sparing();
+  state.spared_to_n = state.thermal.settled_n(motors);
+  return ceiling_n;
+}
+
+} // namespace
+
+bool command(ChainState& state, const ChainSettings& settings, const Vec3& force_n,
+             double time_s) noexcept {
+  if (!is_finite(force_n)) {
+    refuse(state, time_s);
+    return false;
+  }
+  const bool first = !state.commanded_before;
+  const std::uint64_t since = state.tick - state.command_tick;
+  using Interpolation = ChainSettings::Interpolation;
+  switch (settings.interpolation) {
+  case Interpolation::kAuto:
+    if (first)
+      state.length = 1;
+    else if (since > 0)
+      state.length = std::min(since, kLongestAuto_ticks); // else one more this tick
+    break;
+  case Interpolation::kOff:
+    state.length = 1;
+    break;
+  case Interpolation::kFixed:
+    state.length =
+        std::max<std::uint64_t>(1, ticks_of(settings.interpolation_s, settings.period_s));
+    break;
+  }
+  // A first target, or one taken at once, has no slope that could be continued.
+  state.sloped = !first && settings.interpolation != Interpolation::kOff;
+  state.start = state.commanded;
+  state.target = limited(force_n, kLongestTarget_n);
+  state.command_tick = state.tick;
+  state.commanded_before = true;
+  state.command_s = time_s;
+  state.refusing = false;
+  return true;
+}
+
+void refuse(ChainState& state, double time_s) noexcept {
+  ++state.counters.refused;
+  if (!state.refusing)
+    state.refused_since_s = time_s;
+  state.refusing = true;
+}
+
+void motors(ChainState& state, bool on) noexcept {
+  if (on && (!state.motors || state.latched))
+    state.enable_gain = 0.0;
+  if (on)
+    state.latched = false;
+  state.motors = on;
+}
+
+void emergency_stop(ChainState& state) noexcept {
+  state.latched = true;
+  state.written = state.slewed = {};
+}
+
+Vec3 step(ChainState& state, const ChainSettings& settings, const ChainInput& given) noexcept {
+  ChainInput input = given;
+  input.position =
+      is_finite(input.position) ? limited(input.position, kFarthest_m) : state.position;
+  input.velocity = limited(input.velocity, kFastest_m_per_s);
+  if (!state.started) {
+    state.started = true;
+    state.previous_s = input.time_s - settings.period_s;
+    state.position = input.position;
+    if (!state.commanded_before)
+      state.command_s = input.time_s;
+  }
+  const double elapsed_s = std::clamp(input.time_s - state.previous_s, 0.0, 10.0);
+  state.previous_s = input.time_s;
+
+  state.commanded = interpolated(state, settings);
+
+  const Vec3 asked = state.commanded + limited(input.patch_force, kLongestLocal_n);
+  Vec3 contact = limited(input.local_force, kLongestLocal_n);
+  if (settings.wall_n_per_m > 0.0)
+    contact += limited(soft_walls(settings, input.position), kLongestLocal_n);
+  Vec3 force = asked + contact;
+  force -= limited(input.velocity * settings.damping_n_s_per_m, kLongestLocal_n);
+
+  const double limit_n = force_limit(state, settings, elapsed_s, input.warm);
+  const double length = norm(force);
+  if (length > settings.force_limit_n)
+    ++state.counters.clamped;
+  else if (length > limit_n)
+    ++state.counters.spared;
+  const double kept = length > limit_n ? limit_n / length : 1.0;
+  force = limited(force, limit_n);
+
+  state.enable_gain =
+      std::min(1.0, state.enable_gain + elapsed_s / std::max(settings.enable_s, 1e-9));
+  const double alive = watchdog_gain(state, settings, input, elapsed_s);
+  const double gain = state.motors ? alive * state.enable_gain : 0.0;
+  force = force * gain;
+
+  observe(state, settings, input.position, elapsed_s);
+  if (settings.passivity) {
+    const Vec3 passive = state.passivity.limit(passivity_of(settings), force,
+                                               contact * (kept * gain), input.velocity);
+    state.counters.braked += state.passivity.acted() ? 1 : 0;
+    force = limited(force + (passive - force) * gain, limit_n);
+  }
+
+  const Vec3 change = force - state.slewed;
+  const double largest_change = settings.slew_n_per_s * settings.period_s;
+  if (norm(change) > largest_change) {
+    ++state.counters.slewed;
+    force = state.slewed + limited(change, largest_change);
+  }
+  force = limited(force, settings.force_limit_n);
+  state.slewed = force;
+  if (state.latched || !input.homed) {
+    state.slewed = {};
+    state.enable_gain = 0.0;
+    force = {};
+  }
+  state.position = input.position;
+  state.asked = asked * gain;
+  state.written = force;
+  ++state.tick;
+  ++state.counters.ticks;
+  return force;
+}
+
+} // namespace tactus::haptic

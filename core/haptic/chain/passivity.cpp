@@ -1,0 +1,152 @@
+#include "core/haptic/chain/passivity.hpp"
+
+#include <cmath>
+
+namespace tactus::haptic {
+namespace {
+
+constexpr double kMaxEnergy_j = 1e6;
+// The handle rests while it stays within its reading's error and this distance.
+constexpr double kRestRadius_m = 2e-5;
+// c of the bound c K T: six times what a spring without latency leaks, so that a debt can be paid
+// back and a latency of two ticks that nobody has declared is still covered.
+constexpr double kDampingPerLeak = 3;
+constexpr double kStiffnessMemory_s = 0.05;
+constexpr double kVelocityWindow_s = 2e-3;
+// Below this speed the velocity's direction is noise.
+constexpr double kMinBrakedSpeed_m_per_s = 1e-4;
+// A bounce lasts pi sqrt(M/K), 70 ms for 0.1 kg on 200 N/m; a handle that stays in contact longer
+// is held there, and swings against the hand.
+constexpr double kMaxBounce_s = 0.1;
+
+double shortened(double value, double by) noexcept {
+  return std::copysign(std::max(std::abs(value) - by, 0.0), value);
+}
+
+} // namespace
+
+void PassivityController::observe(const PassivitySettings& settings, const Vec3& position_m,
+                                  const Vec3& written_n, double forgiven_j) noexcept {
+  if (!started_) {
+    started_ = true;
+    positions_.fill(position_m);
+    rest_position_ = position_m;
+  }
+  const Vec3 moved = position_m - at(positions_, tick_);
+  ++tick_;
+  at(positions_, tick_) = position_m;
+  at(forces_, tick_) = written_n;
+  const auto latency =
+      static_cast<std::size_t>(std::clamp(settings.latency_ticks, 0, kMaxLatency_ticks));
+  const Vec3& felt = at(forces_, tick_ + kHistory - latency);
+  energy_j_ = std::clamp(energy_j_ - dot(felt, moved) + forgiven_j, -kMaxEnergy_j, settings.tank_j);
+  position_changes_ += dot(moved, moved);
+
+  if (norm(position_m - rest_position_) > 2.0 * settings.position_noise_m + kRestRadius_m) {
+    rest_position_ = position_m;
+    rest_s_ = 0;
+  } else {
+    rest_s_ += settings.period_s;
+  }
+  if (rest_s_ >= kRest_s)
+    energy_j_ = std::max(energy_j_, 0.0);
+}
+
+/// What the handle has moved over the last kVelocityWindow_s beyond its reading's error, m.
+Vec3 PassivityController::displacement(const PassivitySettings& settings) noexcept {
+  const double ticks = std::clamp(std::floor(kVelocityWindow_s / settings.period_s + 0.5), 1.0,
+                                  static_cast<double>(kHistory - 1));
+  const Vec3 moved =
+      at(positions_, tick_) - at(positions_, tick_ + kHistory - static_cast<std::size_t>(ticks));
+  const double noise = settings.position_noise_m;
+  return {shortened(moved.x, noise), shortened(moved.y, noise), shortened(moved.z, noise)};
+}
+
+/// Of the rendered world around the handle, N/m: changes of force over changes of position, root
+/// mean square over kStiffnessMemory_s. Exact for a spring, whatever the encoder's step.
+double PassivityController::stiffness(const PassivitySettings& settings,
+                                      const Vec3& wanted_n) noexcept {
+  const Vec3 change = wanted_n - wanted_;
+  wanted_ = wanted_n;
+  force_changes_ += dot(change, change);
+  const double result =
+      position_changes_ > 0.0 ? std::sqrt(force_changes_ / position_changes_) : 0.0;
+  const double kept = std::exp(-settings.period_s / kStiffnessMemory_s);
+  force_changes_ *= kept;
+  position_changes_ *= kept;
+  return std::isfinite(result) ? result : 0.0;
+}
+
+/// What to take from the contact's force so that a handle thrown back gets no more energy than is
+/// left, N. The speeds are along that force: as agreed, and as read.
+double PassivityController::release_cut(const PassivitySettings& settings, double contact_n,
+                                        double outward, double reading) noexcept {
+  const double T = settings.period_s;
+  const double accelerated = std::max(outward - outward_, 0.0); // in one tick
+  outward_ = outward;
+  contact_s_ = contact_n > 0.0 ? contact_s_ + T : 0.0;
+  const int latency = std::clamp(settings.latency_ticks, 0, kMaxLatency_ticks);
+  const double error = settings.position_noise_m / kVelocityWindow_s; // of a speed, m/s
+  if (!(contact_n > 0.0) || contact_s_ > kMaxBounce_s ||
+      !(outward > kMinBrakedSpeed_m_per_s + error))
+    return 0.0;
+  // The speed when this force acts, and what the forces under way will have released by then.
+  const double now = error > 0.0 ? outward + 2.0 * error : std::max(outward, reading);
+  const double speed = now + accelerated * latency;
+  double left_j = energy_j_;
+  for (int k = latency - 1, ahead = 1; k >= 0; --k, ++ahead)
+    left_j -= norm(at(forces_, tick_ + kHistory - static_cast<std::size_t>(k))) *
+              (now + accelerated * ahead) * T;
+  // The force releases speed (F T + F^2 / (2 slew)) while it is held and then falls, the handle
+  // gaining speed all the while: by a quarter of what the acceleration of now would give it, in the
+  // mean of a force that falls to zero.
+  const double slew = std::max(settings.slew_n_per_s, 1e-6);
+  const double mean_speed = speed + 0.25 * accelerated * contact_n / (slew * T);
+  const double affordable_n =
+      slew * (std::sqrt(T * T + 2.0 * std::max(left_j, 0.0) / (slew * mean_speed)) - T);
+  return std::max(contact_n - affordable_n, 0.0);
+}
+
+Vec3 PassivityController::limit(const PassivitySettings& settings, const Vec3& wanted_n,
+                                const Vec3& contact_n, const Vec3& velocity) noexcept {
+  const double T = settings.period_s;
+  const double stiffness_n_per_m = stiffness(settings, wanted_n);
+  // No faster than if all of the last displacement had happened in one tick. Its mean velocity as
+  // the bound would be too slow by half and more for an encoder's single steps and for a handle
+  // that a wall throws: bench_haptic_passivity then finds twice as many flights that gain energy.
+  const Vec3 fastest = displacement(settings) * (1.0 / T);
+  Vec3 agreed;
+  for (int axis = 0; axis < 3; ++axis)
+    if (fastest[axis] * velocity[axis] > 0.0)
+      agreed[axis] = std::copysign(std::min(std::abs(fastest[axis]), std::abs(velocity[axis])),
+                                   velocity[axis]);
+  Vec3 force = wanted_n;
+  acted_ = false;
+
+  const double contact = norm(contact_n);
+  const Vec3 outwards = contact > 0.0 ? contact_n * (1.0 / contact) : Vec3{};
+  const double cut = release_cut(settings, contact, dot(agreed, outwards), dot(velocity, outwards));
+  if (cut > 0.0) {
+    force -= outwards * cut;
+    acted_ = true;
+  }
+  // The leak is along the force; across it a damper would only add force. When there is none, the
+  // debt is that of the last.
+  if (const double length = norm(wanted_n); length > 0.0)
+    direction_ = wanted_n * (1.0 / length);
+  const Vec3 along = direction_ * dot(agreed, direction_);
+  const double speed = norm(along);
+  const double limit = settings.damping_limit_n_s_per_m * std::min(1.0, 1e-3 / T);
+  // A step of the encoder is an energy that nobody has given.
+  const double step = 2.0 * settings.position_noise_m;
+  const double debt_j = -energy_j_ - 0.5 * std::min(stiffness_n_per_m, limit / T) * step * step;
+  if (debt_j > 0.0 && speed > kMinBrakedSpeed_m_per_s) {
+    const double damping =
+        std::min({limit, kDampingPerLeak * stiffness_n_per_m * T, debt_j / (T * speed * speed)});
+    force -= along * damping;
+    acted_ = true;
+  }
+  return force;
+}
+
+} // namespace tactus::haptic

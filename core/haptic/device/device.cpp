@@ -1,0 +1,22 @@
+#include "core/haptic/device/device.hpp"
+
+namespace tactus::haptic {
+
+void check_reach(const Caps& caps, State& state, Vec3& last_good) noexcept {
+  constexpr double kReach = 4; // a box inside which force is dependable may be half of the reach
+  const Vec3 centre = (caps.workspace_min + caps.workspace_max) * 0.5;
+  const double half_diagonal_m = 0.5 * norm(caps.workspace_max - caps.workspace_min);
+  if (is_finite(state.position) && norm(state.position - centre) <= kReach * half_diagonal_m) {
+    last_good = state.position;
+    return;
+  }
+  state.position = last_good;
+  state.velocity = {};
+  state.flags |= State::kUnreachable;
+}
+
+std::string Backend::configure(std::span<const std::string> words) {
+  return words.empty() ? "a setting has a name" : words[0] + " is not a setting of this device";
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "core/dsp/random.hpp"
+#include "core/haptic/chain/zero_order_hold.hpp"
+#include "core/haptic/device/device.hpp"
+#include "core/haptic/device/hand.hpp"
+#include "core/haptic/device/workspace.hpp"
+
+#include <array>
+#include <cstddef>
+
+namespace tactus::haptic {
+
+/// A handle with mass and viscous friction, held by a simulated hand:
+///   M x'' = F + K_h (x_h - x) + B_h (v_h - v) - B v     on each axis
+/// Stepped exactly for F, x_h and v_h held over a tick. It advances when it is read, by as many
+/// ticks as have gone by, so the same ticks and forces give the same bits. Beyond stop_m outside
+/// the workspace a hard stop (20 kN/m, critically damped) pushes back and never pulls.
+class SimulatedDevice final : public Backend {
+public:
+  static constexpr int kMaxLatency_ticks = 8;
+
+  struct Settings {
+    double mass_kg = 0.1;
+    double viscous_n_s_per_m = 0.5;
+    Workspace workspace{};
+    bool stops = true;
+    double stop_m = 5e-3;    ///< from the workspace's face
+    double resolution_m = 0; ///< of the position reading; 0 is exact
+    double noise_m = 0;      ///< evenly spread within plus or minus this
+    std::uint64_t seed = 1;  ///< of the reading's noise
+    int latency_ticks = 0;   ///< of the readings, 0..kMaxLatency_ticks
+    HandSettings hand{};
+  };
+
+  /// Mass above zero, the rest not negative; keeps position and velocity.
+  void set(const Settings& settings) noexcept;
+  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+
+  [[nodiscard]] std::string open() override { return {}; }
+  void close() noexcept override { force_ = {}; }
+  [[nodiscard]] Caps caps() const noexcept override;
+  [[nodiscard]] bool read(const Tick& tick, State& state) noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_n) noexcept override;
+
+  void follow(Path path) noexcept { hand_.follow(std::move(path)); }
+  void reach_for(const Vec3& target) noexcept { hand_.reach_for(target); }
+  void seek(double time_s) noexcept { hand_.seek(time_s); }
+  void press(int button, bool down) noexcept;
+  /// Puts the handle there, at that velocity.
+  void place(const Vec3& position, const Vec3& velocity) noexcept;
+
+  /// True state, without the reading's error.
+  [[nodiscard]] const Vec3& position() const noexcept { return position_; }
+  [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
+  [[nodiscard]] PathPoint hand_point() const noexcept { return hand_.point(); }
+
+private:
+  void prepare(double period_s) noexcept;
+  void advance() noexcept;
+  [[nodiscard]] double measured(double position) noexcept;
+
+  Settings settings_{};
+  Hand hand_{};
+  double period_s_ = 0;
+  MassSpringDamperStep moving_{}, stopped_{};
+  double stop_damping_ = 0;
+  Vec3 position_{}, velocity_{}, force_{};
+  std::uint32_t buttons_ = 0;
+  std::array<State, kMaxLatency_ticks + 1> readings_{}; ///< the newest, by the count of reads
+  std::size_t reads_ = 0;
+  std::uint64_t index_ = 0;
+  bool started_ = false;
+  Random random_{1};
+};
+
+} // namespace tactus::haptic

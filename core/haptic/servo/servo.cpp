@@ -1,0 +1,247 @@
+#include "core/haptic/servo/servo.hpp"
+
+namespace tactus::haptic {
+namespace {
+constexpr double kDeaf_s = 0.02; // a device silent for this long has failed
+
+ChainSettings::Device device_of(const Caps& caps) noexcept {
+  ChainSettings::Device device;
+  if (caps.damping_limit_n_s_per_m > 0)
+    device.damping_limit_n_s_per_m = caps.damping_limit_n_s_per_m;
+  device.position_noise_m = caps.position_noise_m;
+  device.latency_ticks = caps.latency_ticks;
+  device.continuous_force_n = caps.continuous_force_n;
+  return device;
+}
+
+} // namespace
+
+void Servo::attach(Backend& device, LocalModel* model, LocalModel* patch) noexcept {
+  device_ = &device;
+  model_ = model;
+  patch_ = patch;
+  for (LocalModel* one : {model_, patch_})
+    if (one)
+      one->begin();
+  followed_ = 0;
+  refresh_caps();
+  const ThermalLimit motors_heat = chain_.thermal; // which no connection cools
+  chain_ = {};
+  chain_.thermal = motors_heat;
+  wrist_.reset();
+  statistics_ = {};
+  state_ = {};
+  state_.flags = 0; // nothing is known, so there is no force before the first reading
+  unread_ = unwritten_ = 0;
+  tripped_ = has_heartbeat_ = false;
+  faults_ = 0;
+  statistics_resets_ = exchange_.statistics_resets.load(std::memory_order_relaxed);
+  exchange_.commands.read();
+  command_ = exchange_.commands.latest();
+  const MotorControl::Request request = exchange_.motors.request();
+  if (request.enables != request_.enables && !request.stopped)
+    fault_ = Fault::kNone;
+  request_ = request;
+  if (request.stopped || fault_ != Fault::kNone)
+    emergency_stop(chain_);
+  if (!request.on || request.paused)
+    motors(chain_, false);
+}
+
+void Servo::refresh_caps() noexcept {
+  if (!device_)
+    return;
+  caps_ = device_->caps();
+  estimator_.reset();
+  estimator_.set_bound(caps_.position_noise_m);
+}
+
+void Servo::take_orders(const Tick& tick) noexcept {
+  if (exchange_.settings.read())
+    settings_ = exchange_.settings.latest();
+  settings_.chain.period_s = tick.period_s;
+  settings_.chain.device = device_of(caps_);
+  control_motors();
+  if (exchange_.statistics_resets.load(std::memory_order_relaxed) != statistics_resets_)
+    reset_statistics();
+  if (!exchange_.commands.read())
+    return;
+  const Command& newest = exchange_.commands.latest();
+  const bool fresh = newest.number != command_.number;
+  const bool refused = newest.refused != command_.refused;
+  if (refused && !newest.last_refused)
+    refuse(chain_, newest.heartbeat_s);
+  if (fresh)
+    command(chain_, settings_.chain, newest.force_n, newest.heartbeat_s);
+  if (refused && newest.last_refused)
+    refuse(chain_, newest.heartbeat_s);
+  command_ = newest;
+  has_heartbeat_ = true;
+}
+
+/// What was requested since the last tick: a stop and a later enable both count, in that order.
+void Servo::control_motors() noexcept {
+  const MotorControl::Request request = exchange_.motors.request();
+  if (request == request_)
+    return;
+  if (request.stopped || request.stops != request_.stops)
+    emergency_stop(chain_);
+  if (request.enables != request_.enables && !request.stopped) {
+    motors(chain_, true);
+    fault_ = Fault::kNone;
+    unread_ = unwritten_ = 0;
+  }
+  if (!request.on || request.paused) {
+    motors(chain_, false);
+  } else if (!chain_.motors) { // after a pause: an emergency stop stays
+    const bool latched = chain_.latched;
+    motors(chain_, true);
+    chain_.latched = latched;
+  }
+  request_ = request;
+}
+
+void Servo::reset_statistics() noexcept {
+  statistics_resets_ = exchange_.statistics_resets.load(std::memory_order_relaxed);
+  statistics_ = {};
+  chain_.counters = {};
+  chain_.lowest_energy_j = chain_.energy_j;
+}
+
+State Servo::sense(const Tick& tick) noexcept {
+  State raw;
+  if (!device_->read(tick, raw) || !is_finite(raw.position)) {
+    ++statistics_.device_errors;
+    if (++unread_ * tick.period_s >= kDeaf_s)
+      fail(Fault::kSilent);
+    return state_;
+  }
+  unread_ = 0;
+  if (raw.flags & State::kFault)
+    fail(Fault::kReported);
+  State state = raw;
+  state.position = settings_.map.to_project(raw.position);
+  state.velocity = caps_.has_velocity && is_finite(raw.velocity)
+                       ? settings_.map.to_project(raw.velocity)
+                       : estimator_.update(state.position, tick.time_s);
+  return state;
+}
+
+void Servo::fail(Fault fault) noexcept {
+  if (fault_ != Fault::kNone)
+    return;
+  fault_ = fault;
+  ++faults_;
+  emergency_stop(chain_);
+}
+
+void Servo::notice(const Tick& tick, const State& state) noexcept {
+  for (std::uint32_t changed = state.buttons ^ state_.buttons; changed; changed &= changed - 1) {
+    int number = 0;
+    while (!(changed >> number & 1u))
+      ++number;
+    exchange_.events.push(
+        {Event::Kind::kButton, number, (state.buttons >> number & 1u) != 0, tick.time_s});
+  }
+  if (chain_.tripped != tripped_)
+    exchange_.events.push({Event::Kind::kWatchdog, 0, chain_.tripped, tick.time_s});
+  tripped_ = chain_.tripped;
+}
+
+/// After the force's chain, whose gains it shares, and before write.
+WristCommand Servo::drive_wrist(const Tick& tick, bool homed) noexcept {
+  exchange_.wrist.read();
+  const WristRequest& request = exchange_.wrist.latest();
+  if (!request.on) {
+    wrist_.reset();
+    return {};
+  }
+  const WristCommand command = wrist_.step(request.command, chain_, caps_, homed, tick.period_s);
+  device_->set_wrist({settings_.map.torque_to_device(command.torque_n_m), command.grip_n});
+  return command;
+}
+
+void Servo::step(const Tick& tick) noexcept {
+  if (!device_)
+    return;
+  take_orders(tick);
+  const State state = sense(tick);
+
+  ChainInput input;
+  input.time_s = tick.time_s;
+  input.heartbeat_s = has_heartbeat_ ? command_.heartbeat_s : tick.time_s;
+  input.position = state.position;
+  input.velocity = state.velocity;
+  input.homed = (state.flags & State::kHomed) && !(state.flags & State::kUnreachable);
+  input.warm = (state.flags & State::kMotorsHot) != 0;
+  if (model_)
+    input.local_force = model_->force(tick, state);
+  if (patch_)
+    input.patch_force = patch_->force(tick, state);
+  const Vec3 force = haptic::step(chain_, settings_.chain, input);
+  const WristCommand wrist = drive_wrist(tick, input.homed);
+  if (device_->write(settings_.map.to_device(force))) {
+    unwritten_ = 0;
+  } else {
+    ++statistics_.device_errors;
+    if (++unwritten_ * tick.period_s >= kDeaf_s)
+      fail(Fault::kSilent);
+  }
+
+  exchange_.motors.confirm(request_, unwritten_ == 0 && force == Vec3{} && wrist == WristCommand{});
+
+  notice(tick, state);
+  state_ = state;
+  ++statistics_.ticks;
+  Report report;
+  report.tick = tick;
+  report.state = state;
+  report.force_n = force;
+  report.wrist = wrist;
+  report.counters = chain_.counters;
+  report.energy_j = chain_.energy_j;
+  report.lowest_energy_j = chain_.lowest_energy_j;
+  report.motors = chain_.motors;
+  report.latched = chain_.latched;
+  report.sparing = chain_.sparing;
+  report.spared_to_n = chain_.spared_to_n;
+  report.heat_n2 = chain_.thermal.heat_n2();
+  report.fault = fault_;
+  report.faults = faults_;
+  exchange_.reports.write(report);
+  if (exchange_.tracing.load(std::memory_order_relaxed))
+    exchange_.trace.push(report);
+  if (statistics_.ticks % kStatisticsTicks == 0)
+    exchange_.statistics.write(statistics_);
+}
+
+bool Servo::release() noexcept {
+  if (device_ && !device_->write({})) // no wrist goes with it
+    return false;
+  exchange_.motors.confirm(exchange_.motors.request(), true);
+  return true;
+}
+
+void Servo::wake(Clock& clock) noexcept {
+  const double now_s = clock.now_s();
+  const Pacer::Wake wake = pacer_.wake(now_s);
+  statistics_.lateness.add(wake.lateness_s);
+  if (wake.skipped > 0)
+    ++statistics_.overruns;
+  statistics_.skipped += wake.skipped;
+  step(wake.tick);
+  statistics_.work.add(clock.now_s() - now_s);
+}
+
+void Servo::follow(Clock& clock, double period_s) noexcept {
+  const double now_s = clock.now_s();
+  const double late_s = followed_ > 0 ? std::max(now_s - followed_s_ - period_s, 0.0) : 0.0;
+  statistics_.lateness.add(late_s);
+  if (late_s >= period_s)
+    ++statistics_.overruns;
+  followed_s_ = now_s;
+  step({followed_++, now_s, period_s});
+  statistics_.work.add(clock.now_s() - now_s);
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,48 @@
+#include "core/haptic/signal/decimator.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace tactus::haptic {
+namespace {
+constexpr double kLoudest = 1e9;   // N; beyond it is nonsense
+constexpr double kSilent = 1e-200; // no denormal numbers in a fading state
+} // namespace
+
+void Decimator::set(double sample_rate_hz, double servo_rate_hz) noexcept {
+  const double cutoff = kShare * servo_rate_hz;
+  passes_all_ = !(cutoff > 0.0) || !(cutoff < 0.45 * sample_rate_hz);
+  if (passes_all_)
+    return;
+  const double k = std::tan(std::numbers::pi * cutoff / sample_rate_hz);
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    // Poles of the analogue filter lie at equal angles on the left half of a circle.
+    const double angle = std::numbers::pi * (2.0 * static_cast<double>(i) + 1.0) / 16.0;
+    const double loss = 2.0 * std::sin(angle) * k, scale = 1.0 / (1.0 + loss + k * k);
+    sections_[i].b = k * k * scale;
+    sections_[i].a1 = 2.0 * (k * k - 1.0) * scale;
+    sections_[i].a2 = (1.0 - loss + k * k) * scale;
+  }
+}
+
+void Decimator::reset() noexcept {
+  for (Section& section : sections_)
+    section.s1 = section.s2 = 0;
+}
+
+double Decimator::process(double input) noexcept {
+  double x = std::abs(input) < kLoudest ? input : 0.0; // false for what is no number
+  if (passes_all_)
+    return x;
+  for (Section& s : sections_) {
+    const double y = s.b * x + s.s1;
+    s.s1 = 2.0 * s.b * x - s.a1 * y + s.s2;
+    s.s2 = s.b * x - s.a2 * y;
+    if (std::abs(s.s1) + std::abs(s.s2) < kSilent)
+      s.s1 = s.s2 = 0;
+    x = y;
+  }
+  return x;
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,86 @@
+#include "core/haptic/signal/signal_link.hpp"
+
+namespace tactus::haptic {
+
+void SignalLink::begin() noexcept {
+  double unused = 0;
+  while (vibrations_.pop(unused)) {
+  }
+  playing_ = false;
+  last_vibration_ = 0;
+}
+
+void SignalLink::count_block(double duration_s) noexcept {
+  blocks_.store(blocks_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  if (duration_s > longest_block_s_.load(std::memory_order_relaxed))
+    longest_block_s_.store(duration_s, std::memory_order_relaxed);
+}
+
+/// Along the normal of the face that the handle touches, or along z when nothing is touched.
+Vec3 SignalLink::vibration(double newton, bool gated) const noexcept {
+  const auto touches = scene_ ? scene_->touches() : std::span<const Touch>{};
+  if (!std::isfinite(newton) || (touches.empty() && gated))
+    return {};
+  return (touches.empty() ? Vec3{0, 0, 1} : touches[0].normal) * newton;
+}
+
+/// One value a tick from what the audio computes in bursts: it begins when a few wait, begins
+/// again after it ran dry, and throws away what waits too long.
+double SignalLink::next_vibration() noexcept {
+  const std::size_t waiting = vibrations_.size();
+  if (!playing_ && waiting < kVibrationDelay)
+    return last_vibration_ *= 0.5; // no step to zero
+  playing_ = true;
+  if (waiting > kMostWaiting)
+    for (std::size_t i = kVibrationDelay; i < waiting; ++i)
+      vibrations_.pop(last_vibration_);
+  playing_ = vibrations_.pop(last_vibration_);
+  return last_vibration_;
+}
+
+/// What does not fit is not counted, so that both sides' counts stay equal.
+void SignalLink::send_network() noexcept {
+  if (network_)
+    for (const NetworkSample& sample : network_->samples())
+      sent_samples_ += network_samples_.push(sample);
+  found_.network_samples = sent_samples_;
+}
+
+Vec3 SignalLink::force(const Tick& tick, const State& state) noexcept {
+  found_.time_s = tick.time_s;
+  found_.position = state.position;
+  found_.velocity = state.velocity;
+  found_.touching = scene_ && !scene_->touches().empty();
+  switch (time_.load(std::memory_order_acquire)) {
+  case Time::kLogical:
+    if (!stepping_)
+      return {};
+    send_network();
+    return force_now_ + vibration(vibration_now_, gated_now_);
+  case Time::kWall: {
+    send_network();
+    samples_.push(found_);
+    forces_.read();
+    const Force& heard = forces_.latest();
+    const bool stale = !(tick.time_s - heard.time_s < kStale_s);
+    const Vec3 force = stale || !is_finite(heard.force_n) ? Vec3{} : heard.force_n;
+    return force + vibration(next_vibration(), gated_.load(std::memory_order_relaxed));
+  }
+  case Time::kNone:
+    break;
+  }
+  return {};
+}
+
+SignalLink::Sample SignalLink::step(const Vec3& force_n, double vibration_n, bool gated) noexcept {
+  force_now_ = is_finite(force_n) ? force_n : Vec3{};
+  vibration_now_ = vibration_n;
+  gated_now_ = gated;
+  stepping_ = true;
+  if (stepper_.step)
+    stepper_.step(stepper_.context);
+  stepping_ = false;
+  return found_;
+}
+
+} // namespace tactus::haptic

@@ -1,0 +1,123 @@
+#pragma once
+
+#include "core/haptic/network/network_model.hpp"
+#include "core/haptic/scene/scene_model.hpp"
+#include "core/haptic/servo/mailbox.hpp"
+#include "core/haptic/servo/ring.hpp"
+#include "core/haptic/servo/servo.hpp"
+
+#include <atomic>
+
+/// Audio meets the servo: forces from signals in, positions as signals out. docs/phantom.md, "At
+/// audio rate".
+namespace tactus::haptic {
+
+/// What a device's servo shares with an object that processes audio. One side each: the host (who
+/// owns the servo), the servo (as a LocalModel) and the audio.
+///
+/// Logical time: the audio steps the servo, at the very sample where a tick lies, all in one
+/// thread. Wall time: the servo's thread and the audio's meet in mailboxes and rings.
+class SignalLink final : public LocalModel {
+public:
+  /// What the signals ask for at one instant.
+  struct Force {
+    Vec3 force_n{};
+    double time_s = 0; ///< wall time only: when it was heard
+  };
+  struct Sample {
+    double time_s = 0;
+    Vec3 position{}; ///< m
+    Vec3 velocity{}; ///< m/s
+    bool touching = false;
+    std::uint64_t network_samples = 0; ///< of the network, that were sent up to this tick
+  };
+  /// Whoever owns the servo, for audio that steps it.
+  struct Stepper {
+    void (*step)(void* context) = nullptr;
+    void* context = nullptr;
+  };
+  enum class Time : int { kNone, kLogical, kWall };
+
+  // the host's side
+  void place(Time time, double rate_hz, Stepper stepper) noexcept {
+    stepper_ = stepper;
+    rate_hz_.store(rate_hz, std::memory_order_relaxed);
+    time_.store(time, std::memory_order_release);
+  }
+  void set_workspace(const Workspace& workspace) noexcept { workspaces_.write(workspace); }
+  /// The scene whose contact gates and directs the vibration.
+  void watch(const SceneModel& scene) noexcept { scene_ = &scene; }
+  /// The network whose pickups are played. It must be asked for its force before this is.
+  void listen(const NetworkModel& network) noexcept { network_ = &network; }
+  /// Counts blocks, to see whether audio runs; and how long the longest lasted.
+  [[nodiscard]] std::uint64_t blocks() const noexcept {
+    return blocks_.load(std::memory_order_relaxed);
+  }
+  [[nodiscard]] double longest_block_s() const noexcept {
+    return longest_block_s_.load(std::memory_order_relaxed);
+  }
+
+  // the servo's side
+  void begin() noexcept override;
+  [[nodiscard]] Vec3 force(const Tick& tick, const State& state) noexcept override;
+
+  // the audio's side
+  [[nodiscard]] Time time() const noexcept { return time_.load(std::memory_order_acquire); }
+  [[nodiscard]] double rate_hz() const noexcept { return rate_hz_.load(std::memory_order_relaxed); }
+  [[nodiscard]] const Workspace& workspace() noexcept {
+    workspaces_.read();
+    return workspaces_.latest();
+  }
+  /// One listener at a time.
+  [[nodiscard]] bool take() noexcept { return !taken_.exchange(true); }
+  void leave() noexcept { taken_.store(false); }
+  void count_block(double duration_s) noexcept;
+  /// Logical time: these signals count for the tick that runs now; what it found.
+  Sample step(const Vec3& force_n, double vibration_n, bool gated) noexcept;
+  /// Wall time: newest wins.
+  void hear(const Force& force) noexcept { forces_.write(force); }
+  /// Wall time: one value a tick, in order; false when the servo does not take them.
+  bool vibrate(double newton) noexcept { return vibrations_.push(newton); }
+  void set_gate(bool gated) noexcept { gated_.store(gated, std::memory_order_relaxed); }
+  [[nodiscard]] bool next(Sample& sample) noexcept { return samples_.pop(sample); }
+  /// The network's pickups in order, and how many have been taken since the link was made.
+  [[nodiscard]] bool next(NetworkSample& sample) noexcept {
+    const bool found = network_samples_.pop(sample);
+    taken_samples_ += found;
+    return found;
+  }
+  [[nodiscard]] std::uint64_t taken_samples() const noexcept { return taken_samples_; }
+
+private:
+  static constexpr double kStale_s = 0.1; ///< a signal that has stopped is no force
+  static constexpr std::size_t kVibrationDelay = 4, kMostWaiting = 64; // ticks
+
+  [[nodiscard]] Vec3 vibration(double newton, bool gated) const noexcept;
+  [[nodiscard]] double next_vibration() noexcept;
+  void send_network() noexcept;
+
+  std::atomic<Time> time_{Time::kNone};
+  std::atomic<double> rate_hz_{1000}, longest_block_s_{0};
+  std::atomic<std::uint64_t> blocks_{0};
+  std::atomic<bool> taken_{false}, gated_{true};
+  Stepper stepper_{};
+  const SceneModel* scene_ = nullptr;
+  const NetworkModel* network_ = nullptr;
+  Mailbox<Workspace> workspaces_;
+  Mailbox<Force> forces_;
+  Ring<double, 1024> vibrations_;
+  Ring<Sample, 1024> samples_;
+  Ring<NetworkSample, 32768> network_samples_;
+  std::uint64_t sent_samples_ = 0, taken_samples_ = 0; // the servo's and the audio's count
+
+  // logical time: for the tick under way
+  Vec3 force_now_{};
+  double vibration_now_ = 0;
+  bool gated_now_ = true, stepping_ = false;
+  Sample found_{};
+  // wall time
+  bool playing_ = false;
+  double last_vibration_ = 0;
+};
+
+} // namespace tactus::haptic

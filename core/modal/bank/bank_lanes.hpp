@@ -1,0 +1,455 @@
+#pragma once
+
+#include "core/modal/bank/bank_tiles.hpp"
+
+/// The mode bank's loops, written once for any instruction set. Every function is a template on the
+/// set, so that the linker never takes a newer processor's code for an older one's.
+///
+/// Modes lie across lanes. All outputs of a leap of sixteen samples come straight from the state at
+/// its beginning by a table, and so does the state at its end from the forces: there is no
+/// recursion from sample to sample to wait for, rounding enters once in sixteen samples, and pitch
+/// is as good as the table. Powers of the pole cost 4 fused multiply-adds a mode and sample for one
+/// force and one pick-up, and 10 in sixteen samples for gains and the step of the state.
+///
+/// Half of that is saved where modes decay alike. Seen from the middle of the leap, a mode that
+/// does not decay gives E + O at a time t after and E - O at the same time before, E = Im(c) cos
+/// and O = Re(c) sin of omega t: one product for each sample. A decay that all share is put in
+/// afterwards; what a mode's own decay differs from it (at most ModeBank::kUnlike) is put right
+/// from leap to leap, because the state's step is exact, and errs by that difference times eight
+/// samples in between.
+///
+/// Either way what is heard is the sum of two: of Im(c) with the powers' real parts and of Re(c)
+/// with their imaginary parts, over kHalfLeap or kLeap times (BankTiles).
+namespace tactus::modal {
+
+template <class Set> class BankLanes final : public BankKernel {
+  using Tiles = BankTiles<Set>;
+  using V = typename Tiles::V;
+  static constexpr std::size_t kWidth = Tiles::kWidth;
+  static constexpr std::size_t kRegisters = Tiles::kRegisters;
+  static constexpr std::size_t kTimes = Tiles::kTimes;
+  static constexpr std::uint32_t kNone = 0xffffffff; ///< no common decay
+
+  struct Complex {
+    V real, imaginary;
+  };
+  [[gnu::always_inline]] static Complex load(const ComplexLane& lane, std::size_t at) noexcept {
+    return {Tiles::load(lane.real, at), Tiles::load(lane.imaginary, at)};
+  }
+  [[gnu::always_inline]] static void store(ComplexLane& lane, std::size_t at, Complex z) noexcept {
+    Tiles::store(lane.real, at, z.real);
+    Tiles::store(lane.imaginary, at, z.imaginary);
+  }
+  /// a b
+  [[gnu::always_inline]] static Complex product(Complex a, Complex b) noexcept {
+    return {Tiles::fma(a.real, b.real, -(a.imaginary * b.imaginary)),
+            Tiles::fma(a.real, b.imaginary, a.imaginary * b.real)};
+  }
+  /// a b + c
+  [[gnu::always_inline]] static Complex multiply_add(Complex a, Complex b, Complex c) noexcept {
+    return {Tiles::fma(a.real, b.real, Tiles::fma(-a.imaginary, b.imaginary, c.real)),
+            Tiles::fma(a.real, b.imaginary, Tiles::fma(a.imaginary, b.real, c.imaginary))};
+  }
+
+  /// Forces as the blocks at hand take them in: as they are, or as sums and differences about the
+  /// middles of the leaps, the common decay put in.
+  struct Folded {
+    static constexpr std::size_t kMostDrives = 72;
+    float sums[kMostDrives][kMostLeaps * kHalfLeap];
+    float differences[kMostDrives][kMostLeaps * kHalfLeap];
+  };
+  static void fold(const float* force, const CommonDecay& decay, std::size_t leaps, float* sums,
+                   float* differences) noexcept {
+    for (std::size_t l = 0; l < leaps; ++l)
+      for (std::size_t m = 0; m < kHalfLeap; ++m) {
+        const float before = force[l * kLeap + kHalfLeap - 1 - m] * decay.fall[m];
+        const float after = force[l * kLeap + kHalfLeap + m] * decay.rise[m];
+        sums[l * kHalfLeap + m] = before + after;
+        differences[l * kHalfLeap + m] = before - after;
+      }
+  }
+
+  /// What the modes of a tile get in leaps l to l + Leaps, but for their gains.
+  template <std::size_t Leaps>
+  [[gnu::always_inline]] static void
+  gather(const PoleBlock& poles, std::size_t at, const BankDrive& drive, const Folded& folded,
+         std::size_t d, std::size_t l, typename Tiles::template Gathered<Leaps>& sum) noexcept {
+    const bool even = poles.even;
+    const float* const force = drive.force + l * kLeap;
+    for (std::size_t i = 0; i < Leaps; ++i)
+      for (std::size_t r = 0; r < kRegisters; ++r) {
+        sum.real[i][r] = even ? V{} : Tiles::all(force[i * kLeap + kLeap - 1]); // p^0
+        sum.imaginary[i][r] = V{};
+      }
+    if (even)
+      Tiles::template gather<Leaps>(
+          [&](std::size_t m) -> const ComplexLane& { return poles.power[m]; }, at, kHalfLeap,
+          folded.sums[d] + l * kHalfLeap, folded.differences[d] + l * kHalfLeap, kHalfLeap, sum);
+    else
+      Tiles::template gather<Leaps>(
+          [&](std::size_t j) -> const ComplexLane& { return poles.power[kLeap - 2 - j]; }, at,
+          kLeap - 1, force, force, kLeap, sum); // p^(15 - j)
+  }
+
+  /// A block's states at the beginnings of leaps, or in their middles, and the state after all.
+  /// With a weight: as a pick-up hears them.
+  template <std::size_t Leaps>
+  [[gnu::noinline]] static void step(const BankView& bank, std::uint32_t block,
+                                     std::span<const BankDrive> drives, const Folded& folded,
+                                     const ComplexLane* weight, LeapPlanes& states,
+                                     std::size_t b) noexcept {
+    constexpr std::size_t kTile = Leaps < Tiles::kLeaps ? Leaps : Tiles::kLeaps;
+    using Input = typename Tiles::template Gathered<kTile>;
+    const PoleBlock& poles = bank.poles[block];
+#pragma GCC unroll 1
+    for (std::size_t at = 0; at < kLanes; at += Tiles::kStep)
+#pragma GCC unroll 1
+      for (std::size_t first = 0; first < Leaps; first += kTile) {
+        Input input{};
+        for (std::size_t d = 0; d < drives.size(); ++d) {
+          Input sum;
+          gather<kTile>(poles, at, drives[d], folded, d, first, sum);
+          for (std::size_t r = 0; r < kRegisters; ++r) {
+            const V gain = Tiles::load(drives[d].gain[block], at + r * kWidth);
+            for (std::size_t l = 0; l < kTile; ++l) {
+              input.real[l][r] = Tiles::fma(gain, sum.real[l][r], input.real[l][r]);
+              input.imaginary[l][r] = Tiles::fma(gain, sum.imaginary[l][r], input.imaginary[l][r]);
+            }
+          }
+        }
+        for (std::size_t r = 0; r < kRegisters; ++r) {
+          const std::size_t i = at + r * kWidth;
+          const Complex leap = load(poles.whole_leap(), i);
+          Complex z = load(bank.state[block], i);
+          const Complex w = weight ? load(weight[block], i) : Complex{};
+          for (std::size_t l = 0; l < kTile; ++l) {
+            const Complex out = weight ? product(w, z) : z;
+            Tiles::store(states.real[first + l][b], i, out.real);
+            Tiles::store(states.imaginary[first + l][b], i, out.imaginary);
+            const Complex add{input.real[l][r], input.imaginary[l][r]};
+            if (poles.even)
+              z = product(leap, {z.real + add.real, z.imaginary + add.imaginary});
+            else
+              z = multiply_add(leap, z, add);
+          }
+          store(bank.state[block], i, z);
+        }
+      }
+  }
+
+  /// The states as a pick-up weighs them.
+  template <std::size_t Leaps>
+  static void weigh(const ComplexLane& weight, const LeapPlanes& states, std::size_t b,
+                    LeapPlanes& heard) noexcept {
+#pragma GCC unroll 1
+    for (std::size_t at = 0; at < kLanes; at += kWidth) {
+      const Complex w = load(weight, at);
+      for (std::size_t l = 0; l < Leaps; ++l) {
+        const Complex c = product(
+            w, {Tiles::load(states.real[l][b], at), Tiles::load(states.imaginary[l][b], at)});
+        Tiles::store(heard.real[l][b], at, c.real);
+        Tiles::store(heard.imaginary[l][b], at, c.imaginary);
+      }
+    }
+  }
+
+  /// What one pick-up hears of blocks of one kind, in lanes: the two sums.
+  template <std::size_t Leaps> struct Sums {
+    V real[Leaps * kLeap], imaginary[Leaps * kLeap]; // of the powers' parts
+    void clear(std::size_t times) noexcept {
+      for (std::size_t n = 0; n < Leaps * times; ++n)
+        real[n] = imaginary[n] = V{};
+    }
+  };
+  template <std::size_t Leaps, std::size_t Times>
+  [[gnu::always_inline]] static void
+  hear(const PoleBlock* const* poles, std::size_t blocks, const LeapPlanes& heard,
+       std::size_t first, std::size_t times, bool fresh, Sums<Leaps>& sums) noexcept {
+    const float *real[LeapPlanes::kMostBlocks], *imaginary[LeapPlanes::kMostBlocks];
+    for (std::size_t b = 0; b < blocks; ++b) {
+      real[b] = poles[b]->power[first].real.v;
+      imaginary[b] = poles[b]->power[first].imaginary.v;
+    }
+    Tiles::template hear<Leaps, Times>(real, blocks, heard.imaginary, sums.real + first, times,
+                                       fresh);
+    Tiles::template hear<Leaps, Times>(imaginary, blocks, heard.real, sums.imaginary + first, times,
+                                       fresh);
+  }
+
+  [[gnu::always_inline]] static float later(const CommonDecay& decay, std::size_t m, float even,
+                                            float odd) noexcept {
+    return decay.fall[m] * (even + odd);
+  }
+  [[gnu::always_inline]] static float earlier(const CommonDecay& decay, std::size_t m, float even,
+                                              float odd) noexcept {
+    return decay.rise[m] * (even - odd);
+  }
+  /// Adds the sums up over their lanes and to the sound, the common decay put in.
+  template <std::size_t Leaps>
+  static void collect(const Sums<Leaps>& sums, const CommonDecay* decay, float* out) noexcept {
+    const std::size_t times = decay ? kHalfLeap : kLeap, count = Leaps * times;
+    alignas(64) float real[Leaps * kLeap], imaginary[Leaps * kLeap];
+    for (std::size_t n = 0; n < count; n += kWidth) {
+      if (count < kWidth) { // one leap in the widest registers
+        for (std::size_t i = 0; i < count; ++i) {
+          real[i] = Tiles::across(sums.real[i]);
+          imaginary[i] = Tiles::across(sums.imaginary[i]);
+        }
+        break;
+      }
+      *reinterpret_cast<V*>(real + n) = Tiles::across(sums.real + n);
+      *reinterpret_cast<V*>(imaginary + n) = Tiles::across(sums.imaginary + n);
+    }
+    if (!decay) {
+      for (std::size_t n = 0; n < count; ++n)
+        out[n] += real[n] + imaginary[n];
+      return;
+    }
+    for (std::size_t l = 0; l < Leaps; ++l) {
+      float* const middle = out + l * kLeap + kHalfLeap;
+      const float* const e = real + l * kHalfLeap;
+      const float* const o = imaginary + l * kHalfLeap;
+      for (std::size_t m = 0; m < kHalfLeap; ++m)
+        middle[m] += later(*decay, m, e[m], o[m]);
+      for (std::size_t m = 0; m < kHalfLeap; ++m)
+        middle[-1 - static_cast<std::ptrdiff_t>(m)] += earlier(*decay, m, e[m], o[m]);
+    }
+  }
+
+  static const CommonDecay* decay_of(const BankView& bank, const PoleBlock& poles) noexcept {
+    return poles.even ? &bank.decays[poles.decay] : nullptr;
+  }
+
+  template <std::size_t Leaps>
+  static void run_leaps(const BankView& bank, std::span<const BankDrive> drives,
+                        std::span<const BankPickup> pickups) noexcept {
+    Sums<Leaps> sums[kMostEars];
+    Folded folded;
+    LeapPlanes states, heard;
+    const std::size_t ears = pickups.size() < kMostEars ? pickups.size() : kMostEars;
+    for (std::size_t k = 0; k < ears; ++k)
+      for (std::size_t n = 0; n < Leaps * kLeap; ++n)
+        pickups[k].out[n] = 0;
+    const CommonDecay* decay = nullptr;
+    std::size_t times = 0; // of the sums; none yet
+    bool fresh = true;     // nothing is in them
+    const auto collect_all = [&] {
+      for (std::size_t k = 0; k < ears && times > 0; ++k)
+        collect<Leaps>(sums[k], decay, pickups[k].out);
+    };
+    for (std::size_t n = 0; n < bank.active.size();) {
+      const PoleBlock* poles[LeapPlanes::kMostBlocks] = {&bank.poles[bank.active[n]]};
+      if (const CommonDecay* const next = decay_of(bank, *poles[0]); next != decay || times == 0) {
+        collect_all();
+        decay = next;
+        times = decay ? kHalfLeap : kLeap;
+        fresh = true;
+        for (std::size_t d = 0; d < drives.size() && decay; ++d)
+          fold(drives[d].force, *decay, Leaps, folded.sums[d], folded.differences[d]);
+      }
+      std::size_t blocks = 1;
+      while (blocks < LeapPlanes::kMostBlocks && n + blocks < bank.active.size() &&
+             decay_of(bank, bank.poles[bank.active[n + blocks]]) == decay) {
+        poles[blocks] = &bank.poles[bank.active[n + blocks]];
+        ++blocks;
+      }
+      for (std::size_t b = 0; b < blocks; ++b)
+        step<Leaps>(bank, bank.active[n + b], drives, folded,
+                    ears == 1 ? pickups[0].weight : nullptr, ears == 1 ? heard : states, b);
+      for (std::size_t k = 0; k < ears; ++k) {
+        for (std::size_t b = 0; b < blocks && ears > 1; ++b)
+          weigh<Leaps>(pickups[k].weight[bank.active[n + b]], states, b, heard);
+        for (std::size_t first = 0; first < times; first += kTimes)
+          hear<Leaps, kTimes>(poles, blocks, heard, first, times, fresh, sums[k]);
+      }
+      fresh = false;
+      n += blocks;
+    }
+    collect_all();
+  }
+
+public:
+  void run(const BankView& bank, std::size_t leaps, std::span<const BankDrive> drives,
+           std::span<const BankPickup> pickups) const noexcept override {
+    if (leaps == kMostLeaps)
+      return run_leaps<kMostLeaps>(bank, drives, pickups);
+    BankDrive drive[Folded::kMostDrives];
+    BankPickup pickup[kMostEars];
+    const std::size_t ears = pickups.size() < kMostEars ? pickups.size() : kMostEars;
+    for (std::size_t l = 0; l < leaps; ++l) {
+      for (std::size_t d = 0; d < drives.size(); ++d)
+        drive[d] = {drives[d].gain, drives[d].force + l * kLeap};
+      for (std::size_t k = 0; k < ears; ++k)
+        pickup[k] = {pickups[k].weight, pickups[k].out + l * kLeap};
+      run_leaps<1>(bank, std::span<const BankDrive>(drive, drives.size()),
+                   std::span<const BankPickup>(pickup, ears));
+    }
+  }
+
+  void listen(const BankView& bank, std::size_t first, std::size_t count,
+              std::span<const BankPickup> pickups) const noexcept override {
+    // The same sums in the same order as run() has them, for these samples alone.
+    for (const BankPickup& pickup : pickups) {
+      Sums<1> sums;
+      LeapPlanes states, heard;
+      const CommonDecay* decay = nullptr;
+      bool needed[kLeap] = {};
+      std::size_t times = 0;
+      for (std::size_t i = 0; i < count; ++i)
+        pickup.out[i] = 0;
+      const auto collect_these = [&] {
+        for (std::size_t i = 0; i < count && times > 0; ++i) {
+          const std::size_t n = first + i, m = place(n, times);
+          const float re = Tiles::across(sums.real[m]), im = Tiles::across(sums.imaginary[m]);
+          pickup.out[i] += !decay          ? re + im
+                           : n < kHalfLeap ? earlier(*decay, m, re, im)
+                                           : later(*decay, m, re, im);
+        }
+      };
+      for (const std::uint32_t block : bank.active) {
+        const PoleBlock* const poles = &bank.poles[block];
+        if (const CommonDecay* const next = decay_of(bank, *poles); next != decay || times == 0) {
+          collect_these();
+          decay = next;
+          times = decay ? kHalfLeap : kLeap;
+          sums.clear(times);
+          for (std::size_t m = 0; m < times; ++m)
+            needed[m] = false;
+          for (std::size_t i = 0; i < count; ++i)
+            needed[place(first + i, times)] = true;
+        }
+        for (std::size_t at = 0; at < kLanes; at += kWidth) {
+          const Complex z = load(bank.state[block], at);
+          Tiles::store(states.real[0][0], at, z.real);
+          Tiles::store(states.imaginary[0][0], at, z.imaginary);
+        }
+        weigh<1>(pickup.weight[block], states, 0, heard);
+        for (std::size_t m = 0; m < times; ++m)
+          if (needed[m])
+            hear<1, 1>(&poles, 1, heard, m, times, false, sums);
+      }
+      collect_these();
+    }
+  }
+
+  void echo(const float* force, const float* response, std::size_t leaps,
+            float* out) const noexcept override {
+    std::size_t l = 0;
+    for (; l + kMostLeaps <= leaps; l += kMostLeaps)
+      echo_of<kMostLeaps>(force + l * kLeap, response, out + l * kLeap);
+    for (; l < leaps; ++l)
+      echo_of<1>(force + l * kLeap, response, out + l * kLeap);
+  }
+
+  void respond(const PoleBlock* poles, const Lane* gain, const ComplexLane* weight,
+               std::size_t blocks, float* out) const noexcept override {
+    V sum[kLeap] = {};
+    for (std::size_t b = 0; b < blocks; ++b)
+      for (std::size_t at = 0; at < kLanes; at += kWidth) {
+        const Complex p = load(poles[b].one_sample(), at), w = load(weight[b], at);
+        const V size = Tiles::load(gain[b], at);
+        Complex z{w.real * size, w.imaginary * size};
+#pragma GCC unroll 1
+        for (std::size_t m = 0; m < kLeap; ++m) {
+          sum[m] += z.imaginary;
+          z = product(p, z);
+        }
+      }
+    for (std::size_t m = 0; m < kLeap; ++m)
+      out[m] = Tiles::across(sum[m]);
+  }
+
+  void accumulate(const float* a, const float* b, float* c, std::size_t rows, std::size_t inner,
+                  std::size_t columns) const noexcept override {
+    std::size_t r = 0;
+    for (; r + kTileRows <= rows; r += kTileRows)
+      accumulate_rows<kTileRows>(a + r * inner, b, c + r * columns, inner, columns);
+    for (; r < rows; ++r)
+      accumulate_rows<1>(a + r * inner, b, c + r * columns, inner, columns);
+  }
+
+  void advance(const BankView& bank, std::size_t samples,
+               std::span<const BankDrive> drives) const noexcept override {
+    Folded folded;
+    LeapPlanes unheard;
+    for (const std::uint32_t block : bank.active) {
+      const PoleBlock& poles = bank.poles[block];
+      if (samples == kLeap) {
+        if (poles.even)
+          for (std::size_t d = 0; d < drives.size(); ++d)
+            fold(drives[d].force, bank.decays[poles.decay], 1, folded.sums[d],
+                 folded.differences[d]);
+        step<1>(bank, block, drives, folded, nullptr, unheard, 0);
+        continue;
+      }
+      for (std::size_t at = 0; at < kLanes; at += kWidth) {
+        Complex z = load(bank.state[block], at);
+        if (poles.even)
+          z = product(load(poles.power[PoleBlock::kFromMiddle], at), z);
+        const Complex p = load(poles.one_sample(), at);
+        for (std::size_t n = 0; n < samples; ++n) {
+          z = product(p, z);
+          for (const BankDrive& d : drives)
+            z.real = Tiles::fma(Tiles::load(d.gain[block], at), Tiles::all(d.force[n]), z.real);
+        }
+        if (poles.even)
+          z = product(load(poles.power[PoleBlock::kToMiddle], at), z);
+        store(bank.state[block], at, z);
+      }
+    }
+  }
+
+private:
+  using Unaligned [[gnu::vector_size(sizeof(V)), gnu::aligned(4), gnu::may_alias]] = float;
+  static constexpr std::size_t kTileRows = 4;
+  template <std::size_t Rows>
+  static void accumulate_rows(const float* a, const float* b, float* c, std::size_t inner,
+                              std::size_t columns) noexcept {
+    constexpr std::size_t kVectors = kLeap / kWidth < 2 ? 1 : 2;
+    for (std::size_t n = 0; n < columns; n += kVectors * kWidth) {
+      V sum[Rows][kVectors];
+      for (std::size_t r = 0; r < Rows; ++r)
+        for (std::size_t i = 0; i < kVectors; ++i)
+          sum[r][i] = *reinterpret_cast<const Unaligned*>(c + r * columns + n + i * kWidth);
+#pragma GCC unroll 1
+      for (std::size_t k = 0; k < inner; ++k) {
+        V right[kVectors];
+        for (std::size_t i = 0; i < kVectors; ++i)
+          right[i] = *reinterpret_cast<const Unaligned*>(b + k * columns + n + i * kWidth);
+#pragma GCC unroll 4
+        for (std::size_t r = 0; r < Rows; ++r)
+          for (std::size_t i = 0; i < kVectors; ++i)
+            sum[r][i] = Tiles::fma(Tiles::all(a[r * inner + k]), right[i], sum[r][i]);
+      }
+      for (std::size_t r = 0; r < Rows; ++r)
+        for (std::size_t i = 0; i < kVectors; ++i)
+          *reinterpret_cast<Unaligned*>(c + r * columns + n + i * kWidth) = sum[r][i];
+    }
+  }
+
+  template <std::size_t Leaps>
+  static void echo_of(const float* force, const float* response, float* out) noexcept {
+    constexpr std::size_t kParts = kLeap / kWidth;
+#pragma GCC unroll 1
+    for (std::size_t part = 0; part < kParts; ++part) {
+      const float* const from = response + kLeap + part * kWidth;
+      V sum[Leaps];
+      for (std::size_t l = 0; l < Leaps; ++l)
+        sum[l] = V{};
+#pragma GCC unroll 1
+      for (std::size_t j = 0; j < kLeap; ++j) {
+        const V answer = *reinterpret_cast<const Unaligned*>(from - j);
+        for (std::size_t l = 0; l < Leaps; ++l)
+          sum[l] = Tiles::fma(Tiles::all(force[l * kLeap + j]), answer, sum[l]);
+      }
+      for (std::size_t l = 0; l < Leaps; ++l)
+        *reinterpret_cast<Unaligned*>(out + l * kLeap + part * kWidth) += sum[l];
+    }
+  }
+  /// Which of the sums' times sample n of a leap is.
+  static std::size_t place(std::size_t n, std::size_t times) noexcept {
+    return times == kLeap ? n : n < kHalfLeap ? kHalfLeap - 1 - n : n - kHalfLeap;
+  }
+};
+
+} // namespace tactus::modal

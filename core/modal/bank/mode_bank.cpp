@@ -1,0 +1,410 @@
+#include "core/modal/bank/mode_bank.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::modal {
+namespace {
+
+constexpr float kNothing = 1e-25F; // a state below it is zero: keeps denormal numbers away
+constexpr std::array<float, kMostSamples> kSilence{};
+
+/// Without the look for infinities that std::complex takes.
+std::complex<double> product(std::complex<double> a, std::complex<double> b) noexcept {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+} // namespace
+
+ModeBank::ModeBank(std::span<const std::complex<double>> rate, double sample_rate,
+                   std::size_t drives, std::size_t pickups, VectorSet set)
+    : modes_(rate.size()), blocks_((rate.size() + kLanes - 1) / kLanes), sample_rate_(sample_rate),
+      kernel_(bank_kernel(set)), poles_(blocks_), state_(blocks_),
+      gain_(std::min(drives, kMostDrives), std::vector<Lane>(blocks_)),
+      pickups_(std::min(pickups, kMostPickups)), echo_(gain_.size() * pickups_.size() * 3),
+      active_(blocks_), is_active_(blocks_, 0), released_(blocks_), released_active_(blocks_),
+      history_(gain_.size()) {
+  if (!kernel_)
+    kernel_ = bank_kernel(VectorSet::kBaseline);
+  for (Pickup& pickup : pickups_) {
+    for (auto& weight : pickup.weight)
+      weight.resize(blocks_);
+    pickup.target.resize(blocks_);
+  }
+  make_poles(rate);
+}
+
+void ModeBank::make_poles(std::span<const std::complex<double>> rate) {
+  const auto put = [](ComplexLane& to, std::size_t lane, std::complex<double> value) {
+    to.real.v[lane] = static_cast<float>(value.real());
+    to.imaginary.v[lane] = static_cast<float>(value.imag());
+  };
+  // Nepers a sample, of the modes that share a common decay so far.
+  double least = 0, most = 0;
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    const std::size_t first = b * kLanes, last = std::min(first + kLanes, modes_);
+    double low = 1e300, high = 0;
+    for (std::size_t k = first; k < last; ++k) {
+      low = std::min(low, -rate[k].real() / sample_rate_);
+      high = std::max(high, -rate[k].real() / sample_rate_);
+    }
+    PoleBlock& poles = poles_[b];
+    // A state in the middle of a leap must be good for one at its beginning: not all died away.
+    poles.even = high - low <= 2 * kUnlike && high * kHalfLeap < 1;
+    if (poles.even) {
+      if (decays_.empty() || std::max(most, high) - std::min(least, low) > 2 * kUnlike) {
+        decays_.emplace_back();
+        least = low;
+        most = high;
+      }
+      least = std::min(least, low);
+      most = std::max(most, high);
+      poles.decay = static_cast<std::uint32_t>(decays_.size() - 1);
+      for (std::size_t m = 0; m < kHalfLeap; ++m) {
+        const double nepers = 0.5 * (least + most) * (static_cast<double>(m) + 0.5);
+        decays_.back().fall[m] = static_cast<float>(std::exp(-nepers));
+        decays_.back().rise[m] = static_cast<float>(std::exp(nepers));
+      }
+    }
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t lane = k - first;
+      const auto power = [&](double samples) {
+        return std::exp(rate[k] * (samples / sample_rate_));
+      };
+      if (!poles.even) {
+        for (std::size_t m = 0; m < kLeap; ++m)
+          put(poles.power[m], lane, power(static_cast<double>(m) + 1));
+        continue;
+      }
+      for (std::size_t m = 0; m < kHalfLeap; ++m)
+        put(poles.power[m], lane,
+            std::polar(1.0, rate[k].imag() * (static_cast<double>(m) + 0.5) / sample_rate_));
+      constexpr double kCentre = kHalfLeap + 0.5;
+      put(poles.power[PoleBlock::kWholeLeap], lane, power(kLeap));
+      put(poles.power[PoleBlock::kToMiddle], lane, power(kCentre));
+      put(poles.power[PoleBlock::kFromMiddle], lane, power(-kCentre));
+      put(poles.power[PoleBlock::kOneSample], lane, power(1));
+    }
+  }
+}
+
+void ModeBank::set_gain(std::size_t drive, std::span<const double> gain) noexcept {
+  if (drive >= gain_.size())
+    return;
+  settle();
+  for (std::size_t k = 0; k < std::min(modes_, gain.size()); ++k) {
+    const auto [block, lane] = place(k);
+    gain_[drive][block].v[lane] = static_cast<float>(gain[k] / sample_rate_);
+  }
+  for (std::size_t i = 0; i < pickups_.size(); ++i)
+    for (const std::size_t part : {kOld, kMiddle, kFresh})
+      echo(drive, i, part).known = false;
+}
+
+void ModeBank::write_weight(std::vector<ComplexLane>& to,
+                            std::span<const std::complex<double>> weight) noexcept {
+  for (std::size_t k = 0; k < std::min(modes_, weight.size()); ++k) {
+    const auto [block, lane] = place(k);
+    to[block].real.v[lane] = static_cast<float>(weight[k].real());
+    to[block].imaginary.v[lane] = static_cast<float>(weight[k].imag());
+  }
+}
+
+void ModeBank::work_out_echo(std::size_t drive, std::size_t pickup, std::size_t part) noexcept {
+  KnownEcho& found = echo(drive, pickup, part);
+  if (found.known)
+    return;
+  found.known = true;
+  found.echo.fill(0);
+  kernel_->respond(poles_.data(), gain_[drive].data(), pickups_[pickup].weight[part].data(),
+                   blocks_, found.echo.data() + kLeap);
+}
+
+BankView ModeBank::view() noexcept {
+  return {poles_.data(), decays_.data(), state_.data(), std::span(active_).first(active_count_)};
+}
+
+BankView ModeBank::released_view() noexcept {
+  return {poles_.data(), decays_.data(), released_.data(),
+          std::span(released_active_).first(released_count_)};
+}
+
+void ModeBank::wake(std::size_t drive) noexcept {
+  if (active_count_ == blocks_)
+    return;
+  bool more = false;
+  for (std::size_t b = 0; b < blocks_; ++b)
+    if (!is_active_[b] && std::any_of(std::begin(gain_[drive][b].v), std::end(gain_[drive][b].v),
+                                      [](float x) { return x != 0; })) {
+      is_active_[b] = 1;
+      more = true;
+    }
+  if (more)
+    list_active();
+}
+
+void ModeBank::list_active() noexcept {
+  active_count_ = 0;
+  for (std::size_t b = 0; b < blocks_; ++b)
+    if (is_active_[b])
+      active_[active_count_++] = static_cast<std::uint32_t>(b);
+}
+
+void ModeBank::process(std::span<const float* const> force, std::span<float* const> out,
+                       std::size_t frames) noexcept {
+  std::size_t done = 0;
+  while (done < frames) {
+    const std::size_t to_grid = kMostSamples - static_cast<std::size_t>(clock_ % kMostSamples);
+    const std::size_t count = std::min({frames - done, to_grid, glide_left()});
+    for (std::size_t d = 0; d < gain_.size(); ++d)
+      force_[d] = d < force.size() && force[d] ? force[d] + done : nullptr;
+    for (std::size_t i = 0; i < pickups_.size(); ++i)
+      out_[i] = i < out.size() && out[i] ? out[i] + done : nullptr;
+    chunk(count);
+    done += count;
+  }
+}
+
+std::size_t ModeBank::find_pushing() noexcept {
+  std::size_t count = 0;
+  for (std::size_t d = 0; d < gain_.size(); ++d) {
+    const auto pushes = [](float f) { return f != 0; };
+    const bool now = force_[d] && std::any_of(force_[d], force_[d] + frames_, pushes);
+    if (now)
+      wake(d);
+    else
+      force_[d] = kSilence.data();
+    // History is of the leap at hand alone.
+    if (now || (phase_ > 0 && std::any_of(history_[d].begin(), history_[d].end(), pushes)))
+      pushing_[count++] = static_cast<std::uint32_t>(d);
+  }
+  return count;
+}
+
+void ModeBank::chunk(std::size_t frames) noexcept {
+  frames_ = frames;
+  pushing_count_ = find_pushing();
+  ear_count_ = 0;
+  for (std::size_t i = 0; i < pickups_.size(); ++i) {
+    if (!out_[i])
+      continue;
+    const Glide& glide = pickups_[i].glide;
+    const std::size_t first = ear_count_;
+    if (glide.moving())
+      ears_[ear_count_++] = {i, kMiddle};
+    if (glide.moving() && glide.has_old())
+      ears_[ear_count_++] = {i, kOld};
+    if (!glide.moving() || glide.has_fresh())
+      ears_[ear_count_++] = {i, kFresh};
+    for (std::size_t n = 0; n < pushing_count_; ++n)
+      for (std::size_t e = first; e < ear_count_; ++e)
+        work_out_echo(pushing_[n], i, ears_[e].part);
+  }
+  for (std::size_t done = 0; done < frames;) {
+    const std::size_t to_grid = kLeap - static_cast<std::size_t>(clock_ % kLeap);
+    std::size_t count = std::min(frames - done, to_grid);
+    if (phase_ == 0 && count == kLeap) {
+      count = (frames - done) / kLeap * kLeap;
+      whole_leaps(done, count / kLeap);
+    } else {
+      part_of_leap(done, count, count == to_grid);
+    }
+    clock_ += count;
+    done += count;
+  }
+  mix();
+  advance_glides(frames);
+  if (clock_ % kRestPeriod == 0)
+    rest();
+}
+
+std::size_t ModeBank::make_ears(std::size_t at) noexcept {
+  for (std::size_t e = 0; e < ear_count_; ++e) {
+    const Pickup& pickup = pickups_[ears_[e].pickup];
+    kernel_pickups_[e] = {pickup.weight[ears_[e].part].data(), heard_[e].data() + at};
+  }
+  return ear_count_;
+}
+
+void ModeBank::whole_leaps(std::size_t at, std::size_t leaps) noexcept {
+  for (std::size_t n = 0; n < pushing_count_; ++n)
+    kernel_drives_[n] = {gain_[pushing_[n]].data(), force_[pushing_[n]] + at};
+  kernel_->run(view(), leaps, std::span(kernel_drives_).first(pushing_count_),
+               std::span(kernel_pickups_).first(make_ears(at)));
+  for (std::size_t n = 0; n < pushing_count_; ++n)
+    for (std::size_t e = 0; e < ear_count_; ++e)
+      kernel_->echo(force_[pushing_[n]] + at,
+                    echo(pushing_[n], ears_[e].pickup, ears_[e].part).echo.data(), leaps,
+                    heard_[e].data() + at);
+  if (release_left_ == 0)
+    return;
+  for (std::size_t e = 0; e < ear_count_; ++e)
+    kernel_pickups_[e].out = heard_released_[e].data() + at;
+  kernel_->run(released_view(), leaps, {}, std::span(kernel_pickups_).first(ear_count_));
+}
+
+void ModeBank::part_of_leap(std::size_t at, std::size_t count, bool ends) noexcept {
+  kernel_->listen(view(), phase_, count, std::span(kernel_pickups_).first(make_ears(at)));
+  if (release_left_ > 0) {
+    for (std::size_t e = 0; e < ear_count_; ++e)
+      kernel_pickups_[e].out = heard_released_[e].data() + at;
+    kernel_->listen(released_view(), phase_, count, std::span(kernel_pickups_).first(ear_count_));
+  }
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    std::copy_n(force_[d] + at, count, history_[d].begin() + static_cast<std::ptrdiff_t>(phase_));
+  for (std::size_t n = 0; n < pushing_count_; ++n)
+    add_echo(pushing_[n], phase_, phase_ + count, at);
+  phase_ += count;
+  if (ends)
+    settle();
+}
+
+void ModeBank::settle() noexcept {
+  if (phase_ == 0)
+    return;
+  std::size_t count = 0;
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    if (std::any_of(history_[d].begin(), history_[d].end(), [](float f) { return f != 0; }))
+      kernel_drives_[count++] = {gain_[d].data(), history_[d].data()};
+  kernel_->advance(view(), phase_, std::span(kernel_drives_).first(count));
+  if (release_left_ > 0)
+    kernel_->advance(released_view(), phase_, {});
+  for (auto& history : history_)
+    history.fill(0);
+  phase_ = 0;
+}
+
+/// Of samples `from` to `to` of the leap at hand.
+void ModeBank::add_echo(std::size_t drive, std::size_t from, std::size_t to,
+                        std::size_t at) noexcept {
+  for (std::size_t e = 0; e < ear_count_; ++e) {
+    std::array<float, kLeap> sum{};
+    kernel_->echo(history_[drive].data(), echo(drive, ears_[e].pickup, ears_[e].part).echo.data(),
+                  1, sum.data());
+    for (std::size_t i = from; i < to; ++i)
+      heard_[e][at + i - from] += sum[i];
+  }
+}
+
+void ModeBank::mix() noexcept {
+  if (release_left_ > 0)
+    mix_released();
+  for (std::size_t i = 0; i < pickups_.size(); ++i)
+    if (out_[i])
+      std::fill_n(out_[i], frames_, 0.0F);
+  for (std::size_t e = 0; e < ear_count_; ++e) {
+    const auto [pickup, part] = ears_[e];
+    const Glide& glide = pickups_[pickup].glide;
+    float* const out = out_[pickup];
+    if (!glide.moving()) {
+      std::copy_n(heard_[e].begin(), frames_, out);
+      continue;
+    }
+    for (std::size_t n = 0; n < frames_; ++n) {
+      const Glide::Blend blend = glide.blend(n);
+      const double share = part == kOld ? blend.old : part == kMiddle ? blend.middle : blend.fresh;
+      out[n] += static_cast<float>(share) * heard_[e][n];
+    }
+  }
+}
+
+void ModeBank::rest() noexcept {
+  std::size_t kept = 0;
+  for (std::size_t n = 0; n < active_count_; ++n) {
+    const std::size_t b = active_[n];
+    bool rings = false;
+    // By the block's largest weights: a mode that this place happens not to hear may be heard from
+    // the next.
+    float loudest = 0;
+    for (const Pickup& pickup : pickups_)
+      for (std::size_t i = 0; i < kLanes; ++i)
+        loudest = std::max({loudest, std::abs(pickup.weight[kFresh][b].real.v[i]),
+                            std::abs(pickup.weight[kFresh][b].imaginary.v[i])});
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      float& real = state_[b].real.v[i];
+      float& imaginary = state_[b].imaginary.v[i];
+      const float size = std::abs(real) + std::abs(imaginary);
+      if (size < kNothing || static_cast<double>(size * loudest) < floor_)
+        real = imaginary = 0;
+      else
+        rings = true;
+    }
+    if (rings)
+      active_[kept++] = static_cast<std::uint32_t>(b);
+    else
+      is_active_[b] = 0;
+  }
+  active_count_ = kept;
+}
+
+std::complex<double> ModeBank::state(std::size_t mode) const noexcept {
+  const auto [block, lane] = place(mode);
+  const std::complex<double> z = entry(state_[block], lane);
+  return poles_[block].even ? z * entry(poles_[block].power[PoleBlock::kFromMiddle], lane) : z;
+}
+
+void ModeBank::set_state(std::size_t mode, std::complex<double> z) noexcept {
+  const auto [block, lane] = place(mode);
+  if (poles_[block].even)
+    z *= entry(poles_[block].power[PoleBlock::kToMiddle], lane);
+  state_[block].real.v[lane] = static_cast<float>(z.real());
+  state_[block].imaginary.v[lane] = static_cast<float>(z.imag());
+  if (is_active_[block] || (z.real() == 0 && z.imag() == 0))
+    return;
+  is_active_[block] = 1;
+  list_active();
+}
+
+void ModeBank::read(const std::vector<ComplexLane>& from,
+                    std::span<std::complex<double>> z) const noexcept {
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    const std::size_t first = b * kLanes,
+                      last = std::min(first + kLanes, std::min(modes_, z.size()));
+    const ComplexLane* turn = poles_[b].even ? &poles_[b].power[PoleBlock::kFromMiddle] : nullptr;
+    for (std::size_t k = first; k < last; ++k) {
+      const auto value = entry(from[b], k - first);
+      z[k] = turn ? product(value, entry(*turn, k - first)) : value;
+    }
+  }
+}
+
+void ModeBank::read_states(std::span<std::complex<double>> z) noexcept {
+  settle();
+  read(state_, z);
+}
+
+void ModeBank::write_states(std::span<const std::complex<double>> z) noexcept {
+  silence();
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    const std::size_t first = b * kLanes,
+                      last = std::min(first + kLanes, std::min(modes_, z.size()));
+    const ComplexLane* turn = poles_[b].even ? &poles_[b].power[PoleBlock::kToMiddle] : nullptr;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t lane = k - first;
+      const auto value = turn ? product(z[k], entry(*turn, lane)) : z[k];
+      state_[b].real.v[lane] = static_cast<float>(value.real());
+      state_[b].imaginary.v[lane] = static_cast<float>(value.imag());
+      if (value.real() != 0 || value.imag() != 0)
+        is_active_[b] = 1;
+    }
+  }
+  list_active();
+}
+
+void ModeBank::skip(std::size_t samples) noexcept {
+  clock_ += samples;
+  while (samples > 0) {
+    const std::size_t part = std::min(samples, glide_left());
+    advance_glides(part);
+    samples -= part;
+  }
+}
+
+void ModeBank::silence() noexcept {
+  settle();
+  std::fill(state_.begin(), state_.end(), ComplexLane{});
+  std::fill(is_active_.begin(), is_active_.end(), static_cast<unsigned char>(0));
+  active_count_ = 0;
+}
+
+} // namespace tactus::modal

@@ -1,0 +1,176 @@
+#include "core/modal/bank/mode_bank.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+/// How a ModeBank's weights glide, and how what rings is released.
+namespace tactus::modal {
+
+void ModeBank::set_weight(std::size_t pickup,
+                          std::span<const std::complex<double>> weight) noexcept {
+  if (pickup < pickups_.size() && !leads_to(pickup, weight))
+    lead_to(pickup, weight);
+}
+
+void ModeBank::set_weights(std::span<const std::vector<std::complex<double>>> weight) noexcept {
+  const std::size_t count = std::min(pickups_.size(), weight.size());
+  bool same = modes_ > 0; // without modes nothing tells what else has changed
+  for (std::size_t i = 0; i < count && same; ++i)
+    same = leads_to(i, weight[i]);
+  for (std::size_t i = 0; i < count && !same; ++i)
+    lead_to(i, weight[i]);
+}
+
+/// The newest target is this weight.
+bool ModeBank::leads_to(std::size_t pickup,
+                        std::span<const std::complex<double>> weight) const noexcept {
+  const Pickup& at = pickups_[pickup];
+  const auto& last = at.glide.waits() ? at.target : at.weight[kFresh];
+  bool same = true;
+  for (std::size_t k = 0; k < std::min(modes_, weight.size()) && same; ++k) {
+    const auto [block, lane] = place(k);
+    same = last[block].real.v[lane] == static_cast<float>(weight[k].real()) &&
+           last[block].imaginary.v[lane] == static_cast<float>(weight[k].imag());
+  }
+  return same;
+}
+
+void ModeBank::lead_to(std::size_t pickup, std::span<const std::complex<double>> weight) noexcept {
+  settle();
+  write_weight(pickups_[pickup].target, weight);
+  exchange(pickup, pickups_[pickup].glide.start(), true);
+}
+
+void ModeBank::jump_to_weight(std::size_t pickup,
+                              std::span<const std::complex<double>> weight) noexcept {
+  if (pickup >= pickups_.size())
+    return;
+  settle();
+  pickups_[pickup].glide.stop();
+  write_weight(pickups_[pickup].weight[kFresh], weight);
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    echo(d, pickup, kFresh).known = false;
+  ++glide_version_;
+}
+
+void ModeBank::take_glide(
+    std::size_t pickup, const Glide& glide,
+    const std::array<std::span<const std::complex<double>>, 3>& weight) noexcept {
+  if (pickup >= pickups_.size())
+    return;
+  settle();
+  Pickup& at = pickups_[pickup];
+  at.glide = glide;
+  at.glide.forget_target();
+  for (const std::size_t part : {kOld, kMiddle, kFresh}) {
+    write_weight(at.weight[part], weight[part]);
+    for (std::size_t d = 0; d < gain_.size(); ++d)
+      echo(d, pickup, part).known = false;
+  }
+  ++glide_version_;
+}
+
+/// Moves the weights on, and what is known of them.
+void ModeBank::exchange(std::size_t pickup, Glide::Exchange exchange, bool waited) noexcept {
+  if (exchange == Glide::Exchange::kNone)
+    return;
+  ++glide_version_;
+  auto& weight = pickups_[pickup].weight;
+  const auto move_on = [&](Part from, Part to) {
+    std::swap(weight[from], weight[to]);
+    for (std::size_t d = 0; d < gain_.size(); ++d)
+      std::swap(echo(d, pickup, from), echo(d, pickup, to));
+  };
+  if (exchange == Glide::Exchange::kRotate)
+    move_on(kMiddle, kOld);
+  move_on(kFresh, kMiddle);
+  const auto& fresh = waited ? pickups_[pickup].target : weight[kMiddle];
+  std::copy(fresh.begin(), fresh.end(), weight[kFresh].begin());
+  for (std::size_t d = 0; d < gain_.size(); ++d)
+    if (waited)
+      echo(d, pickup, kFresh).known = false;
+    else
+      echo(d, pickup, kFresh) = echo(d, pickup, kMiddle);
+}
+
+void ModeBank::advance_glides(std::size_t samples) noexcept {
+  for (std::size_t i = 0; i < pickups_.size(); ++i) {
+    const bool waited = pickups_[i].glide.waits();
+    exchange(i, pickups_[i].glide.advance(samples), waited);
+  }
+}
+
+std::size_t ModeBank::glide_left() const noexcept {
+  std::size_t left = Glide::kSegment;
+  for (const Pickup& pickup : pickups_)
+    if (pickup.glide.moving())
+      left = std::min(left, pickup.glide.left());
+  return left;
+}
+
+std::complex<double> ModeBank::weight(std::size_t pickup, Part part,
+                                      std::size_t mode) const noexcept {
+  const auto [block, lane] = place(mode);
+  return entry(pickups_[pickup].weight[part][block], lane);
+}
+
+void ModeBank::read_released(std::span<std::complex<double>> z) noexcept {
+  settle();
+  read(released_, z);
+}
+
+void ModeBank::write_released(std::span<const std::complex<double>> z, std::size_t left) noexcept {
+  write_states(z);
+  release();
+  release_left_ = std::min(left, kRelease);
+}
+
+double ModeBank::release_share(std::size_t left) noexcept {
+  const double u = static_cast<double>(kRelease - left) / kRelease;
+  return 0.5 + 0.5 * std::cos(std::numbers::pi * u);
+}
+
+void ModeBank::release() noexcept {
+  settle();
+  const auto share = static_cast<float>(release_share(release_left_));
+  for (std::size_t b = 0; b < blocks_; ++b)
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      float& real = released_[b].real.v[i];
+      float& imaginary = released_[b].imaginary.v[i];
+      real = share * real + state_[b].real.v[i];
+      imaginary = share * imaginary + state_[b].imaginary.v[i];
+    }
+  silence();
+  list_released();
+  release_left_ = released_count_ > 0 ? kRelease : 0;
+}
+
+void ModeBank::list_released() noexcept {
+  released_count_ = 0;
+  for (std::size_t b = 0; b < blocks_; ++b) {
+    bool rings = false;
+    for (std::size_t i = 0; i < kLanes; ++i)
+      rings = rings || released_[b].real.v[i] != 0 || released_[b].imaginary.v[i] != 0;
+    if (rings)
+      released_active_[released_count_++] = static_cast<std::uint32_t>(b);
+  }
+}
+
+/// Adds what is being released, under half a cosine's turn.
+void ModeBank::mix_released() noexcept {
+  const std::size_t count = std::min(frames_, release_left_);
+  for (std::size_t n = 0; n < count; ++n) {
+    const auto share = static_cast<float>(release_share(release_left_ - n));
+    for (std::size_t e = 0; e < ear_count_; ++e)
+      heard_[e][n] += share * heard_released_[e][n];
+  }
+  release_left_ -= count;
+  if (release_left_ > 0)
+    return;
+  std::fill(released_.begin(), released_.end(), ComplexLane{});
+  released_count_ = 0;
+}
+
+} // namespace tactus::modal

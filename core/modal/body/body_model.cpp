@@ -1,0 +1,497 @@
+#include "core/modal/body/body_model.hpp"
+
+#include "core/modal/radiation/joined_arrivals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace tactus::modal {
+namespace {
+
+constexpr double kHighestOfRate = 0.45; // a mode above is not left to ring: it would alias
+constexpr double kNepersIn60dB = 6.907755278982137;
+constexpr double kUnknownModulus = 70e9, kUnknownDensity = 2700;
+
+Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Loss factor between the points of a curve, straight over the logarithms.
+double on_curve(const std::vector<std::array<double, 2>>& curve, double frequency) {
+  if (curve.empty())
+    return 0;
+  if (frequency <= curve.front()[0])
+    return curve.front()[1];
+  for (std::size_t i = 1; i < curve.size(); ++i)
+    if (frequency <= curve[i][0]) {
+      const double x =
+          std::log(frequency / curve[i - 1][0]) / std::log(curve[i][0] / curve[i - 1][0]);
+      const double low = std::max(curve[i - 1][1], 1e-12), high = std::max(curve[i][1], 1e-12);
+      return low * std::pow(high / low, x);
+    }
+  return curve.back()[1];
+}
+
+/// The ear's sensitivity to quiet tones relative to 1 kHz, as a factor (IEC 61672-1, annex E).
+double a_weighting(double frequency) {
+  const double f = frequency * frequency;
+  const double poles = (f + 20.6 * 20.6) * std::sqrt((f + 107.7 * 107.7) * (f + 737.9 * 737.9)) *
+                       (f + 12194.0 * 12194.0);
+  return 1.2589 * 12194.0 * 12194.0 * f * f / poles;
+}
+
+} // namespace
+
+BodyModel::BodyModel(std::shared_ptr<const LoadedTable> from, const BodySettings& with)
+    : loaded(std::move(from)), settings(with), bank({}, with.sample_rate, 0, 0),
+      solver({}, with.sample_rate, 0, false) {
+  const ModalTable& table = loaded->table;
+  const Material& own = table.material;
+  const auto first = [](double a, double b, double c) { return a > 0 ? a : b > 0 ? b : c; };
+  youngs_modulus_pa = first(settings.youngs_modulus_pa, own.youngs_modulus_pa, kUnknownModulus);
+  density_kg_per_m3 = first(settings.density_kg_per_m3, own.density_kg_per_m3, kUnknownDensity);
+  poisson = settings.poisson >= 0 ? settings.poisson : own.poisson;
+  const double volume = settings.size * settings.size * settings.size;
+  const double heavier =
+      density_kg_per_m3 / first(own.density_kg_per_m3, kUnknownDensity, kUnknownDensity);
+  shape_scale = 1 / std::sqrt(heavier * volume);
+  mass_kg = table.mass_kg * heavier * volume;
+  board_shape_scale_ = 1 / std::sqrt(volume);
+  find_rates();
+  find_rests();
+  const std::span<const std::complex<double>> all(rate);
+  bank = ModeBank(all.first(heard), settings.sample_rate, 1 + settings.voices, settings.listeners,
+                  settings.vector_set);
+  solver =
+      ContactSolver(all, settings.sample_rate, rest_slot() + rests.size(),
+                    table.free && table.mass_kg > 0, 3 * settings.listeners, settings.vector_set);
+  find_weights();
+  for (std::size_t k = 0; k < heard; ++k)
+    loudness.push_back(ear[k] * loudest_weight(k));
+  for (std::size_t l = 0; l < kMaxListeners; ++l) {
+    bank.jump_to_weight(l, weight[l]);
+  }
+  for (auto& part : scratch_weight_)
+    part.assign(heard, 0);
+  refresh_ears();
+}
+
+void BodyModel::refresh_ears() noexcept {
+  if (ears_version_ == bank.glide_version())
+    return;
+  ears_version_ = bank.glide_version();
+  ear_count = 0;
+  const auto add = [&](std::size_t listener, ModeBank::Part part) {
+    auto& weights = scratch_weight_[0];
+    for (std::size_t k = 0; k < heard; ++k)
+      weights[k] = bank.weight(listener, part, k);
+    solver.set_weight(ear_count, weights);
+    ears[ear_count++] = {listener, part};
+  };
+  for (std::size_t l = 0; l < settings.listeners; ++l) {
+    const Glide& glide = bank.glide(l);
+    if (glide.moving())
+      add(l, ModeBank::kMiddle);
+    if (glide.moving() && glide.has_old())
+      add(l, ModeBank::kOld);
+    if (!glide.moving() || glide.has_fresh())
+      add(l, ModeBank::kFresh);
+  }
+  solver.set_listening(ear_count);
+}
+
+double BodyModel::loudest_weight(std::size_t k) const noexcept {
+  double most = 0;
+  for (std::size_t l = 0; l < settings.listeners; ++l)
+    most = std::max(most, std::abs(weight[l][k]));
+  return most;
+}
+
+double BodyModel::decay_rate(std::size_t k, double omega) const {
+  const ModalTable& table = loaded->table;
+  const double before = 2 * std::numbers::pi * table.frequency_hz[k];
+  double rate_per_s = 0;
+  const bool of_board = loaded->is_of_board(k);
+  switch (of_board ? Damping::kTable : settings.damping) {
+  case Damping::kRayleigh:
+    rate_per_s = 0.5 * (settings.rayleigh_a_per_s + settings.rayleigh_b_s * omega * omega);
+    break;
+  case Damping::kLoss:
+    rate_per_s = 0.5 * omega * settings.loss_factor;
+    break;
+  case Damping::kCurve:
+    rate_per_s = 0.5 * omega * on_curve(settings.loss_curve, omega / (2 * std::numbers::pi));
+    break;
+  case Damping::kTable:
+    rate_per_s = table.decay_rate.empty() ? 0.5 * omega * table.loss_factor[k]
+                                          : table.decay_rate[k] * omega / before;
+    break;
+  }
+  const double scale = shape_scale_of(of_board ? LoadedTable::kBoard : 0);
+  if (!table.radiation_decay_rate.empty()) // area times shape squared over mass, at the same k a
+    rate_per_s += table.radiation_decay_rate[k] * scale * scale * settings.size * settings.size;
+  if (settings.choke_t60_s > 0 && !of_board)
+    rate_per_s += kNepersIn60dB / settings.choke_t60_s;
+  return rate_per_s;
+}
+
+void BodyModel::find_rates() {
+  const ModalTable& table = loaded->table;
+  const Material& own = table.material;
+  const double modulus = own.youngs_modulus_pa > 0 ? own.youngs_modulus_pa : kUnknownModulus;
+  const double density = own.density_kg_per_m3 > 0 ? own.density_kg_per_m3 : kUnknownDensity;
+  const double faster =
+      std::sqrt(youngs_modulus_pa / modulus / (density_kg_per_m3 / density)) / settings.size;
+  const double highest = kHighestOfRate * settings.sample_rate;
+  const std::size_t most = settings.most_modes > 0 ? settings.most_modes : table.modes();
+  const std::vector<double> factor =
+      frequency_factors(table.sensitivity, table.frequency_hz, settings.shape_displacement_m);
+  std::vector<std::pair<std::complex<double>, std::size_t>> low, high;
+  for (std::size_t k = 0; k < table.modes(); ++k) {
+    const bool of_board = loaded->is_of_board(k);
+    double frequency = table.frequency_hz[k] * factor[k] * (of_board ? 1 / settings.size : faster);
+    if (!table.poisson_slope.empty() && settings.poisson >= 0 && !of_board)
+      frequency *= std::exp(table.poisson_slope[k] * (settings.poisson - own.poisson));
+    const double omega = 2 * std::numbers::pi * frequency;
+    // Beyond critical damping a mode has no rate of its own to swing at: kept just below.
+    const double decay = std::min(decay_rate(k, omega), 0.999 * omega);
+    const std::complex<double> s(-decay, std::sqrt(omega * omega - decay * decay));
+    if (frequency < highest && k < most)
+      low.emplace_back(s, k);
+    else if (frequency < kContactLimit)
+      high.emplace_back(s, k);
+  }
+  // Modes of like decay fall silent together, and the bank can leave them out together.
+  std::stable_sort(low.begin(), low.end(),
+                   [](const auto& a, const auto& b) { return a.first.real() > b.first.real(); });
+  heard = low.size();
+  low.insert(low.end(), high.begin(), high.end());
+  place_of.assign(table.modes(), low.size());
+  for (const auto& [s, k] : low) {
+    place_of[k] = mode.size();
+    rate.push_back(s);
+    mode.push_back(k);
+  }
+  scratch.assign(mode.size(), 0);
+  scratch_state.assign(mode.size(), 0);
+  scratch_level.assign(heard, 0);
+  for (const std::complex<double>& s : rate) {
+    const double x = std::min(0.5 * s.imag() / settings.sample_rate, 0.5 * std::numbers::pi);
+    const double square = x * x;
+    pulse_gain.push_back(1 + square * (1.0 / 6 + square * (7.0 / 360 + square * (31.0 / 15120))));
+    band.push_back(pulse_band(s.imag()));
+  }
+  bank_state.assign(heard, 0);
+  push_gain.assign(mode.size(), 0.0F);
+  for (std::size_t i = 0; i < heard; ++i)
+    ear.push_back(a_weighting(rate[i].imag() / (2 * std::numbers::pi)));
+}
+
+std::vector<DirectKernels::Mode> BodyModel::direct_modes() const {
+  using Part = DirectKernels::Mode::Part;
+  const double highest = 2 * std::numbers::pi * kHighestOfRate * settings.sample_rate;
+  std::vector<DirectKernels::Mode> modes;
+  for (std::size_t i = 0; i < mode.size(); ++i)
+    modes.push_back({rate[i], mode[i],
+                     i < heard                      ? Part::kRings
+                     : std::abs(rate[i]) >= highest ? Part::kTooHigh
+                                                    : Part::kMute,
+                     pulse_gain[i]});
+  return modes;
+}
+
+RadiatingSurface::RigidShapes BodyModel::rigid_shapes() const {
+  RadiatingSurface::RigidShapes shapes;
+  if (!loaded->table.free || !(mass_kg > 0))
+    return shapes;
+  const RadiatingSurface& radiating = loaded->body().radiating; // its triangles are the first
+  for (std::size_t t = 0; t < radiating.triangles(); ++t) {
+    SurfacePoint place;
+    place.triangle = t;
+    place.position = radiating.centre(t);
+    RigidGain outward = rigid_gains(place, radiating.normal(t));
+    for (double& b : outward) // gains are for a push inwards
+      b = -b;
+    shapes.push_back(outward);
+  }
+  return shapes;
+}
+
+/// Of a part's own modes; 0 where one is left out.
+std::vector<double> BodyModel::omega_by_mode(std::size_t part) const {
+  std::vector<double> omega(loaded->table.modes(), 0);
+  for (std::size_t i = 0; i < mode.size(); ++i)
+    omega[mode[i]] = rate[i].imag();
+  if (loaded->parts.empty())
+    return omega;
+  std::vector<double> own;
+  for (const std::size_t k : loaded->parts[part].mode)
+    own.push_back(omega[k]);
+  return own;
+}
+
+std::array<RigidDipole, 3> BodyModel::free_dipoles() const {
+  const ModalTable& table = loaded->table;
+  if (!table.free || !(mass_kg > 0))
+    return {};
+  double volume = 0; // by the divergence theorem
+  const Surface& surface = loaded->body().surface;
+  for (std::size_t t = 0; t < surface.triangles(); ++t) {
+    const auto& c = surface.corners(t);
+    volume += dot(c[0], cross(c[1], c[2])) / 6;
+  }
+  const double length = settings.size;
+  std::array<Vec3, 3> inertia = table.inertia_kg_m2;
+  for (Vec3& row : inertia)
+    row = row * (mass_kg / table.mass_kg * length * length);
+  return rigid_dipoles(mass_kg, inertia, volume * length * length * length);
+}
+
+/// What a listener receives of a part of the table; null: nothing but its surface's velocity.
+std::unique_ptr<Arrivals> BodyModel::arrivals_of(std::size_t part, const Vec3& listener,
+                                                 double delay_from_s) const {
+  const LoadedTable& own = loaded->parts.empty() ? *loaded : *loaded->parts[part].loaded;
+  const Vec3 displacement = loaded->parts.empty() ? Vec3{} : loaded->parts[part].displacement_m;
+  const Vec3 from = listener - settings.size * displacement;
+  const bool is_body = part != LoadedTable::kBoard;
+  const RadiatingSurface::Scene scene{
+      settings.size,
+      shape_scale_of(part),
+      loaded->table.air_density_kg_per_m3,
+      loaded->table.sound_speed_m_per_s,
+      settings.sample_rate,
+      DirectKernels::max_spread(mode.size(), loaded->table.vertices()),
+      delay_from_s};
+  if (settings.radiation == Radiation::kBody && !own.table.multipoles.empty())
+    return multipole_arrivals(own.table, omega_by_mode(part), from, scene,
+                              is_body ? free_dipoles() : std::array<RigidDipole, 3>{},
+                              is_body ? mass_kg : 0);
+  // Beside a body that has multipoles, one without is heard by its surface.
+  if (settings.radiation == Radiation::kModal ||
+      (settings.radiation == Radiation::kBody && !loaded->parts.empty()))
+    return own.radiating.arrivals(from, scene,
+                                  is_body ? rigid_shapes() : RadiatingSurface::RigidShapes{});
+  return nullptr;
+}
+
+std::unique_ptr<Arrivals> BodyModel::arrivals(const Vec3& listener) const {
+  auto of_body = arrivals_of(0, listener, -1);
+  if (loaded->parts.empty() || !of_body)
+    return of_body;
+  auto of_board = arrivals_of(LoadedTable::kBoard, listener, of_body->delay_s);
+  if (of_board->delay_s < of_body->delay_s &&
+      !of_board->silent) // the later one is timed by the earlier one
+    of_body = arrivals_of(0, listener, of_board->delay_s);
+  std::vector<JoinedArrivals::Part> parts(2);
+  parts[0] = {std::move(of_body), loaded->parts[0].mode, 0};
+  parts[1] = {std::move(of_board), loaded->parts[1].mode, 0};
+  return std::make_unique<JoinedArrivals>(
+      std::move(parts), settings.sample_rate,
+      DirectKernels::max_spread(mode.size(), loaded->table.vertices()));
+}
+
+void BodyModel::find_weights() {
+  const ModalTable& table = loaded->table;
+  const std::vector<DirectKernels::Mode> modes = direct_modes();
+  const bool has_surface = !loaded->surface.empty();
+  plays_raw = settings.radiation == Radiation::kRaw && !table.raw.empty();
+  const BankKernel* const kernel = bank_kernel(settings.vector_set);
+  const DirectKernels::SurfaceShapes shapes{loaded->shape, table.modes(),
+                                            kernel ? kernel : bank_kernel(VectorSet::kBaseline)};
+  for (std::size_t l = 0; l < kMaxListeners; ++l) {
+    weight[l].assign(heard, 0);
+    if (plays_raw) {
+      raw[l].set(table.raw, settings.listener[l], table.air_density_kg_per_m3,
+                 table.sound_speed_m_per_s);
+      continue;
+    }
+    if (l >= settings.listeners)
+      continue;
+    if (const auto heard_from = has_surface ? arrivals(settings.listener[l]) : nullptr) {
+      delay_s[l] = heard_from->delay_s;
+      direct[l].build(*heard_from, modes, table.free && mass_kg > 0, settings.sample_rate, shapes);
+    } else {
+      // What a vibrometer sees at the nearest place: the velocity along the normal, outwards.
+      std::vector<double> gain(heard, -1);
+      if (has_surface) {
+        const SurfacePoint place = nearest(settings.listener[l]);
+        gains(place, place.normal, gain);
+      }
+      std::vector<std::complex<double>> velocity(heard);
+      for (std::size_t k = 0; k < heard; ++k) // z stands for q' = Im(s z)/omega_d
+        velocity[k] = -gain[k] * rate[k] / rate[k].imag();
+      direct[l].build_velocity(modes, velocity, settings.sample_rate);
+    }
+    weight[l] = direct[l].weight();
+  }
+  make_kernels();
+  make_rest_kernels();
+}
+
+void BodyModel::gains(const SurfacePoint& place, const Vec3& direction,
+                      std::span<double> gain) const noexcept {
+  const ModalTable& table = loaded->table;
+  const std::size_t count = std::min(gain.size(), mode.size());
+  if (loaded->shape.empty()) {
+    std::fill_n(gain.begin(), count, shape_scale);
+    return;
+  }
+  std::array<const float*, 3> at;
+  std::array<std::array<float, 3>, 3> push;
+  const double scale = shape_scale_of(loaded->part_of_triangle(place.triangle));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto vertex = static_cast<std::size_t>(table.triangle[place.triangle][i]);
+    at[i] = loaded->shape.data() + vertex * table.modes() * 3;
+    const Vec3 share = -scale * place.weight[i] * direction;
+    push[i] = {static_cast<float>(share.x), static_cast<float>(share.y),
+               static_cast<float>(share.z)};
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first = 3 * mode[k];
+    float sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float* const shape = at[i] + first;
+      sum += push[i][0] * shape[0] + push[i][1] * shape[1] + push[i][2] * shape[2];
+    }
+    gain[k] = static_cast<double>(sum);
+  }
+}
+
+std::array<double, ContactSolver::kRigid>
+BodyModel::rigid_gains(const SurfacePoint& place, const Vec3& direction) const noexcept {
+  std::array<double, ContactSolver::kRigid> gain{};
+  const ModalTable& table = loaded->table;
+  if (!table.free || !(mass_kg > 0) || loaded->part_of_triangle(place.triangle) != 0)
+    return gain;
+  const Vec3 push = -direction;
+  for (int axis = 0; axis < 3; ++axis)
+    gain[static_cast<std::size_t>(axis)] = push[axis] / std::sqrt(mass_kg);
+  const auto constrained = [this](const RigidGain& g) {
+    return rests.empty() ? g : ContactSolver::constrained(g, rigid_basis_);
+  };
+  const auto& t = table.inertia_kg_m2;
+  if (!(t[0].x > 0))
+    return constrained(gain);
+  // I = L L^T; the momentum of a unit impulse about the centre, solved by L, has unit inertia.
+  const double scale = mass_kg / table.mass_kg * settings.size * settings.size;
+  const double l00 = std::sqrt(t[0].x * scale), l10 = t[1].x * scale / l00,
+               l20 = t[2].x * scale / l00;
+  const double square = t[1].y * scale - l10 * l10;
+  if (!(square > 0))
+    return constrained(gain);
+  const double l11 = std::sqrt(square), l21 = (t[2].y * scale - l20 * l10) / l11;
+  const double rest = t[2].z * scale - l20 * l20 - l21 * l21;
+  if (!(rest > 0))
+    return constrained(gain);
+  const Vec3 turn = cross(settings.size * (place.position - table.centre_of_mass_m), push);
+  gain[3] = turn.x / l00;
+  gain[4] = (turn.y - l10 * gain[3]) / l11;
+  gain[5] = (turn.z - l20 * gain[3] - l21 * gain[4]) / std::sqrt(rest);
+  return constrained(gain);
+}
+
+double BodyModel::left_out(const SurfacePoint& place) const noexcept {
+  const ModalTable& table = loaded->table;
+  if (table.residual_compliance.empty())
+    return 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    sum +=
+        place.weight[i] *
+        static_cast<double>(
+            table.residual_compliance[static_cast<std::size_t>(table.triangle[place.triangle][i])]);
+  const double modulus = table.material.youngs_modulus_pa;
+  const bool as_in_table = loaded->part_of_triangle(place.triangle) != 0 || !(modulus > 0);
+  return sum * (as_in_table ? 1 : modulus / youngs_modulus_pa) / settings.size;
+}
+
+SurfacePoint BodyModel::nearest(const Vec3& point) const noexcept {
+  if (loaded->surface.empty())
+    return {};
+  SurfacePoint place = loaded->surface.nearest(point * (1 / settings.size));
+  place.distance *= settings.size;
+  return place;
+}
+
+namespace {
+
+/// The state with the same displacement and velocity at another rate.
+std::complex<double> same_motion(std::complex<double> z, std::complex<double> before,
+                                 std::complex<double> now) noexcept {
+  const double q = z.imag() / before.imag();
+  const double speed = z.real() + before.real() * q;
+  return {speed - now.real() * q, now.imag() * q};
+}
+
+} // namespace
+
+void BodyModel::release_from(BodyModel& before) noexcept {
+  if (before.bank.release_left() == 0)
+    return;
+  before.bank.read_released(std::span(before.scratch_state).first(before.heard));
+  for (std::size_t i = 0; i < heard; ++i) {
+    const std::size_t j = before.place_of[mode[i]];
+    scratch_state[i] =
+        j < before.heard ? same_motion(before.scratch_state[j], before.rate[j], rate[i]) : 0.0;
+  }
+  bank.write_released(std::span(scratch_state).first(heard), before.bank.release_left());
+}
+
+void BodyModel::continue_from(BodyModel& before) noexcept {
+  release_from(before);
+  before.bank.read_states(std::span(before.scratch_state).first(before.heard));
+  for (std::size_t i = 0; i < heard; ++i) {
+    const std::size_t j = before.place_of[mode[i]];
+    scratch_state[i] =
+        j < before.heard ? same_motion(before.scratch_state[j], before.rate[j], rate[i]) : 0.0;
+  }
+  bank.write_states(std::span(scratch_state).first(heard));
+  glide_from(before);
+}
+
+void BodyModel::continue_touched(BodyModel& before) noexcept {
+  release_from(before);
+  before.solver.read_states(before.scratch_state);
+  for (std::size_t i = 0; i < mode.size(); ++i) {
+    const std::size_t j = before.place_of[mode[i]];
+    scratch_state[i] = j < before.mode.size()
+                           ? same_motion(before.scratch_state[j], before.rate[j], rate[i])
+                           : 0.0;
+  }
+  solver.write_states(scratch_state);
+  const double longer = settings.size / before.settings.size;
+  solver.take_over_rigid(before.solver, before.mass_kg > 0 ? mass_kg / before.mass_kg : 1, longer);
+  if (!rests.empty())
+    solver.constrain_rigid(rigid_basis_);
+  glide_from(before);
+}
+
+void BodyModel::glide_from(BodyModel& before) noexcept {
+  bank.set_clock(before.bank.clock());
+  for (std::size_t l = 0; l < std::min(settings.listeners, before.settings.listeners); ++l) {
+    for (const auto part : {ModeBank::kOld, ModeBank::kMiddle, ModeBank::kFresh})
+      for (std::size_t i = 0; i < heard; ++i) {
+        const std::size_t j = before.place_of[mode[i]];
+        if (j >= before.heard) {
+          scratch_weight_[part][i] = weight[l][i];
+          continue;
+        }
+        // What this displacement and velocity sounded like until now: the same w_i (q' + alpha q) +
+        // w_r omega q, written for the new rate. The glide begins without a step.
+        const std::complex<double> w = before.bank.weight(l, part, j), s = before.rate[j];
+        scratch_weight_[part][i] = {(w.real() * s.imag() + w.imag() * (rate[i].real() - s.real())) /
+                                        rate[i].imag(),
+                                    w.imag()};
+      }
+    bank.take_glide(l, before.bank.glide(l),
+                    {scratch_weight_[0], scratch_weight_[1], scratch_weight_[2]});
+  }
+  // The direct sound of forces keeps one time for all listeners: their glides run in step.
+  for (std::size_t l = before.settings.listeners; l < settings.listeners; ++l)
+    bank.take_glide(l, before.bank.glide(0), {weight[l], weight[l], weight[l]});
+  bank.set_weights(std::span(weight).first(settings.listeners));
+}
+
+} // namespace tactus::modal

@@ -1,0 +1,148 @@
+#pragma once
+
+#include "core/dsp/vector.hpp"
+#include "core/modal/contact/contact_kernel.hpp"
+
+/// A contact's loops over modes, written once for any instruction set and precision; a template on
+/// the set, so that the linker never takes a newer processor's code for an older one's.
+namespace tactus::modal {
+
+template <class Set, class T> class ContactLanes final : public ContactKernel<T> {
+  using L = simd::Vectors<Set, T, kContactLanes>;
+  using V = typename L::V;
+  static constexpr std::size_t kWidth = L::kWidth;
+  static constexpr std::size_t kRegisters = L::kRegisters; // of a turn of the loop
+
+  struct Pair {
+    V real, imaginary;
+  };
+  [[gnu::always_inline]] static V fma(V a, V b, V c) noexcept { return L::multiply_add(a, b, c); }
+  [[gnu::always_inline]] static V load(const T* from) noexcept { return L::load(from); }
+  [[gnu::always_inline]] static Pair load(ConstSplitView<T> from, std::size_t i) noexcept {
+    return {load(from.real + i), load(from.imaginary + i)};
+  }
+  [[gnu::always_inline]] static void store(T* to, V value) noexcept { L::store(to, value); }
+  [[gnu::always_inline]] static V all(double x) noexcept { return L::all(x); }
+  /// z + force b
+  [[gnu::always_inline]] static Pair pushed(const Pair& z, const Pair& b, V force) noexcept {
+    return {fma(b.real, force, z.real), fma(b.imaginary, force, z.imaginary)};
+  }
+  /// z + t z
+  [[gnu::always_inline]] static Pair turned(const Pair& z, const Pair& t) noexcept {
+    return {fma(t.real, z.real, fma(-t.imaginary, z.imaginary, z.real)),
+            fma(t.real, z.imaginary, fma(t.imaginary, z.real, z.imaginary))};
+  }
+  /// One sum in several registers, which do not wait for each other.
+  struct Sum {
+    V part[kRegisters];
+    [[gnu::always_inline]] Sum() noexcept {
+#pragma GCC unroll 8
+      for (std::size_t r = 0; r < kRegisters; ++r)
+        part[r] = V{};
+    }
+    [[gnu::always_inline]] double total() const noexcept {
+      return static_cast<double>(L::across(part));
+    }
+  };
+
+  /// Few ears are counted when this is compiled, so that their sums stay in registers.
+  [[gnu::always_inline]] static constexpr std::size_t heard_by(std::size_t compiled,
+                                                               std::size_t ears) noexcept {
+    return compiled < ContactPass<T>::kMostEars ? compiled : ears;
+  }
+  template <std::size_t Pushes, std::size_t Steps, std::size_t Ears>
+  static void advance_by(ContactPass<T>& pass) noexcept {
+    const SplitView<T> z = pass.z;
+    const ConstSplitView<T> turn = pass.turn, push = pass.push;
+    const T* const gain = pass.gain;
+    ConstSplitView<T> ear[Ears + 1] = {};
+    for (std::size_t e = 0; e < Ears; ++e)
+      ear[e] = pass.ear[e < pass.ears ? e : 0];
+    Sum first, second, heard[Ears + 1];
+    const std::size_t listening = pass.ears < Ears ? pass.ears : Ears;
+    const V pending = all(pass.force[0]), last = all(pass.force[Pushes - 1]);
+    for (std::size_t k = 0; k < pass.count; k += kContactLanes) {
+#pragma GCC unroll 8
+      for (std::size_t r = 0; r < kRegisters; ++r) {
+        const std::size_t i = k + r * kWidth;
+        Pair state{load(z.real + i), load(z.imaginary + i)};
+        const Pair t = load(turn, i), b = load(push, i);
+        state = turned(pushed(state, b, pending), t);
+        if constexpr (Pushes == 2)
+          state = turned(pushed(state, b, last), t);
+        store(z.real + i, state.real);
+        store(z.imaginary + i, state.imaginary);
+        const V g = load(gain + i);
+        first.part[r] = fma(g, state.imaginary, first.part[r]);
+        if constexpr (Steps == 2) {
+          state = turned(state, t);
+          second.part[r] = fma(g, state.imaginary, second.part[r]);
+        }
+        for (std::size_t e = 0; e < heard_by(Ears, listening); ++e) {
+          const V real = load(ear[e].real + i), imaginary = load(ear[e].imaginary + i);
+          heard[e].part[r] =
+              fma(real, state.imaginary, fma(imaginary, state.real, heard[e].part[r]));
+        }
+      }
+    }
+    pass.place[0] = first.total();
+    pass.place[1] = second.total();
+    for (std::size_t e = 0; e < heard_by(Ears, listening); ++e)
+      pass.heard[e] = heard[e].total();
+  }
+  template <std::size_t Pushes, std::size_t Steps>
+  static void advance_and_hear(ContactPass<T>& pass) noexcept {
+    switch (pass.ears) {
+    case 0:
+      return advance_by<Pushes, Steps, 0>(pass);
+    case 1:
+      return advance_by<Pushes, Steps, 1>(pass);
+    case 2:
+      return advance_by<Pushes, Steps, 2>(pass);
+    default:
+      return advance_by<Pushes, Steps, ContactPass<T>::kMostEars>(pass);
+    }
+  }
+
+public:
+  void advance(ContactPass<T>& pass) const noexcept override {
+    if (pass.steps == 1)
+      return advance_and_hear<1, 1>(pass);
+    if (pass.pushes == 1)
+      return advance_and_hear<1, 2>(pass);
+    return advance_and_hear<2, 2>(pass);
+  }
+
+  void push(SplitView<T> z, ConstSplitView<T> b, double force,
+            std::size_t count) const noexcept override {
+    const V f = all(force);
+    for (std::size_t i = 0; i < count; i += kWidth) {
+      store(z.real + i, fma(load(b.real + i), f, load(z.real + i)));
+      store(z.imaginary + i, fma(load(b.imaginary + i), f, load(z.imaginary + i)));
+    }
+  }
+
+  double sum(const T* a, const T* b, std::size_t count) const noexcept override {
+    Sum sums;
+    for (std::size_t k = 0; k < count; k += kContactLanes) {
+#pragma GCC unroll 8
+      for (std::size_t r = 0; r < kRegisters; ++r)
+        sums.part[r] = fma(load(a + k + r * kWidth), load(b + k + r * kWidth), sums.part[r]);
+    }
+    return sums.total();
+  }
+
+  double hear(ConstSplitView<T> w, ConstSplitView<T> z, std::size_t count) const noexcept override {
+    Sum sums;
+    for (std::size_t k = 0; k < count; k += kContactLanes) {
+#pragma GCC unroll 8
+      for (std::size_t r = 0; r < kRegisters; ++r) {
+        const Pair a = load(w, k + r * kWidth), b = load(z, k + r * kWidth);
+        sums.part[r] = fma(a.real, b.imaginary, fma(a.imaginary, b.real, sums.part[r]));
+      }
+    }
+    return sums.total();
+  }
+};
+
+} // namespace tactus::modal

@@ -1,0 +1,109 @@
+#include "core/modal/contact/pulse.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+
+namespace tactus::modal {
+namespace {
+
+constexpr int kRounds = 12;
+
+constexpr std::size_t kPerOctave = 4, kBands = kPulseBands;
+
+/// Mobility of the modes of each band and their mean frequency.
+class Bands {
+public:
+  explicit Bands(const StruckPlace& place) noexcept {
+    const std::size_t count = std::min(place.gain.size(), place.rate.size());
+    const bool known = place.band.size() >= count;
+    // Several sums side by side: neighbouring modes mostly share a band.
+    std::array<std::array<Band, kApart>, kBands> part{};
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t index = known ? place.band[k] % kBands : pulse_band(place.rate[k].imag());
+      Band& band = part[index][k % kApart];
+      const double mobility = place.gain[k] * place.gain[k];
+      band.mobility += mobility;
+      band.sum += mobility * place.rate[k].imag();
+    }
+    for (std::size_t i = 0; i < kBands; ++i)
+      for (const Band& band : part[i]) {
+        band_[i].mobility += band.mobility;
+        band_[i].sum += band.sum;
+      }
+  }
+  template <class Take> void each(const Take& take) const noexcept {
+    for (const Band& band : band_)
+      if (band.mobility > 0 && band.sum > 0)
+        take(band.mobility, band.sum / band.mobility);
+  }
+
+private:
+  static constexpr std::size_t kApart = 4;
+  struct Band {
+    double mobility = 0, sum = 0; ///< of b^2 and of b^2 omega
+  };
+  std::array<Band, kBands> band_{};
+};
+
+} // namespace
+
+/// By the exponent and the first two bits of the mantissa.
+std::uint8_t pulse_band(double omega_per_s) noexcept {
+  constexpr std::uint64_t kOfOne = std::uint64_t{1023} << 2;
+  const double omega = omega_per_s > 1 ? omega_per_s : 1;
+  const std::uint64_t bits = std::bit_cast<std::uint64_t>(omega) >> 50;
+  return static_cast<std::uint8_t>(std::min<std::uint64_t>(bits - kOfOne, kBands - 1));
+}
+
+double pulse_band_begin(std::size_t band) noexcept {
+  const auto part = static_cast<double>(band % kPerOctave) / kPerOctave;
+  return std::ldexp(1 + part, static_cast<int>(band / kPerOctave));
+}
+
+double Pulse::spectrum(double radians) noexcept {
+  const double x = radians / std::numbers::pi, denominator = 1 - x * x;
+  return std::abs(denominator) > 1e-6 ? std::cos(0.5 * radians) / denominator
+                                      : std::numbers::pi / 4;
+}
+
+Pulse find_pulse(const contact::ImpactLaw& law, double striker_mass_kg, double speed_m_per_s,
+                 double restitution, const StruckPlace& place) noexcept {
+  const Bands bands(place);
+  const double own = 1 / striker_mass_kg + place.rigid_mobility_per_kg;
+  double mobility = own;
+  double duration = law.duration(1 / mobility, speed_m_per_s);
+  for (int round = 0; round < kRounds; ++round) {
+    mobility = own;
+    double compliance = place.compliance_m_per_n;
+    bands.each([&](double b_squared, double omega) {
+      const double spectrum = Pulse::spectrum(omega * duration);
+      const double turns = omega * duration / std::numbers::pi;
+      mobility += b_squared * spectrum * spectrum;
+      compliance += b_squared / (omega * omega) * turns * turns / (1 + turns * turns);
+    });
+    // Deepest at m v^2/2 = W(d) + C F(d)^2/2: the law's own duration for its part of the way, half
+    // a period of a spring for the compliance's.
+    contact::ImpactLaw yielding = law;
+    yielding.compliance_m_per_n = std::max(compliance, 0.0);
+    const double energy = 0.5 * speed_m_per_s * speed_m_per_s / mobility;
+    const double deepest = yielding.deepest(energy), force = yielding.force(deepest, 0);
+    const double give = compliance * force;
+    const double of_law = law.duration(1 / mobility, speed_m_per_s) / law.deepest(energy);
+    const double next =
+        of_law * std::max(deepest - give, 0.0) + std::numbers::pi * give / speed_m_per_s;
+    if (!(std::isfinite(next) && next > 0))
+      break;
+    const bool found = std::abs(next - duration) < 1e-3 * duration;
+    duration = std::sqrt(duration * next); // towards it, in proportion
+    if (found)
+      break;
+  }
+  return {(1 + restitution) * speed_m_per_s / mobility, duration, striker_mass_kg * mobility - 1};
+}
+
+} // namespace tactus::modal

@@ -1,0 +1,128 @@
+#include "core/modal/contact/rest_equilibrium.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::modal {
+namespace {
+
+using Rigid = RestEquilibrium::Rigid;
+
+constexpr double kSameDirection = 1e-3; // of its length: what else a gain has is of the mesh
+constexpr double kBalance = 1e-6;       // of the load
+
+double dot(const Rigid& a, const Rigid& b) {
+  double sum = 0;
+  for (std::size_t r = 0; r < a.size(); ++r)
+    sum += a[r] * b[r];
+  return sum;
+}
+
+/// Gram and Schmidt, the longest remainder first.
+std::vector<Rigid> span_of(std::vector<Rigid> gain) {
+  std::vector<Rigid> basis;
+  double longest = 0;
+  for (const Rigid& g : gain)
+    longest = std::max(longest, std::sqrt(dot(g, g)));
+  while (true) {
+    const auto most =
+        std::max_element(gain.begin(), gain.end(),
+                         [](const Rigid& a, const Rigid& b) { return dot(a, a) < dot(b, b); });
+    const double length = most == gain.end() ? 0 : std::sqrt(dot(*most, *most));
+    if (!(length > kSameDirection * longest))
+      return basis;
+    Rigid axis = *most;
+    for (double& x : axis)
+      x /= length;
+    basis.push_back(axis);
+    for (Rigid& g : gain) {
+      const double along = dot(axis, g);
+      for (std::size_t r = 0; r < g.size(); ++r)
+        g[r] -= along * axis[r];
+    }
+  }
+}
+
+/// x of the symmetric system a x = right, by elimination; directions that a does not reach stay 0.
+std::vector<double> solve(std::vector<std::vector<double>> a, std::vector<double> right) {
+  const std::size_t count = right.size();
+  double largest = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    largest = std::max(largest, a[i][i]);
+  std::vector<double> x(count, 0);
+  std::vector<bool> used(count, false);
+  for (std::size_t round = 0; round < count; ++round) {
+    std::size_t best = count;
+    for (std::size_t i = 0; i < count; ++i)
+      if (!used[i] && (best == count || a[i][i] > a[best][best]))
+        best = i;
+    if (!(a[best][best] > 1e-10 * largest))
+      break;
+    used[best] = true;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i == best)
+        continue;
+      const double ratio = a[i][best] / a[best][best];
+      for (std::size_t j = 0; j < count; ++j)
+        a[i][j] -= ratio * a[best][j];
+      right[i] -= ratio * right[best];
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    if (used[i])
+      x[i] = right[i] / a[i][i];
+  return x;
+}
+
+} // namespace
+
+RestEquilibrium::RestEquilibrium(std::span<const Rigid> gain, const Rigid& load, double pressing_n)
+    : force_n(gain.size(), 0), basis(span_of({gain.begin(), gain.end()})) {
+  if (basis.empty()) { // held: only what presses
+    std::fill(force_n.begin(), force_n.end(), pressing_n);
+    return;
+  }
+  // In the basis: sum of F h = target.
+  const std::size_t axes = basis.size();
+  std::vector<std::vector<double>> h(gain.size(), std::vector<double>(axes, 0));
+  std::vector<double> target(axes, 0);
+  double size = 0;
+  for (std::size_t r = 0; r < axes; ++r) {
+    target[r] = -dot(basis[r], load);
+    for (std::size_t i = 0; i < gain.size(); ++i) {
+      h[i][r] = dot(basis[r], gain[i]);
+      target[r] += pressing_n * h[i][r];
+    }
+    size += target[r] * target[r];
+  }
+  std::vector<bool> carries(gain.size(), true);
+  while (true) {
+    std::vector<std::vector<double>> matrix(axes, std::vector<double>(axes, 0));
+    for (std::size_t i = 0; i < gain.size(); ++i)
+      for (std::size_t r = 0; r < axes && carries[i]; ++r)
+        for (std::size_t s = 0; s < axes; ++s)
+          matrix[r][s] += h[i][r] * h[i][s];
+    const std::vector<double> multiplier = solve(matrix, target);
+    std::size_t lifted = gain.size();
+    for (std::size_t i = 0; i < gain.size(); ++i) {
+      force_n[i] = 0;
+      for (std::size_t r = 0; r < axes && carries[i]; ++r)
+        force_n[i] += h[i][r] * multiplier[r];
+      if (force_n[i] < 0 && (lifted == gain.size() || force_n[i] < force_n[lifted]))
+        lifted = i;
+    }
+    if (lifted == gain.size())
+      break;
+    carries[lifted] = false;
+  }
+  double missing = 0;
+  for (std::size_t r = 0; r < axes; ++r) {
+    double rest = target[r];
+    for (std::size_t i = 0; i < gain.size(); ++i)
+      rest -= force_n[i] * h[i][r];
+    missing += rest * rest;
+  }
+  balanced = missing <= kBalance * kBalance * size;
+}
+
+} // namespace tactus::modal

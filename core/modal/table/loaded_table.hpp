@@ -1,0 +1,81 @@
+#pragma once
+
+#include "core/geometry/surface.hpp"
+#include "core/modal/radiation/radiation.hpp"
+#include "core/modal/table/modal_table.hpp"
+#include "core/modal/table/serve_protocol.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tactus::modal {
+
+/// A table and what follows from it alone; shared by all models of the body. Or two bodies in one
+/// list of modes: a body and the board it lies on.
+struct LoadedTable {
+  ModalTable table;
+  Surface surface;
+  RadiatingSurface radiating; ///< of one body; of two each part has its own
+  /// The table's shapes [V][K][3], vertex by vertex, so that a blow reads three places and not all
+  /// modes' surfaces; `table.shape` is empty. Empty: unit gain.
+  std::vector<float> shape;
+
+  explicit LoadedTable(ModalTable read);
+  /// The same body in another shape, solved anew: `share` says how the modes of `before` go on as
+  /// those of the new table. It must have the triangles of `before`, and no board.
+  LoadedTable(ModalTable solved, const LoadedTable& before, std::vector<ModeShare> share);
+  /// Both: modes by frequency, each with its shape on its own body and none on the other; the
+  /// body's vertices and triangles first, then the board's, displaced by so many metres in the
+  /// body's axes. Mass, inertia, material, air and shape
+  /// parameters are the body's. `refusal()` must be empty.
+  /// Memory: 12 bytes for every mode of both at every vertex of both, besides the two tables.
+  LoadedTable(std::shared_ptr<const LoadedTable> body, std::shared_ptr<const LoadedTable> board,
+              const Vec3& displacement_m);
+  /// The body solved anew on the same board: the new body must follow the one of `before`.
+  LoadedTable(std::shared_ptr<const LoadedTable> body, const LoadedTable& before);
+  LoadedTable(const LoadedTable&) = delete; // `radiating` knows where `surface` is
+  LoadedTable& operator=(const LoadedTable&) = delete;
+
+  /// Why the one cannot lie on the other, else empty.
+  [[nodiscard]] static std::string refusal(const LoadedTable& body, const LoadedTable& board);
+
+  struct Part {
+    std::shared_ptr<const LoadedTable> loaded;
+    Vec3 displacement_m{};
+    std::size_t first_vertex = 0, first_triangle = 0;
+    std::vector<std::size_t> mode; ///< in `table`, of each of its own
+  };
+  std::vector<Part> parts;                ///< the body and the board; empty: one body
+  std::vector<std::uint8_t> part_of_mode; ///< empty: one body
+  static constexpr std::size_t kBoard = 1;
+
+  /// The body alone: without its board if it has one.
+  [[nodiscard]] const LoadedTable& body() const noexcept {
+    return parts.empty() ? *this : *parts[0].loaded;
+  }
+  /// This is the body of another table in another shape: places by triangle and corners' weights
+  /// mean the same material points, and modes go on by `share`.
+  [[nodiscard]] bool follows(const LoadedTable& other) const noexcept {
+    return predecessor_ == other.serial_;
+  }
+  std::vector<ModeShare> share; ///< from the table that this one follows; empty: it follows none
+  [[nodiscard]] std::size_t part_of_triangle(std::size_t triangle) const noexcept {
+    return !parts.empty() && triangle >= parts[kBoard].first_triangle ? kBoard : 0;
+  }
+  [[nodiscard]] bool is_of_board(std::size_t mode) const noexcept {
+    return !part_of_mode.empty() && part_of_mode[mode] == kBoard;
+  }
+  /// The point of a part's surface nearest to one in metres, in the tables' size.
+  [[nodiscard]] SurfacePoint nearest_on(std::size_t part, const Vec3& point_m) const noexcept;
+
+private:
+  void order_shapes();
+  [[nodiscard]] static std::uint64_t next_serial() noexcept;
+
+  std::uint64_t serial_ = next_serial(), predecessor_ = 0; ///< 0: none
+};
+
+} // namespace tactus::modal

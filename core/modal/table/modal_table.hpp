@@ -1,0 +1,97 @@
+#pragma once
+
+#include "core/geometry/vec3.hpp"
+#include "core/modal/table/shape_sensitivity.hpp"
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactus::modal {
+
+using haptic::Vec3;
+
+/// What a body is made of; the frequencies of a table belong to it.
+struct Material {
+  std::string name;
+  double youngs_modulus_pa = 0; ///< 0: the table does not say
+  double poisson = 0.3;
+  double density_kg_per_m3 = 0; ///< 0: the table does not say
+};
+
+/// How each mode radiates from the free body: outgoing spherical waves about a centre, for unit
+/// amplitude of modal velocity, at one or several frequencies. core/modal/radiation/multipole.hpp
+/// evaluates.
+struct MultipoleTable {
+  std::vector<std::int32_t> highest_degree;      ///< mp_lmax [K]
+  std::vector<std::int64_t> offset;              ///< mp_off [K+1], into one scale's coefficients
+  std::vector<double> scales;                    ///< mp_scales [S], ratios of frequency
+  std::vector<std::complex<float>> coefficients; ///< mp_coef [S x total]
+  Vec3 centre{};                                 ///< m
+  double reference_radius_m = 0;                 ///< mp_rref
+  /// The same at frequencies common to all modes, which a force drives them at; may be empty.
+  struct Band {
+    std::vector<double> frequency_hz;              ///< mp_band_freq [F], ascending
+    std::vector<std::int32_t> highest_degree;      ///< mp_band_lmax [K]
+    std::vector<std::int64_t> offset;              ///< mp_band_off [K+1]
+    std::vector<std::complex<float>> coefficients; ///< mp_band_coef [F x total]
+    [[nodiscard]] bool empty() const noexcept { return coefficients.empty(); }
+  } band;
+  [[nodiscard]] bool empty() const noexcept { return coefficients.empty(); }
+};
+
+/// Measured or computed velocities of surface elements after a hit, the paper's way.
+struct RawTable {
+  std::size_t hits = 0, points = 0, samples = 0;
+  std::vector<float> velocity_m_per_s; ///< [hits][points][samples], for an impact of 1 m/s
+  std::vector<Vec3> position_m, hit_m;
+  std::vector<double> area_m2;
+  double sample_rate_hz = 0;
+  [[nodiscard]] bool empty() const noexcept { return velocity_m_per_s.empty(); }
+};
+
+/// Everything about a body that the ear and the hand can find out: the modes of its surface.
+/// Written by modal_fem; docs/modal_impact.md lists the arrays.
+struct ModalTable {
+  std::vector<double> frequency_hz; ///< [K], ascending, elastic modes only
+  std::vector<float> shape;         ///< [K][V][3], 1/sqrt(kg): modal mass 1; empty: unit gain
+  std::vector<Vec3> vertex_m;       ///< [V]
+  std::vector<std::array<std::int32_t, 3>> triangle; ///< [T], counterclockwise seen from outside
+  std::vector<double> loss_factor;          ///< [K] of the material, or empty when decay is given
+  std::vector<double> decay_rate;           ///< [K] 1/s
+  std::vector<double> radiation_decay_rate; ///< [K] 1/s or empty
+  std::vector<double> poisson_slope;        ///< [K] d ln f / d nu or empty
+  std::vector<float> residual_compliance;   ///< [V] m/N of the modes left out, or empty
+  double mass_kg = 0;
+  Vec3 centre_of_mass_m{};
+  std::array<Vec3, 3> inertia_kg_m2{};
+  bool free = true; ///< nothing holds the body: a blow makes it recoil
+  std::string body_name, boundary;
+  Material material;
+  double air_density_kg_per_m3 = 1.184, sound_speed_m_per_s = 346.1;
+  MultipoleTable multipoles;
+  RawTable raw;
+  ShapeSensitivity sensitivity; ///< may be empty
+  bool has_mesh = false;        ///< modal_fem serve can solve it at other shapes
+
+  [[nodiscard]] std::size_t modes() const noexcept { return frequency_hz.size(); }
+  [[nodiscard]] std::size_t vertices() const noexcept { return vertex_m.size(); }
+  /// Displacement of a vertex for unit modal coordinate.
+  [[nodiscard]] Vec3 shape_at(std::size_t mode, std::size_t vertex) const noexcept {
+    const float* at = shape.data() + (mode * vertex_m.size() + vertex) * 3;
+    return {at[0], at[1], at[2]};
+  }
+};
+
+inline constexpr std::size_t kMostModes = 20000;
+inline constexpr std::size_t kMostVertices = 5'000'000;
+
+/// Reads a `.modal.npz` that lies in memory. Returns a sentence when anything in it cannot be
+/// right, and then leaves `table` as it was; else an empty one. Allocates; not for the audio path.
+[[nodiscard]] std::string read_modal_table(std::span<const std::byte> file, ModalTable& table);
+
+} // namespace tactus::modal

@@ -1,0 +1,152 @@
+#include "core/modal/table/resolved_modes.hpp"
+
+#include "core/words.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <cstring>
+#include <utility>
+
+namespace tactus::modal {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "messages are copied as they lie");
+
+constexpr double kRounding = 1e-6;
+
+std::string share_refusal(std::span<const ModeShare> shares, std::size_t before, std::size_t now) {
+  std::vector<double> of_before(before, 0), of_now(now, 0);
+  for (const ModeShare& s : shares) {
+    if (s.before >= before || s.now >= now || !(std::abs(s.share) <= 1 + kRounding))
+      return "the share of mode " + std::to_string(s.before) + " in mode " + std::to_string(s.now) +
+             " is " + number_text(s.share) + ": expected -1..1 for modes below " +
+             std::to_string(before) + " and " + std::to_string(now);
+    of_before[s.before] += s.share * s.share;
+    of_now[s.now] += s.share * s.share;
+  }
+  for (const auto* sums : {&of_before, &of_now})
+    for (const double sum : *sums)
+      if (!(sum <= 1 + kRounding))
+        return "the squares of a mode's shares sum to " + number_text(sum) + ": expected at most 1";
+  return {};
+}
+
+/// Coefficients [row][offset[K]] of spherical waves, mode by mode those of the modes before.
+void keep_waves(std::span<const ModeShare> shares, std::size_t rows,
+                std::span<const std::int32_t> degree_before,
+                std::span<const std::int64_t> offset_before,
+                std::span<const std::complex<float>> before, std::vector<std::int32_t>& degree,
+                std::vector<std::int64_t>& offset, std::vector<std::complex<float>>& coefficients) {
+  for (const ModeShare& s : shares)
+    degree[s.now] = std::max(degree[s.now], degree_before[s.before]);
+  for (const std::int64_t d : degree)
+    offset.push_back(offset.back() + (d + 1) * (d + 1));
+  const auto total = static_cast<std::size_t>(offset.back()),
+             total_before = static_cast<std::size_t>(offset_before.back());
+  coefficients.assign(rows * total, {});
+  for (const ModeShare& s : shares) {
+    const auto from = static_cast<std::size_t>(offset_before[s.before]),
+               count = static_cast<std::size_t>(offset_before[s.before + 1]) - from,
+               to = static_cast<std::size_t>(offset[s.now]);
+    for (std::size_t row = 0; row < rows; ++row)
+      for (std::size_t c = 0; c < count; ++c)
+        coefficients[row * total + to + c] +=
+            static_cast<float>(s.share) * before[row * total_before + from + c];
+  }
+}
+
+void keep_radiation(const ModalTable& before, std::span<const ModeShare> shares, ModalTable& now) {
+  now.residual_compliance = before.residual_compliance;
+  now.raw = before.raw;
+  if (!before.radiation_decay_rate.empty()) {
+    now.radiation_decay_rate.assign(now.modes(), 0);
+    for (const ModeShare& s : shares)
+      now.radiation_decay_rate[s.now] += s.share * s.share * before.radiation_decay_rate[s.before];
+  }
+  const MultipoleTable& old = before.multipoles;
+  if (old.empty())
+    return;
+  MultipoleTable kept;
+  kept.scales = old.scales;
+  kept.centre = old.centre;
+  kept.reference_radius_m = old.reference_radius_m;
+  kept.highest_degree.assign(now.modes(), 0);
+  kept.offset = {0};
+  keep_waves(shares, old.scales.size(), old.highest_degree, old.offset, old.coefficients,
+             kept.highest_degree, kept.offset, kept.coefficients);
+  if (!old.band.empty()) {
+    kept.band.frequency_hz = old.band.frequency_hz;
+    kept.band.highest_degree.assign(now.modes(), 0);
+    kept.band.offset = {0};
+    keep_waves(shares, old.band.frequency_hz.size(), old.band.highest_degree, old.band.offset,
+               old.band.coefficients, kept.band.highest_degree, kept.band.offset,
+               kept.band.coefficients);
+  }
+  now.multipoles = std::move(kept);
+}
+
+bool same_parameters(const table::ShapeParameters& a, const table::ShapeParameters& b) {
+  return a.control_point_m == b.control_point_m &&
+         std::equal(a.parameters.begin(), a.parameters.end(), b.parameters.begin(),
+                    b.parameters.end(), [](const auto& p, const auto& q) {
+                      return p.control_point == q.control_point && p.axis == q.axis &&
+                             p.low_m == q.low_m && p.high_m == q.high_m;
+                    });
+}
+
+} // namespace
+
+std::uint64_t max_answer_bytes(const ModalTable& before) noexcept {
+  const std::uint64_t modes = before.modes() + 64, vertices = before.vertices(),
+                      parameters = before.sensitivity.parameters(),
+                      points = before.sensitivity.shape.control_point_m.size();
+  return (1U << 20) + modes * (16 * modes + 12 * vertices + 8 * parameters + 64) + 16 * vertices +
+         12 * before.triangle.size() + 48 * parameters + 24 * points;
+}
+
+std::string read_resolved_modes(std::span<const std::byte> payload, const ModalTable& before,
+                                ResolvedModes& resolved) {
+  ModesAnswer fixed;
+  if (payload.size() < sizeof fixed)
+    return "an answer has " + std::to_string(payload.size()) + " bytes: expected " +
+           std::to_string(sizeof fixed) + " or more";
+  std::memcpy(&fixed, payload.data(), sizeof fixed);
+  payload = payload.subspan(sizeof fixed);
+  if (!(fixed.seconds >= 0 && fixed.seconds < 1e6) || !(fixed.fraction >= 0 && fixed.fraction <= 1))
+    return "an answer took " + number_text(fixed.seconds) + " s for " +
+           number_text(fixed.fraction) + " of the move: expected 0..1e+06 s and 0..1";
+  if (fixed.shares > payload.size() / sizeof(ModeShare))
+    return "an answer has " + std::to_string(fixed.shares) + " shares: expected at most " +
+           std::to_string(payload.size() / sizeof(ModeShare));
+  ResolvedModes read;
+  read.seconds = fixed.seconds;
+  read.fraction = fixed.fraction;
+  read.share.resize(fixed.shares);
+  if (!read.share.empty())
+    std::memcpy(read.share.data(), payload.data(), read.share.size() * sizeof(ModeShare));
+  std::string refusal =
+      read_modal_table(payload.subspan(read.share.size() * sizeof(ModeShare)), read.table);
+  if (!refusal.empty())
+    return refusal;
+  const ModalTable& now = read.table;
+  if (now.vertices() != before.vertices() || now.triangle.size() != before.triangle.size())
+    return "another surface is answered, of " + std::to_string(now.vertices()) + " vertices and " +
+           std::to_string(now.triangle.size()) + " triangles: expected the table's " +
+           std::to_string(before.vertices()) + " and " + std::to_string(before.triangle.size());
+  if (!same_parameters(now.sensitivity.shape, before.sensitivity.shape) ||
+      now.sensitivity.solved_at_m.size() != before.sensitivity.parameters())
+    return "other shape parameters are answered: expected the table's " +
+           std::to_string(before.sensitivity.parameters()) + ", and their displacement";
+  if (refusal = share_refusal(read.share, before.modes(), now.modes()); !refusal.empty())
+    return refusal;
+  // Quadrilaterals may be cut along their other diagonal now; places count the table's triangles.
+  read.table.triangle = before.triangle;
+  keep_radiation(before, read.share, read.table);
+  read.table.has_mesh = before.has_mesh;
+  resolved = std::move(read);
+  return {};
+}
+
+} // namespace tactus::modal

@@ -1,0 +1,134 @@
+#include "core/reed/bore/hole_fingering.hpp"
+
+#include "core/reed/bore/hole_lattice.hpp"
+#include "core/reed/bore/pole_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace tactus::reed {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+/// Hz at which the response is computed: close together where resonances are.
+constexpr std::size_t kPoints = 132;
+constexpr double frequency(std::size_t i) {
+  if (i < 80)
+    return 10 + 25 * static_cast<double>(i); // to 1985
+  if (i < 112)
+    return 2000 + 62.5 * static_cast<double>(i - 79); // to 4000
+  return 4000 + 200 * static_cast<double>(i - 111);   // to 8000
+}
+/// Far above the cut-off, where nothing comes back: so that the poles know.
+constexpr std::array<double, 4> kBeyond{12e3, 20e3, 40e3, 80e3};
+constexpr double kBeyondWeight = 3e-3;
+static_assert(kPoints + kBeyond.size() <= kMaxResponsePoints);
+
+/// The phase of least delay that belongs to the magnitudes at frequency(i), which are 0 at 0 Hz in
+/// proportion to the frequency and level beyond the last: cepstrum on a circle on which
+/// tan(theta/2) is the frequency over 1500 Hz.
+class MinimumPhase {
+public:
+  explicit MinimumPhase(const std::array<double, kPoints>& magnitude) noexcept {
+    // Of the logarithm of magnitude over |i f/(i f + f_c)|, whose phase is known.
+    for (std::size_t n = 0; n <= kHalf; ++n) {
+      const double theta = std::numbers::pi * (static_cast<double>(n) + 0.5) / (kHalf + 1.0);
+      const double f = std::clamp(kScale * std::tan(theta / 2), frequency(0), 8000.0);
+      std::size_t i = 0;
+      while (i + 2 < kPoints && frequency(i + 1) < f)
+        ++i;
+      const double share = (f - frequency(i)) / (frequency(i + 1) - frequency(i));
+      const auto rest = [&](std::size_t k) {
+        return std::log(std::max(magnitude[k], 1e-12) * std::hypot(1, kCorner / frequency(k)));
+      };
+      const double level = rest(i) + std::clamp(share, 0.0, 1.0) * (rest(i + 1) - rest(i));
+      for (std::size_t k = 1; k < kCepstrum; ++k)
+        cepstrum_[k] += 2 * level * std::cos(static_cast<double>(k) * theta) / (kHalf + 1.0);
+    }
+  }
+  [[nodiscard]] double at(double f) const noexcept {
+    const double theta = 2 * std::atan(f / kScale);
+    double phase = std::atan2(kCorner, f);
+    for (std::size_t k = 1; k < kCepstrum; ++k)
+      phase -= cepstrum_[k] * std::sin(static_cast<double>(k) * theta);
+    return phase;
+  }
+
+private:
+  static constexpr std::size_t kHalf = 127, kCepstrum = 64;
+  static constexpr double kScale = 1500, kCorner = 500; // Hz
+  std::array<double, kCepstrum> cepstrum_{};
+};
+
+} // namespace
+
+bool finger_holes(const Woodwind& instrument, std::span<const double> closed,
+                  Termination& fingering) noexcept {
+  const HoleLattice lattice(instrument, closed);
+  std::array<ResponsePoint, kPoints + kBeyond.size()> reflected;
+  std::array<ResponsePoint, kPoints> radiated;
+  std::array<double, kPoints> magnitude;
+  const double cutoff = instrument.cutoff_at(lattice.key());
+  double loudest = 0;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const double f = frequency(i), omega = kTwoPi * f;
+    const double spacing = i + 1 < kPoints ? frequency(i + 1) - f : 200;
+    const HoleLattice::Response response = lattice.at(omega);
+    const double cube = std::pow(f / cutoff, 3);
+    reflected[i] = {omega, response.reflected, std::sqrt(spacing / (f + 200)) / (0.1 + cube)};
+    magnitude[i] = response.radiated;
+    loudest = std::max(loudest, response.radiated);
+  }
+  for (std::size_t i = 0; i < kBeyond.size(); ++i)
+    reflected[kPoints + i] = {kTwoPi * kBeyond[i], 0.0, kBeyondWeight};
+  const MinimumPhase phase(magnitude);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const double f = frequency(i), spacing = i + 1 < kPoints ? frequency(i + 1) - f : 200;
+    radiated[i] = {kTwoPi * f, std::polar(magnitude[i], phase.at(f)),
+                   std::sqrt(spacing) / (magnitude[i] + 0.02 * loudest) / (1 + f / 4000)};
+  }
+  Termination found;
+  found.key = lattice.key();
+  if (!fit_poles(reflected, -1, 2.8 * kTwoPi * cutoff, found.reflection) ||
+      !fit_poles(radiated, 0, 4 * kTwoPi * cutoff, found.radiation))
+    return false;
+  // No more than all comes back, at any frequency.
+  const double scale = std::min(1.0, (1 - 1e-9) / largest_response(-1, found.reflection));
+  found.at_zero = -scale;
+  for (Termination::Block& block : found.reflection) {
+    block.c *= scale;
+    block.d *= scale;
+  }
+  fingering = found;
+  return true;
+}
+
+const Termination* HoleFingerings::find(BoreEnd end, std::span<const double> closed) noexcept {
+  const Woodwind* const instrument = woodwind(end);
+  if (instrument == nullptr || closed.size() != instrument->tone_holes())
+    return nullptr;
+  Kept* oldest = &kept_.front();
+  for (Kept& kept : kept_) {
+    if (kept.asked > 0 && kept.end == end &&
+        std::equal(closed.begin(), closed.end(), kept.closed.begin())) {
+      kept.asked = ++asked_;
+      return &kept.fingering;
+    }
+    if (kept.asked < oldest->asked)
+      oldest = &kept;
+  }
+  Termination fingering;
+  if (!finger_holes(*instrument, closed, fingering))
+    return nullptr;
+  oldest->end = end;
+  std::copy(closed.begin(), closed.end(), oldest->closed.begin());
+  oldest->fingering = fingering;
+  oldest->asked = ++asked_;
+  return &oldest->fingering;
+}
+
+} // namespace tactus::reed

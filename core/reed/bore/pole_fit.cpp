@@ -1,0 +1,320 @@
+#include "core/reed/bore/pole_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace tactus::reed {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr std::size_t kMaxPoles = 2 * Termination::kReflectionBlocks;
+constexpr std::size_t kMaxUnknowns = 2 * kMaxPoles + 1;
+constexpr std::size_t kMaxRows = 2 * kMaxResponsePoints + 1;
+constexpr int kRounds = 12;    // of moving the poles
+constexpr int kRootSteps = 60; // of Aberth's iteration
+constexpr double kReal = 1e-6; // |imaginary part|/|root| below which a root is real
+// A pole nearer to the frequency axis than the points are to each other, or beyond all of them,
+// approximates nothing and may reflect more than arrives.
+constexpr double kLeastDamping = 4e-3; // of the pole's size
+constexpr double kFastest = 2e5;       // rad/s
+
+/// Poles with the upper member of each pair before its conjugate.
+struct Poles {
+  std::array<Complex, kMaxPoles> pole{};
+  std::size_t count = 0;
+
+  [[nodiscard]] bool pairs(std::size_t i) const { return pole[i].imag() != 0; }
+};
+
+/// Overdetermined linear equations, solved by Householder's reflections.
+class LeastSquares {
+public:
+  explicit LeastSquares(std::size_t unknowns) : unknowns_(unknowns) {}
+  [[nodiscard]] double* row(double right) {
+    right_[rows_] = right;
+    return matrix_[rows_++].data();
+  }
+  /// An unknown that the equations do not tell from those before it (two poles at one place) is 0.
+  /// False where one stands in no equation.
+  [[nodiscard]] bool solve(std::span<double> x) {
+    // Columns of one size: their units differ.
+    std::array<double, kMaxUnknowns> scale{};
+    for (std::size_t k = 0; k < unknowns_; ++k) {
+      for (std::size_t i = 0; i < rows_; ++i)
+        scale[k] += matrix_[i][k] * matrix_[i][k];
+      if (!(scale[k] > 0 && scale[k] < 1e200))
+        return false;
+      scale[k] = 1 / std::sqrt(scale[k]);
+    }
+    for (std::size_t i = 0; i < rows_; ++i)
+      for (std::size_t k = 0; k < unknowns_; ++k)
+        matrix_[i][k] *= scale[k];
+    for (std::size_t k = 0; k < unknowns_; ++k) {
+      double length = 0;
+      for (std::size_t i = k; i < rows_; ++i)
+        length += matrix_[i][k] * matrix_[i][k];
+      length = std::sqrt(length);
+      diagonal_[k] = 0;
+      if (!(length > 1e-14))
+        continue;
+      const double lead = matrix_[k][k], diagonal = lead > 0 ? -length : length;
+      matrix_[k][k] = lead - diagonal; // the reflection's vector stands in this column
+      const double factor = 1 / (diagonal * (lead - diagonal));
+      std::array<double, kMaxUnknowns> along{};
+      double right = 0;
+      for (std::size_t i = k; i < rows_; ++i) {
+        const double v = matrix_[i][k];
+        for (std::size_t j = k + 1; j < unknowns_; ++j)
+          along[j] += v * matrix_[i][j];
+        right += v * right_[i];
+      }
+      for (std::size_t i = k; i < rows_; ++i) {
+        const double v = factor * matrix_[i][k];
+        for (std::size_t j = k + 1; j < unknowns_; ++j)
+          matrix_[i][j] += v * along[j];
+        right_[i] += v * right;
+      }
+      diagonal_[k] = diagonal;
+    }
+    for (std::size_t k = unknowns_; k-- > 0;) {
+      double sum = right_[k];
+      for (std::size_t j = k + 1; j < unknowns_; ++j)
+        sum -= matrix_[k][j] * x[j];
+      x[k] = diagonal_[k] != 0 ? sum / diagonal_[k] : 0;
+    }
+    for (std::size_t k = 0; k < unknowns_; ++k)
+      x[k] *= scale[k];
+    return true;
+  }
+
+private:
+  std::size_t unknowns_, rows_ = 0;
+  std::array<std::array<double, kMaxUnknowns>, kMaxRows> matrix_;
+  std::array<double, kMaxRows> right_;
+  std::array<double, kMaxUnknowns> diagonal_;
+};
+
+/// s/(s - p) for a real pole; the sum and i times the difference of both members for a pair.
+void basis(Complex s, const Poles& poles, std::array<Complex, kMaxPoles>& columns) {
+  for (std::size_t k = 0; k < poles.count; ++k) {
+    const Complex one = s / (s - poles.pole[k]);
+    if (!poles.pairs(k)) {
+      columns[k] = one;
+      continue;
+    }
+    const Complex other = s / (s - poles.pole[k + 1]);
+    columns[k] = one + other;
+    columns[k + 1] = Complex(0, 1) * (one - other);
+    ++k;
+  }
+}
+
+/// The residue of each pole, from the unknowns of the real basis.
+std::array<Complex, kMaxPoles> residues_of(const Poles& poles, std::span<const double> x) {
+  std::array<Complex, kMaxPoles> residues{};
+  for (std::size_t k = 0; k < poles.count; ++k) {
+    if (!poles.pairs(k)) {
+      residues[k] = x[k];
+      continue;
+    }
+    residues[k] = {x[k], x[k + 1]};
+    residues[k + 1] = {x[k], -x[k + 1]};
+    ++k;
+  }
+  return residues;
+}
+
+/// Zeros of d + sum r s/(s - p), all at once (Aberth 1973), turned into the left half plane.
+/// False where they are not found.
+bool zeros_of(double d, const Poles& poles, const std::array<Complex, kMaxPoles>& residues,
+              Poles& zeros) {
+  std::array<Complex, kMaxPoles> z{};
+  const std::size_t n = poles.count;
+  for (std::size_t k = 0; k < n; ++k) // off the axis and off the poles
+    z[k] = poles.pole[k] * std::polar(1.0 + 1e-3, 0.01 + 1e-3 * static_cast<double>(k));
+  double moved = 1;
+  for (int step = 0; step < kRootSteps && moved > 1e-12; ++step) {
+    moved = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      Complex value = d, slope = 0, others = 0;
+      for (std::size_t j = 0; j < n; ++j) {
+        const Complex under = 1.0 / (z[k] - poles.pole[j]);
+        value += residues[j] * z[k] * under;
+        slope -= residues[j] * poles.pole[j] * under * under;
+        others += under;
+        if (j != k)
+          others -= 1.0 / (z[k] - z[j]);
+      }
+      const Complex change = 1.0 / (slope / value + others);
+      if (!(std::abs(change) < 1e300))
+        return false;
+      z[k] -= change;
+      moved = std::max(moved, std::abs(change) / std::abs(z[k]));
+    }
+  }
+  if (!(moved < 1e-6))
+    return false;
+  zeros.count = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double size = std::abs(z[k]);
+    const Complex left =
+        Complex(-std::max(std::abs(z[k].real()), kLeastDamping * size), z[k].imag()) *
+        std::min(1.0, kFastest / size);
+    if (std::abs(z[k].imag()) <= kReal * std::abs(z[k])) {
+      if (zeros.count < n)
+        zeros.pole[zeros.count++] = left.real();
+    } else if (z[k].imag() > 0) {
+      if (zeros.count + 2 > n)
+        return false;
+      zeros.pole[zeros.count++] = left;
+      zeros.pole[zeros.count++] = std::conj(left);
+    }
+  }
+  return zeros.count == n;
+}
+
+/// One round: the poles move to the zeros of sigma, where sigma H and sigma are sums over the poles
+/// of before.
+bool move_poles(std::span<const ResponsePoint> points, double at_zero, Poles& poles) {
+  const std::size_t n = poles.count;
+  LeastSquares equations(2 * n + 1);
+  std::array<Complex, kMaxPoles> columns;
+  std::array<double, kMaxUnknowns> condition{}, x{};
+  double size = 0;
+  for (const ResponsePoint& point : points) {
+    basis({0, point.omega}, poles, columns);
+    double* const real = equations.row(0);
+    double* const imaginary = equations.row(0);
+    const auto put = [&](std::size_t at, Complex value) {
+      real[at] = point.weight * value.real();
+      imaginary[at] = point.weight * value.imag();
+    };
+    put(n, at_zero - point.response);
+    condition[n] += 1;
+    for (std::size_t k = 0; k < n; ++k) {
+      put(k, columns[k]);
+      put(n + 1 + k, -point.response * columns[k]);
+      condition[n + 1 + k] += columns[k].real();
+    }
+    size += std::norm(point.weight * point.response);
+  }
+  const auto number = static_cast<double>(points.size());
+  size = std::sqrt(size) / number;
+  double* const row = equations.row(size * number);
+  for (std::size_t k = 0; k < 2 * n + 1; ++k)
+    row[k] = size * condition[k];
+  if (!equations.solve(std::span(x).first(2 * n + 1)))
+    return false;
+  Poles zeros;
+  if (!zeros_of(x[n], poles, residues_of(poles, std::span(x).subspan(n + 1, n)), zeros))
+    return false;
+  poles = zeros;
+  return true;
+}
+
+} // namespace
+
+std::complex<double> response_of(double at_zero, std::span<const Termination::Block> blocks,
+                                 Complex s) noexcept {
+  Complex sum = at_zero;
+  for (const Termination::Block& block : blocks)
+    if (block.oscillates) {
+      const Complex pole(block.a, block.b), residue(block.c, block.d);
+      sum += s * (residue / (s - pole) + std::conj(residue) / (s - std::conj(pole)));
+    } else {
+      sum += s * (block.c / (s - block.a) + block.d / (s - block.b));
+    }
+  return sum;
+}
+
+bool fit_poles(std::span<const ResponsePoint> points, double at_zero, double top,
+               std::span<Termination::Block> blocks) noexcept {
+  Poles poles;
+  const std::size_t pairs = std::min(blocks.size(), kMaxPoles / 2);
+  if (points.size() > kMaxResponsePoints || points.size() < 2 * pairs + 1)
+    return false;
+  for (const ResponsePoint& point : points)
+    if (!(std::norm(point.response) < 1e100))
+      return false;
+  for (std::size_t k = 0; k < pairs; ++k) {
+    const double share = static_cast<double>(k) / std::max(1.0, static_cast<double>(pairs) - 2);
+    const Complex start = k + 1 < pairs ? top / 4 * std::pow(4.0, share) * Complex(-0.15, 1)
+                                        : 2 * std::numbers::pi * Complex(-4000, 2000);
+    poles.pole[poles.count++] = start;
+    poles.pole[poles.count++] = std::conj(start);
+  }
+  for (int round = 0; round < kRounds; ++round)
+    if (!move_poles(points, at_zero, poles))
+      break;
+
+  LeastSquares equations(poles.count);
+  std::array<Complex, kMaxPoles> columns;
+  for (const ResponsePoint& point : points) {
+    basis({0, point.omega}, poles, columns);
+    const Complex right = point.weight * (point.response - at_zero);
+    double* const real = equations.row(right.real());
+    double* const imaginary = equations.row(right.imag());
+    for (std::size_t k = 0; k < poles.count; ++k) {
+      real[k] = point.weight * columns[k].real();
+      imaginary[k] = point.weight * columns[k].imag();
+    }
+  }
+  std::array<double, kMaxUnknowns> x{};
+  if (!equations.solve(std::span(x).first(poles.count)))
+    return false;
+  const auto residues = residues_of(poles, x);
+  std::size_t block = 0;
+  double lone = 0, lone_residue = 0; // a real pole that waits for another
+  bool waits = false;
+  for (std::size_t k = 0; k < poles.count; ++k)
+    if (poles.pairs(k)) {
+      blocks[block++] = {true, poles.pole[k].real(), poles.pole[k].imag(), residues[k].real(),
+                         residues[k].imag()};
+      ++k;
+    } else if (waits) {
+      blocks[block++] = {false, lone, poles.pole[k].real(), lone_residue, residues[k].real()};
+      waits = false;
+    } else {
+      lone = poles.pole[k].real();
+      lone_residue = residues[k].real();
+      waits = true;
+    }
+  return true;
+}
+
+double largest_response(double at_zero, std::span<const Termination::Block> blocks) noexcept {
+  constexpr int kPoints = 600;
+  constexpr double kLowest = 0.1, kHighest = 1e7; // rad/s
+  const auto size = [&](double logarithm) {
+    return std::abs(response_of(at_zero, blocks, {0, std::exp(logarithm)}));
+  };
+  const double low = std::log(kLowest), step = (std::log(kHighest) - low) / kPoints;
+  double largest = std::abs(at_zero), before = largest, here = size(low);
+  const auto look = [&](double a, double b) { // golden section
+    for (int k = 0; k < 24; ++k) {
+      const double inner = b - 0.618034 * (b - a), outer = a + 0.618034 * (b - a);
+      const bool lower = size(inner) > size(outer);
+      (lower ? b : a) = lower ? outer : inner;
+    }
+    largest = std::max(largest, size(0.5 * (a + b)));
+  };
+  for (int i = 1; i <= kPoints; ++i) {
+    const double next = size(low + step * i);
+    if (here >= before && here >= next)
+      look(low + step * (i - 2), low + step * i);
+    largest = std::max(largest, next);
+    before = here;
+    here = next;
+  }
+  for (const Termination::Block& block : blocks) // a peak narrower than the steps
+    if (block.oscillates && std::abs(block.a) < 0.1 * std::abs(block.b)) {
+      const double width = -2 * block.a / std::abs(block.b), at = std::log(std::abs(block.b));
+      for (int k = -2; k < 2; ++k)
+        look(at + k * width, at + (k + 1) * width);
+    }
+  return largest;
+}
+
+} // namespace tactus::reed

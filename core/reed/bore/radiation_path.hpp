@@ -1,0 +1,130 @@
+#pragma once
+
+#include "core/reed/bore/bore_design.hpp"
+#include "core/reed/bore/steepening.hpp"
+#include "core/reed/instrument/parameters.hpp"
+
+namespace tactus::reed {
+
+/// From the wave that arrives at the end of the bore to the pressure at 1 m, averaged over all
+/// directions, as numbers for one internal sample rate.
+///
+/// A plain open end (bell 0) is a point source of the flow that leaves it:
+///   p = rho/(4 pi d) d/dt (a - b)/Z_0.
+/// A bell, or a row of open tone holes, lets pass above its cut-off w_c = 2 pi bell all that it
+/// holds back below. Two limits fix what is heard of a wave a, r_1 being the bore's radius where
+/// it opens and d = 1 m:
+///   w << w_c: point source of the doubled flow,   |p| = a r/(2d) k r_1,
+///   w >> w_c: all the power leaves,               |p| = a r/(2d),
+/// and the simplest passage between them is
+///   p = r/(2d) s (s + w_c^2 r_1/c)/(s^2 + s w_c/Q + w_c^2) a,
+/// Q (bell_quality) saying how sharply it opens. Both limits follow from mass and energy; for the
+/// cut-offs of bells and lattices see Benade, Fundamentals of Musical Acoustics, chapters 20, 21.
+///
+/// Loud waves steepen on their way, for they travel faster where the pressure is high: each piece
+/// arrives earlier by
+///   (gamma + 1)/(2 gamma P_0 c) * brassiness * L * a       (simple wave in a tube)
+/// (Hirschberg, Gilbert, Msallam & Wijnands 1996). The bore inside is linear, for there the way
+/// back undoes the way out. Above 1, brassiness stands for a louder wave than the bore's own. Where
+/// pieces overtake one another the wave breaks: Steepening.
+struct RadiationConstants {
+  bool plain = true;
+  // Poles exact, slope from 0 Hz exact, level at 8 kHz exact.
+  double b0 = 0, b1 = 0, b2 = 0, a1 = 0, a2 = 0;
+  double lead = 0; // internal samples for each Pa and metre of bore
+  double rate = 0; // Hz, internal
+
+  static RadiationConstants from(const Parameters& parameters, const BoreDesign& bore,
+                                 double internal_rate) noexcept;
+  /// A share of the way from one to another of the same kind.
+  static RadiationConstants between(const RadiationConstants& from, const RadiationConstants& to,
+                                    double share) noexcept;
+};
+
+/// Computes it.
+class RadiationPath {
+public:
+  static constexpr int kLongest = Steepening::kMaxRun; // internal samples of one run
+
+  /// Allocates what steepening needs up to that internal rate, Hz.
+  void prepare(double highest_rate) { steepening_.prepare(highest_rate); }
+  void set(const RadiationConstants& constants) noexcept {
+    steepening_.set_rate(constants.rate);
+    if (constants.plain != constants_.plain)
+      reset();
+    constants_ = constants;
+  }
+  void reset() noexcept {
+    wave_ = before_ = sound_ = last_ = 0;
+    steepening_.reset();
+  }
+  /// Share of the returning wave b that counts: a - b for the plain end, else a alone.
+  [[nodiscard]] double returning_share() const noexcept { return constants_.plain ? 1 : 0; }
+  [[nodiscard]] bool sane() const noexcept {
+    return size(wave_) < 1e9 && size(sound_) < 1e9 && size(last_) < 1e9 && steepening_.sane();
+  }
+  void quieten() noexcept {
+    for (double* value : {&wave_, &before_, &sound_, &last_})
+      if (size(*value) < 1e-20)
+        *value = 0;
+  }
+  /// Loud waves change their shape: steepen() goes before the rest.
+  [[nodiscard]] bool steepens() const noexcept { return constants_.lead > 0; }
+
+  /// The way out of the bore, sample by sample; its state goes back into the path at the end of
+  /// its life.
+  class Exit {
+  public:
+    [[gnu::always_inline]] explicit Exit(RadiationPath& path) noexcept
+        : path_(path), c_(path.constants_), wave_(path.wave_), before_(path.before_),
+          sound_(path.sound_), last_(path.last_) {}
+    Exit(const Exit&) = delete;
+    Exit& operator=(const Exit&) = delete;
+    [[gnu::always_inline]] ~Exit() {
+      path_.wave_ = wave_;
+      path_.before_ = before_;
+      path_.sound_ = sound_;
+      path_.last_ = last_;
+    }
+    /// From the wave at the end to the pressure at 1 m, Pa.
+    [[gnu::always_inline]] double operator()(double wave) noexcept {
+      const double sound =
+          ((c_.b0 * wave + c_.b1 * wave_) + (c_.b2 * before_ - c_.a2 * last_)) - c_.a1 * sound_;
+      before_ = wave_;
+      wave_ = wave;
+      last_ = sound_;
+      sound_ = sound;
+      return sound;
+    }
+
+  private:
+    RadiationPath& path_;
+    RadiationConstants c_;
+    double wave_, before_, sound_, last_;
+  };
+
+  /// Replaces count <= kLongest samples of wave by the sound of a bore of that length, m.
+  void run(double* wave, int count, double length) noexcept {
+    if (steepens())
+      steepening_.run(wave, count, constants_.lead * length);
+    Exit exit(*this);
+    for (int i = 0; i < count; ++i)
+      wave[i] = exit(wave[i]);
+  }
+
+  /// The first half of run() alone: what steepens on the way, before another filter lets it out.
+  void travel(double* wave, int count, double length) noexcept {
+    if (steepens())
+      steepening_.run(wave, count, constants_.lead * length);
+  }
+
+private:
+  static double size(double x) noexcept { return x < 0 ? -x : x; }
+
+  RadiationConstants constants_{};
+  double wave_ = 0, before_ = 0, sound_ = 0,
+         last_ = 0; // the last wave, the one before; so the sound
+  Steepening steepening_{};
+};
+
+} // namespace tactus::reed

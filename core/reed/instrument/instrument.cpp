@@ -1,0 +1,134 @@
+#include "core/reed/instrument/instrument.hpp"
+
+#include "core/reed/instrument/soft_clip.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::reed {
+namespace {
+
+/// Single-precision hosts slow down on denormals, too.
+template <class S> void send(const double* value, S* out, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i)
+    out[i] = static_cast<S>(std::abs(value[i]) < 1e-30 ? 0.0 : value[i]);
+}
+
+/// Far above all that the model takes: what is clamped there need not be told from infinity.
+constexpr double kHighestFrequency = 1e6;
+
+/// A control that is no number, or not finite, leaves the last good value. 0 and below are one
+/// wish.
+void follow(double& kept, double given) noexcept {
+  if (std::isfinite(given))
+    kept = std::clamp(given, 0.0, kHighestFrequency);
+}
+
+} // namespace
+
+/// Straight to the parameters' gain within ParameterGlide::kTime; at once before the first sample.
+void Instrument::move_gain() noexcept {
+  const Parameters& p = bank_.parameters();
+  const double wanted = p.tune ? p.gain * p.played_gain : p.gain;
+  if (gain_due_) {
+    gain_ = wanted;
+    gain_due_ = false;
+  }
+  if (bank_.fades_out()) { // that which fades keeps its own
+    gain_step_ = 0;
+    return;
+  }
+  if (wanted != gain_wanted_) {
+    gain_wanted_ = wanted;
+    gain_rate_ = (wanted - gain_) / gain_periods_;
+  }
+  const double rest = wanted - gain_;
+  gain_step_ = std::abs(rest) > 1.5 * std::abs(gain_rate_) ? gain_rate_ : rest;
+  gain_ = gain_step_ == rest ? wanted : gain_ + gain_step_;
+}
+
+void Instrument::prepare(double sample_rate, std::size_t) {
+  sample_rate = std::clamp(sample_rate, 1000.0, 1e6);
+  bank_.prepare(sample_rate);
+  gain_periods_ = ParameterGlide::kTime * sample_rate / kStretch + 1;
+}
+
+bool Instrument::finger_holes(std::span<const double> closed) noexcept {
+  for (const double hole : closed)
+    if (!(hole >= 0 && hole <= 1))
+      return false;
+  if (closed.empty())
+    return false;
+  const Termination* const found = fingerings_->find(bank_.parameters().end, closed.subspan(1));
+  if (found == nullptr)
+    return false;
+  bank_.finger(found, 1 - closed[0]);
+  return true;
+}
+
+void Instrument::reset() noexcept {
+  bank_.reset();
+  gain_due_ = true;
+  last_pressure_ = reed_frequency_ = bore_frequency_ = 0;
+}
+
+template <class S>
+void Instrument::process(std::span<const S> mouth_pressure, std::span<const S> reed_frequency,
+                         std::span<const S> bore_frequency, std::span<S> sound, std::span<S> theta,
+                         std::span<S> bore_pressure, std::span<S> flow) noexcept {
+  std::array<double, kStretch> mouth, radiated, angle, bore, through;
+  for (std::size_t done = 0; done < mouth_pressure.size();) {
+    if (bank_.until_control() == 0) {
+      follow(reed_frequency_, static_cast<double>(reed_frequency[done]));
+      follow(bore_frequency_, static_cast<double>(bore_frequency[done]));
+      // The lips go with the breath, not with what the tongue lets through.
+      bank_.control(reed_frequency_, bore_frequency_, std::max(0.0, last_pressure_));
+      move_gain();
+    }
+    const std::size_t count =
+        std::min(mouth_pressure.size() - done, static_cast<std::size_t>(bank_.until_control()));
+    bool usable = true;
+    for (std::size_t i = 0; i < count; ++i) {
+      mouth[i] = static_cast<double>(mouth_pressure[done + i]);
+      usable &= std::abs(mouth[i]) <= kHighestPressure;
+    }
+    if (!usable)
+      for (std::size_t i = 0; i < count; ++i) {
+        const double before = i == 0 ? last_pressure_ : mouth[i - 1];
+        mouth[i] = mouth[i] == mouth[i] ? std::clamp(mouth[i], -kHighestPressure, kHighestPressure)
+                                        : before;
+      }
+    last_pressure_ = mouth[count - 1];
+    bank_.run(mouth.data(), {radiated.data(), angle.data(), bore.data(), through.data()},
+              static_cast<int>(count));
+    if (gain_step_ != 0) {
+      const auto left = static_cast<double>(bank_.until_control());
+      for (std::size_t i = 0; i < count; ++i)
+        radiated[i] *= gain_ - gain_step_ * (left + static_cast<double>(count - 1 - i)) / kStretch;
+    } else {
+      for (std::size_t i = 0; i < count; ++i)
+        radiated[i] *= gain_;
+    }
+    bool loud = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      loud |= std::abs(radiated[i]) > kClipped;
+    }
+    if (loud)
+      for (std::size_t i = 0; i < count; ++i)
+        radiated[i] = soft_clip(radiated[i]);
+    send(radiated.data(), sound.data() + done, count);
+    send(angle.data(), theta.data() + done, count);
+    send(bore.data(), bore_pressure.data() + done, count);
+    send(through.data(), flow.data() + done, count);
+    done += count;
+  }
+}
+
+template void Instrument::process(std::span<const float>, std::span<const float>,
+                                  std::span<const float>, std::span<float>, std::span<float>,
+                                  std::span<float>, std::span<float>) noexcept;
+template void Instrument::process(std::span<const double>, std::span<const double>,
+                                  std::span<const double>, std::span<double>, std::span<double>,
+                                  std::span<double>, std::span<double>) noexcept;
+
+} // namespace tactus::reed

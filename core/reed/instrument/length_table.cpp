@@ -1,0 +1,70 @@
+#include "core/reed/instrument/length_table.hpp"
+
+#include "core/reed/bore/bore_design.hpp"
+#include "core/reed/bore/brass.hpp"
+#include "core/reed/instrument/tuning.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tactus::reed {
+namespace {
+
+// How far from its own length, counted in turns of the round trip, a bore is taken by a glide. A
+// cone that is made twice as long opens wide, and lips lose their hold on its modes.
+constexpr double kShort = 0.3, kLongCylinder = 2.5, kLongCone = 1.6;
+
+} // namespace
+
+void LengthTable::set(const Parameters& parameters) noexcept {
+  parameters_ = parameters;
+  steps_ = {};
+  turns_ = 0;
+}
+
+double LengthTable::turns_at(std::size_t step, const Fingering& fingering) noexcept {
+  if (!steps_[step].known || steps_[step].fingering != fingering) {
+    const double f = kLowest * std::exp2(static_cast<double>(step) / kSteps);
+    const Playing playing = tuned(parameters_, f, reed_frequency_, fingering);
+    steps_[step] = {turns_of(parameters_, f, playing.length), true, fingering};
+  }
+  return steps_[step].turns;
+}
+
+double LengthTable::length(double bore_frequency, double reed_frequency, bool leap,
+                           const Fingering& fingering) noexcept {
+  constexpr double kNear = 0.01; // by how much f_r may differ from that of the table
+  if (!(parameters_.embouchure > 0) &&
+      !(std::abs(reed_frequency - reed_frequency_) < kNear * reed_frequency)) {
+    steps_ = {};
+    reed_frequency_ = reed_frequency;
+  }
+  if (const double alone = length_alone(parameters_, bore_frequency, fingering.end); alone > 0) {
+    turns_ = turns_of(parameters_, bore_frequency, alone);
+    return alone;
+  }
+  const double at = std::clamp(kSteps * std::log2(bore_frequency / kLowest), 0.0,
+                               static_cast<double>(kCount) - 2);
+  const auto step = static_cast<std::size_t>(at);
+  const double share = at - static_cast<double>(step), below = turns_at(step, fingering);
+  double difference = turns_at(step + 1, fingering) - below;
+  difference -= std::round(difference); // the step above may have taken another mode
+  double turns = below + share * difference;
+  if (parameters_.type == ValveType::kOpen) {
+    const double own = turns_of(parameters_, bore_frequency,
+                                wanted_length(parameters_, bore_frequency, fingering.end));
+    const double nearest = turns + std::round(own - turns);
+    turns += std::round(turns_ - turns);
+    const double most = parameters_.shape == BoreShape::kCone ? kLongCone : kLongCylinder;
+    const bool beyond = fingering.end != nullptr && plays_tube(parameters_)
+                            ? !reaches(*brass_tube(parameters_.end), *fingering.end,
+                                       length_of(parameters_, bore_frequency, turns))
+                            : turns < kShort * own || turns > most * own;
+    if (leap || beyond)
+      turns = nearest;
+  }
+  turns_ = turns;
+  return length_of(parameters_, bore_frequency, turns);
+}
+
+} // namespace tactus::reed

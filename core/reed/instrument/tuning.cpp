@@ -1,0 +1,277 @@
+#include "core/reed/instrument/tuning.hpp"
+
+#include "core/reed/bore/air.hpp"
+#include "core/reed/bore/bore_design.hpp"
+#include "core/reed/bore/brass.hpp"
+#include "core/reed/bore/radiation.hpp"
+#include "core/reed/bore/wall_loss.hpp"
+#include "core/reed/bore/woodwind.hpp"
+#include "core/reed/playability/linear_stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace tactus::reed {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double kPi = std::numbers::pi;
+constexpr double kPlaying = 1.5;       // times the threshold: where reeds are usually played,
+constexpr double kPlayingLips = 2.5;   // and lips
+constexpr double kShortestTube = 0.05; // m, that lips play on
+constexpr double kValveAlone = 0.75;   // below this share of the bore's lowest, it carries no note
+
+/// At one pressure: the bore that the valve wants to oscillate with at the frequency.
+struct Candidate {
+  double length;
+  double excess; // log of what the valve reflects over what the bore loses; 0 is neutral
+};
+
+/// The equations of one frequency, solved for the round trip the valve asks of the bore.
+class NeutralOscillation {
+public:
+  NeutralOscillation(const Parameters& p, double frequency, double reed_frequency,
+                     const Fingering& fingering)
+      : parameters_(p), theory_(p, p.length), s_(0, 2 * kPi * frequency),
+        reed_frequency_(reed_frequency) {
+    bore_.describe(p);
+    bore_.set_end(fingering.end);
+    const double area = kPi * p.input_radius * p.input_radius;
+    const Air& air = bore_.air();
+    lumped_ = s_ * p.cup_volume / (air.density * air.sound_speed * air.sound_speed);
+    if (p.shape == BoreShape::kCone)
+      lumped_ += area / (s_ * air.density * p.apex_distance);
+    end_ = p.scalar_reflection > 0 ? Complex(-p.scalar_reflection) : bore_.end_reflection(s_);
+    wanted_ = wanted_length(p, frequency, fingering.end);
+    if (fingering.vented && !(p.scalar_reflection > 0)) {
+      vent_ = RegisterVent::of(p);
+      to_vent_ = std::exp(-s_ * 2.0 * vent_.place / air.sound_speed -
+                          wall_loss(p, vent_.place, air.sound_speed) * std::sqrt(s_));
+      // The bore's second mode.
+      wanted_ = bore_.length_for(frequency / (p.shape == BoreShape::kCone ? 2 : 3));
+    }
+  }
+
+  [[nodiscard]] Candidate at(double mouth_pressure) const {
+    const Equilibrium state = theory_.equilibrium(mouth_pressure, reed_frequency_);
+    const Complex valve = theory_.valve_admittance(s_, state, reed_frequency_);
+    const Complex y = bore_.impedance() * (valve - lumped_);
+    Complex round_trip = (1.0 - y) / (1.0 + y);
+    if (vent_.share > 0)
+      round_trip = vent_.left_out(s_, round_trip, to_vent_);
+    const double omega = s_.imag(), speed = bore_.air().sound_speed;
+    // -omega 2L/c - G(L) sqrt(omega/2) = arg(round trip/R) - 2 pi n
+    const double phase = std::arg(round_trip / end_);
+    double length = wanted_, loss = 0;
+    for (int i = 0; i < 3; ++i) {
+      loss = parameters_.scalar_reflection > 0 ? 0 : wall_loss(parameters_, length, speed);
+      const double friction = loss * std::sqrt(omega / 2);
+      const auto of_turn = [&](double n) {
+        return (2 * kPi * n - phase - friction) * speed / (2 * omega);
+      };
+      const double turn = (wanted_ * 2 * omega / speed + phase + friction) / (2 * kPi);
+      length = of_turn(std::round(turn));
+      if (length < 5e-3)
+        length = of_turn(std::round(turn) + 1);
+    }
+    const double loss_db = std::log(std::abs(end_)) - loss * std::sqrt(omega / 2);
+    return {length, loss_db - std::log(std::abs(round_trip))};
+  }
+
+  [[nodiscard]] double highest_pressure() const {
+    return theory_.highest_pressure(reed_frequency_);
+  }
+
+private:
+  const Parameters& parameters_;
+  LinearStability theory_;
+  BoreDesign bore_;
+  Complex s_, lumped_, end_;
+  double reed_frequency_, wanted_;
+  RegisterVent vent_{};
+  Complex to_vent_ = 1; // and back
+};
+
+double aim_of(const Parameters& parameters, double bore_frequency) {
+  return bore_frequency * std::exp2(parameters.aim / 1200);
+}
+
+/// f_r/f_b that lips keep for a note at `aimed` Hz.
+double embouchure_at(const Parameters& parameters, double aimed) {
+  return parameters.embouchure *
+         std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
+}
+
+/// The player's lips for a note at `aimed` Hz, on the bore as given.
+Playing lips_for(const Parameters& parameters, double aimed) {
+  Playing playing{parameters, parameters.length};
+  Parameters& valve = playing.valve;
+  valve.mass *= parameters.lip_mass;
+  valve.rest_angle *= parameters.lip_opening;
+  valve.width *= parameters.lip_width;
+  valve.quality *= parameters.lip_quality;
+  valve.channel_length *= parameters.lip_channel;
+  valve.displacement_limit *= parameters.lip_limit;
+  valve.cup_volume *= parameters.lip_cup;
+  if (parameters.embouchure > 0) {
+    playing.reed_scale = embouchure_at(parameters, aimed) * aimed / parameters.reed_frequency;
+    valve.mass /= playing.reed_scale * playing.reed_scale;
+  } else {
+    const double opened = std::pow(aimed / parameters.reed_frequency, parameters.embouchure_slope);
+    valve.rest_angle *= opened;
+    valve.mass /= opened;
+  }
+  valve = clamped(valve);
+  return playing;
+}
+
+/// Semitones that a fingering sounds higher with the vent.
+int overblown(const Parameters& parameters) {
+  const Woodwind* const instrument = woodwind(parameters.end);
+  return instrument != nullptr ? instrument->overblown : 0;
+}
+
+} // namespace
+
+Fingering standard_fingering(const Parameters& parameters, double bore_frequency) noexcept {
+  const double quarter_tone = std::exp2(1.0 / 24);
+  const bool vented = parameters.end != BoreEnd::kOpen && parameters.register_note > 0 &&
+                      bore_frequency * quarter_tone >= parameters.register_note;
+  const double fingered =
+      vented ? bore_frequency * std::exp2(-overblown(parameters) / 12.0) : bore_frequency;
+  return {fingering_for(parameters.end, fingered), vented};
+}
+
+double key_of(const Parameters& parameters, const Fingering& fingering) noexcept {
+  return fingering.end == nullptr
+             ? 0
+             : fingering.end->key + (fingering.vented ? overblown(parameters) : 0);
+}
+
+double wanted_length(const Parameters& parameters, double bore_frequency,
+                     const Termination* end) noexcept {
+  BoreDesign bore;
+  bore.describe(parameters);
+  bore.set_end(end);
+  if (parameters.type != ValveType::kOpen)
+    return bore.length_for(bore_frequency);
+  if (end != nullptr && plays_tube(parameters)) {
+    const BrassTube& tube = *brass_tube(parameters.end);
+    const double semitones = usual_positions(tube, bore_frequency).semitones;
+    return tube.has_valves ? valve_length(tube, *end, usual_valves(static_cast<int>(semitones)))
+                           : slide_length(tube, *end, 1 + semitones);
+  }
+  if (!(parameters.highest_mode > 0))
+    return parameters.length;
+  for (double mode = parameters.highest_mode; mode < 100; ++mode) {
+    const double quarters = parameters.shape == BoreShape::kCone ? mode : 2 * mode - 1;
+    const double length = bore.length_for(bore_frequency / quarters);
+    if (length > kShortestTube)
+      return std::min(parameters.length, length);
+  }
+  return parameters.length;
+}
+
+double tuned_length(const Parameters& parameters, double bore_frequency, double reed_frequency,
+                    double over_threshold, const Fingering& fingering) noexcept {
+  constexpr int kPressures = 32;
+  constexpr int kBisections = 24;
+  const NeutralOscillation oscillation(parameters, bore_frequency, reed_frequency, fingering);
+  const double highest = oscillation.highest_pressure();
+  double low = 0;
+  Candidate best{0, -1e300};
+  for (int i = 1; i <= kPressures; ++i) {
+    double high = highest * i / kPressures;
+    Candidate candidate = oscillation.at(high);
+    if (candidate.excess > best.excess)
+      best = candidate;
+    if (candidate.excess < 0) {
+      low = high;
+      continue;
+    }
+    for (int k = 0; k < kBisections; ++k) {
+      const double middle = 0.5 * (low + high);
+      candidate = oscillation.at(middle);
+      (candidate.excess < 0 ? low : high) = middle;
+    }
+    best = oscillation.at(std::min(over_threshold * high, 0.5 * (high + highest)));
+    break;
+  }
+  BoreDesign bore;
+  bore.describe(parameters);
+  return std::clamp(best.length, 5e-3, bore.longest());
+}
+
+double turns_of(const Parameters& parameters, double bore_frequency, double length) noexcept {
+  const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
+  const double speed = air_at(parameters.temperature).sound_speed;
+  const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
+  return (2 * omega * length / speed + loss * std::sqrt(omega / 2)) / (2 * kPi);
+}
+
+double length_of(const Parameters& parameters, double bore_frequency, double turns) noexcept {
+  const double omega = 2 * kPi * aim_of(parameters, bore_frequency);
+  const double speed = air_at(parameters.temperature).sound_speed;
+  double length = parameters.length;
+  for (int i = 0; i < 6; ++i) {
+    const double loss = parameters.scalar_reflection > 0 ? 0 : wall_loss(parameters, length, speed);
+    length = std::max(5e-3, (2 * kPi * turns - loss * std::sqrt(omega / 2)) * speed / (2 * omega));
+  }
+  return length;
+}
+
+double length_alone(const Parameters& parameters, double bore_frequency,
+                    const Termination* end) noexcept {
+  if (!(parameters.embouchure > 0))
+    return 0;
+  BoreDesign bore;
+  bore.describe(parameters);
+  bore.set_end(end);
+  const double lowest = aim_of(parameters, bore_frequency) / kValveAlone;
+  if (lowest <= bore.ideal_frequency(parameters.length))
+    return parameters.length;
+  const double shorter = bore.length_for(lowest);
+  return parameters.shortest_tract > 0 && shorter >= parameters.shortest_tract ? shorter : 0;
+}
+
+Playing player_lips(const Parameters& parameters, double bore_frequency) noexcept {
+  return lips_for(parameters, aim_of(parameters, bore_frequency));
+}
+
+Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency) noexcept {
+  return tuned(parameters, bore_frequency, reed_frequency,
+               standard_fingering(parameters, bore_frequency));
+}
+
+Playing tuned(const Parameters& parameters, double bore_frequency, double reed_frequency,
+              const Fingering& fingering) noexcept {
+  const double aimed = aim_of(parameters, bore_frequency);
+  Playing playing = lips_for(parameters, aimed);
+  const Parameters& valve = playing.valve;
+  playing.fingering = fingering;
+  const double reed =
+      parameters.embouchure > 0 ? embouchure_at(parameters, aimed) * aimed : reed_frequency;
+  playing.length = length_alone(parameters, bore_frequency, fingering.end);
+  if (!(playing.length > 0))
+    playing.length = tuned_length(valve, aimed, reed,
+                                  parameters.embouchure > 0 ? kPlayingLips : kPlaying, fingering);
+  return playing;
+}
+
+Playing embouchure_for(const Parameters& parameters, double bore_frequency,
+                       double length_m) noexcept {
+  Playing playing{parameters, parameters.length};
+  const double meant = note_of(parameters, bore_frequency);
+  if (parameters.tune && meant > 0 && !(parameters.length_override > 0)) {
+    const double note =
+        std::clamp(meant, BoreDesign::kLowestFrequency, BoreDesign::kHighestFrequency);
+    playing = player_lips(parameters, note);
+    playing.fingering = standard_fingering(parameters, note);
+  }
+  playing.length = length_m;
+  return playing;
+}
+
+} // namespace tactus::reed

@@ -1,0 +1,365 @@
+#pragma once
+
+#include "core/dsp/simd.hpp"
+#include "core/reed/bore/bore_design.hpp"
+#include "core/reed/instrument/valve_constants.hpp"
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+/// The inner step of the reed, written once for one reed and for several side by side: V is double,
+/// or simd::Lanes<T, N, Set> for N reeds that share the instrument (ValveConstants, RoundTrip: the
+/// same bore, so f_b is common) and differ in mouth pressure, reed frequency and state. A lane of
+/// doubles gives the same bits as the reed alone: every decision is a select, and a branch only
+/// skips work whose result no lane would take.
+namespace tactus::reed {
+
+/// What the reed frequency enters into; constant, or one for each internal sample while f_r moves.
+/// Y = 1/(2m/T + d + k T/2) is the valve's mean velocity for each newton, Z = 1/(y_p +
+/// (w lambda_b)^2 Y) the port's impedance with the valve in it.
+///
+/// The midpoint rule computes a valve whose poles s are where s_d = (2/T) tanh(s T/2) ought to be.
+/// So m and d are those of a valve with the poles s_d, which for s_d = s - s^3 T^2/12 + ... are
+///   m = k/|s_d|^2,  d = -2 m Re s_d,
+/// k as it is: static bending, resonance and decay are then those of the valve itself.
+template <class V> struct ReedCoefficients {
+  V stiffness{0.0};         // k
+  V momentum{0.0};          // 2 m/T
+  V port_impedance{0.0};    // Z
+  V pressure_by_force{0.0}; // Z w lambda_b Y
+  // Way in one sample by the force on the valve, and less that by what flows into the port.
+  V way_by_force{0.0}; // T Y (1 - w lambda_b Z w lambda_b Y)
+  V way_by_flow{0.0};  // T w lambda_b Y Z
+  V velocity_by_flow{0.0};
+  // R = rho lambda/(theta T) + Z A over the path that the valve is on.
+  V resistance_at_rest{0.0};
+  V resistance_by_place{0.0};    // Z w
+  V resistance_by_velocity{0.0}; // Z w T/2
+  V resistance_by_flow{0.0};     // less: by the flow that has moved the valve
+  // 2 rho times what drives the jet.
+  V drive_by_mouth{0.0};    // by p_m, less what its push on the valve does
+  V drive_by_source{0.0};   // less: by what flows into the port
+  V drive_by_bore{0.0};     // less: by p_b of the sample before, through cone and cup
+  V drive_by_place{0.0};    // k Z w lambda_b Y
+  V drive_by_velocity{0.0}; // less: 2m/T Z w lambda_b Y
+  V drive_by_flow{0.0};     // less: by the flow of the sample before, through all of these
+
+  static ReedCoefficients at(const ValveConstants& c, const V& omega) noexcept {
+    ReedCoefficients r;
+    r.stiffness = V(c.mass) * omega * omega;
+    V mass(c.mass), damping = V(c.damping) * omega;
+    if (!c.paper) {
+      // (w T)^2, and the same times 1/4Q^2; beyond what the series is for it stays positive.
+      const V turn = (V(c.period) * omega) * (V(c.period) * omega), decay = V(c.decay) * turn;
+      const V farther =
+          V(1.0) + (turn - (decay + decay)) * V(1.0 / 6) + turn * turn * V(17.0 / 720);
+      const V faster = V(1.0) + turn * V(0.25) - decay * V(1.0 / 3);
+      mass = mass / simd::maximum(farther, V(0.5));
+      damping = V(c.damping / c.mass) * omega * mass * simd::maximum(faster, V(0.5));
+    }
+    r.momentum = V(2 * c.rate) * mass;
+    const V mobility = V(1.0) / (r.momentum + damping + V(0.5 * c.period) * r.stiffness);
+    const V swept_mobility = V(c.swept_area) * mobility;
+    r.port_impedance = V(1.0) / (V(c.port_admittance) + V(c.swept_area) * swept_mobility);
+    r.pressure_by_force = r.port_impedance * swept_mobility;
+    r.way_by_force = V(c.period) * (mobility - V(c.bore_area) * mobility * r.pressure_by_force);
+    r.way_by_flow = V(c.period * c.bore_area) * mobility * r.port_impedance;
+    r.velocity_by_flow = V(2 * c.rate) * r.way_by_flow;
+    r.resistance_at_rest = V(c.inertia) + r.port_impedance * V(c.width * c.rest_opening + c.leak);
+    r.resistance_by_place = r.port_impedance * V(c.width);
+    r.resistance_by_velocity = r.port_impedance * V(0.5 * c.width * c.period);
+    r.resistance_by_flow =
+        r.resistance_by_place * r.way_by_flow + r.resistance_by_velocity * r.velocity_by_flow;
+    const V twice_density(2 * c.density), by_force = twice_density * r.pressure_by_force;
+    r.drive_by_mouth = twice_density - by_force * V(c.mouth_area);
+    r.drive_by_source = twice_density * r.port_impedance;
+    r.drive_by_bore = r.drive_by_source * V(2 * (c.compliance_rate - c.inertance_rate));
+    r.drive_by_place = by_force * r.stiffness;
+    r.drive_by_velocity = by_force * r.momentum;
+    r.drive_by_flow =
+        (r.drive_by_place * r.way_by_flow - r.drive_by_velocity * r.velocity_by_flow) +
+        r.drive_by_bore * r.port_impedance;
+    return r;
+  }
+};
+
+/// State of valve, jet and the lumped elements at the bore's input. Place, velocity and pressure
+/// stand here but for the flow that moved them last (step_valve says why).
+template <class V> struct ValveState {
+  V jet{0.0};             // mean of u over the last sample, m/s
+  V carried{0.0};         // (1 - 1/theta) u at that sample's beginning
+  V flow{0.0};            // U = A u, mean over the last sample, m^3/s
+  V inertance_flow{0.0};  // U_L of the cone
+  V compliance_flow{0.0}; // U_C of the cup
+  V past{0.0};            // what cone and cup drive into the port, less 2 (2C/T - T/2M) p_b
+
+  V place{0.0}, speed{0.0}, pressure{0.0};
+  V moved_by{0.0};                                           // U, or 0 where it is in them
+  V way_by_flow{0.0}, velocity_by_flow{0.0}, impedance{0.0}; // what it did to them
+  V resistance_by_jet{0.0}, drive_by_jet{0.0};               // and, by u, to the next jet
+
+  /// x - x_0 along the valve's direction, m.
+  [[nodiscard, gnu::always_inline]] V deflection() const noexcept {
+    return place - way_by_flow * moved_by;
+  }
+  /// m/s
+  [[nodiscard, gnu::always_inline]] V velocity() const noexcept {
+    return speed - velocity_by_flow * moved_by;
+  }
+  /// p_b, Pa
+  [[nodiscard, gnu::always_inline]] V bore_pressure() const noexcept {
+    return pressure + impedance * moved_by;
+  }
+  /// u now, m/s.
+  [[nodiscard, gnu::always_inline]] V jet_velocity(const ValveConstants& c) const noexcept {
+    return carried + V(c.jet_gain) * jet;
+  }
+  /// Puts the valve somewhere else; the air stays as it is.
+  void move(const V& deflection, const V& velocity) noexcept {
+    pressure = bore_pressure();
+    place = deflection;
+    speed = velocity;
+    moved_by = resistance_by_jet = drive_by_jet = V(0.0);
+  }
+  void remember(const ValveConstants& c) noexcept {
+    past = compliance_flow - inertance_flow -
+           V(c.compliance_rate - c.inertance_rate) * bore_pressure();
+  }
+};
+
+/// Signals of one stretch of internal samples. Mouth pressure and noise go in.
+template <class V> struct ValveSignals {
+  const V* mouth_pressure;
+  const double* noise; // null, or a factor of the jet's dynamic pressure, common to all lanes
+  V* wave;             // in: p-, what the bore sends back; out: p+
+  V* angle;            // theta, rad
+  V* bore_pressure;
+  V* flow;
+};
+
+/// Root of (resistance) u + (rho/2) u|u| = drive/(2 rho): unique, and defined for a shut valve. The
+/// difference of root and resistance costs an absolute error of some 1e-14 m/s in double, 300 dB
+/// below a sounding jet; the quotient without cancellation would cost a tenth more time.
+template <class V>
+[[nodiscard, gnu::always_inline]] inline V jet_velocity(const V& resistance, const V& drive,
+                                                        const V& specific_volume) noexcept {
+  const V root = simd::square_root(resistance * resistance + simd::absolute(drive));
+  return (root - resistance) * simd::copy_sign(specific_volume, drive);
+}
+
+/// The paper's equation (2), explicit, with the bore pressure of the sample before:
+///   U' = dp A/(lambda rho) - U|U|/(2 lambda A + |U| T).
+/// Where one step would outrun the port (Z A T/rho > lambda), lambda counts as long as stability
+/// wants it.
+template <class V>
+[[nodiscard, gnu::always_inline]] inline V explicit_flow(const ValveConstants& c,
+                                                         const V& impedance, const V& area,
+                                                         const V& drop, const V& flow) noexcept {
+  const V channel = simd::maximum(V(c.channel_length), impedance * area * V(c.period / c.density));
+  const V size = simd::absolute(flow);
+  const V loss = flow * size / (V(2.0) * channel * area + size * V(c.period) + V(1e-30));
+  return flow + V(c.period) * (drop * area / (channel * V(c.density)) - loss);
+}
+
+/// Advances the valve by count internal samples. stride is 0 for constant coefficients, else 1.
+/// plain: constant coefficients, no noise and ValveConstants::bare().
+///
+/// All of it is of second order in T. Valve: implicit midpoint rule, exactly energy-conserving for
+/// the linear valve, with the valve's own poles (ReedCoefficients). Opening: averaged over the
+/// straight path that the present velocity predicts for the step, so that closing and crossing are
+/// not quantised to samples. (The path is too straight by T^2 x''/6, and the midpoint rule moves
+/// the valve too little by as much: both together are nearer than either.) Jet: u is the mean over
+/// the step, theta u_new + (1 - theta) u_old, in closed form together with the port seen by the
+/// valve, p_b = h + Z A u:
+///   (rho lambda/(theta T) + Z A) u + (rho/2) u|u| = p_m - h + (rho lambda/(theta T)) u_old,
+/// theta = 1/2 but for a channel so short that it would ring (ValveConstants). A valve that meets
+/// its stop or limit is solved again as the rigid wall it then is.
+///
+/// The loop is bound by the way from one jet over square root and valve to the next. Place,
+/// velocity and pressure at the end of a sample are linear in its flow U = A u; so R and the drive
+/// of the next jet are linear in u, and their coefficients are computed while the square root is
+/// under way. Nor does the next jet wait to hear which valves are beyond their stop or limit: they
+/// are taken for those of the sample before until a comparison beside it finds them changed.
+template <bool swinging, bool paper, bool plain, class V>
+[[gnu::noinline, gnu::flatten]] void
+step_valve(const ValveConstants& c, const ReedCoefficients<V>* coefficients, int stride,
+           ValveState<V>& state, const ValveSignals<V>& signal, int count) noexcept {
+  using simd::absolute, simd::any, simd::copy_sign, simd::select;
+  const V zero(0.0), one(1.0), half(0.5), tiny(1e-30);
+  const V period(c.period), rate(c.rate), twice_rate(2 * c.rate);
+  const V rest(c.rest_opening), width(c.width), leak(c.leak), inertia(c.inertia);
+  const V rest_area(c.width * c.rest_opening + c.leak);
+  const V area_by_velocity(0.5 * c.width * c.period);
+  const V jet_gain(c.jet_gain), carrying(1 - c.jet_gain);
+  const V lowest(c.lowest), highest(c.highest);
+  const V mouth_area(c.mouth_area), half_density(0.5 * c.density);
+  const V twice_density(2 * c.density), specific_volume(c.specific_volume), wave(c.wave_admittance),
+      swept(c.swept_area);
+  const V drive_by_inertia(2 * c.density * c.inertia);
+  const V rigid_impedance(c.rigid_impedance), restitution(c.restitution);
+  const V angle_scale(c.angle_scale);
+  const V inertance(c.inertance_rate), compliance(c.compliance_rate);
+  const V echo(2 * (c.compliance_rate - c.inertance_rate));
+  const V memory(c.compliance_rate + c.inertance_rate);
+  const bool pushed_by_flow = !plain && c.flow_area > 0, moving = !plain && stride > 0;
+  const bool lumped = !plain && (c.inertance_rate > 0 || c.compliance_rate > 0);
+  const bool noisy = !plain && signal.noise != nullptr;
+
+  ValveState<V> now = state;                                 // in registers
+  typename simd::LaneTraits<V>::MaskType lying{}, limited{}; // the valves that are below, and above
+  std::uint64_t held = 0;                                    // which they are; 0: none
+
+  for (int i = 0; i < count; ++i) {
+    const ReedCoefficients<V>& r = coefficients[plain ? 0 : i * stride];
+    const V u = now.jet_velocity(c), x = now.deflection(), v = now.velocity();
+    const V bore = now.bore_pressure();
+    const V returning = signal.wave[i];
+    V mouth = signal.mouth_pressure[i];
+    if (noisy)
+      mouth += V(signal.noise[i]) * half_density * u * u;
+    const V given = wave * returning + now.past;
+
+    // Opening A and R over the predicted path, and the side it lies on.
+    const V travel = period * v, y = rest + x, next = y + travel;
+    V side(1.0), area, resistance;
+    bool striking = false;
+    if constexpr (swinging) {
+      const V size = absolute(y), next_size = absolute(next);
+      V opening = half * (size + next_size);
+      side = copy_sign(one, y + next);
+      const auto crossing = (y * next) < zero;
+      if (any(crossing)) {
+        const V distance = absolute(travel) + tiny;
+        opening =
+            select(crossing, half * (size * size + next_size * next_size) / distance, opening);
+        side = select(crossing, (y + next) / distance, side); // (|y'| - |y|)/(y' - y)
+      }
+      area = width * opening + leak;
+      resistance = inertia + r.port_impedance * area;
+    } else {
+      area = (rest_area + width * x) + area_by_velocity * v;
+      resistance = (r.resistance_at_rest +
+                    (r.resistance_by_place * now.place + r.resistance_by_velocity * now.speed)) -
+                   now.resistance_by_jet * now.jet;
+      const auto closing = next < zero;
+      if (any(closing)) {
+        striking = true;
+        area = select(closing, width * (half * y * y / (tiny - travel)) + leak, area);
+        resistance = select(closing, inertia + r.port_impedance * area, resistance);
+      }
+      if (moving)
+        resistance = inertia + r.port_impedance * area;
+    }
+    // 2 rho (p_m - h + (rho lambda/(theta T)) u)
+    V known = r.drive_by_mouth * mouth - r.drive_by_source * given;
+    V drive;
+    if (moving) {
+      drive = (known + drive_by_inertia * u) +
+              ((r.drive_by_place * x - r.drive_by_velocity * v) - r.drive_by_bore * bore);
+    } else {
+      if (lumped)
+        known -= r.drive_by_bore * now.pressure;
+      drive = ((known + drive_by_inertia * now.carried) +
+               (r.drive_by_place * now.place - r.drive_by_velocity * now.speed)) +
+              (drive_by_inertia * jet_gain - now.drive_by_jet) * now.jet;
+    }
+    V push = mouth_area * mouth, lift = zero, expected = zero; // the jet in the middle of the step
+    if (pushed_by_flow) {
+      lift = side * V(c.flow_area);
+      expected = c.paper ? u : u + half * (u - now.jet);
+      const V driven = lift * (mouth - (half_density * expected) * expected);
+      push += driven;
+      drive -= (twice_density * r.pressure_by_force) * driven;
+    }
+
+    const V source = lumped ? given + echo * bore : given;
+    V jet, through;
+    if constexpr (paper) {
+      through = explicit_flow(c, r.port_impedance, area, mouth - bore, now.flow);
+      jet = through / (area + V(1e-9));
+    } else {
+      jet = jet_velocity(resistance, drive, specific_volume);
+    }
+
+    const V force = (r.momentum * v - r.stiffness * x) + push;
+    const V way = r.way_by_force * force - r.way_by_flow * source;
+    now.way_by_flow = r.way_by_flow;
+    now.velocity_by_flow = r.velocity_by_flow;
+    now.impedance = r.port_impedance;
+    now.place = x + way;
+    now.speed = twice_rate * way - v;
+    now.pressure = r.port_impedance * source + r.pressure_by_force * force;
+    now.resistance_by_jet = r.resistance_by_flow * area;
+    now.drive_by_jet = r.drive_by_flow * area;
+    if constexpr (!paper)
+      through = area * jet;
+    if (pushed_by_flow) {
+      const V gained = half_density * lift * (expected * expected - jet * jet); // newtons
+      now.place += r.way_by_force * gained;
+      now.speed += twice_rate * r.way_by_force * gained;
+      now.pressure += r.pressure_by_force * gained;
+    }
+    now.moved_by = through;
+    const auto hold = [&](const auto& beyond, const V& wall, auto allowed) {
+      const V contact = (wall - x) * rate;
+      const V held_open = rigid_impedance * (source + swept * contact);
+      V held_jet, held_through;
+      if constexpr (paper) {
+        held_through = explicit_flow(c, rigid_impedance, area, mouth - bore, now.flow);
+        held_jet = held_through / (area + V(1e-9));
+      } else {
+        held_jet =
+            jet_velocity(inertia + rigid_impedance * area,
+                         twice_density * ((mouth - held_open) + inertia * u), specific_volume);
+        held_through = area * held_jet;
+      }
+      jet = select(beyond, held_jet, jet);
+      through = select(beyond, held_through, through);
+      now.place = select(beyond, wall, now.place);
+      now.speed = select(beyond, allowed(restitution * (contact + contact - v)), now.speed);
+      now.pressure = select(beyond, held_open + rigid_impedance * held_through, now.pressure);
+      now.moved_by = select(beyond, zero, now.moved_by);
+      now.resistance_by_jet = select(beyond, zero, now.resistance_by_jet);
+      now.drive_by_jet = select(beyond, zero, now.drive_by_jet);
+    };
+    const V moved = now.deflection();
+    const auto below = moved < lowest;
+    const auto above = moved > highest;
+    const std::uint64_t beyond = simd::bits(below) | std::uint64_t{simd::bits(above)} << 32;
+    if (striking || beyond != held) {
+      lying = below;
+      limited = above;
+      held = beyond;
+      asm volatile(""); // keeps this a branch: moves under a mask would have to wait for it
+    }
+    if (held != 0) {
+      const auto outward = [&](const V& rebound) { return simd::maximum(rebound, zero); };
+      const auto inward = [&](const V& rebound) { return simd::minimum(rebound, zero); };
+      if constexpr (std::is_same_v<V, double>) { // one valve: no mask at all
+        lying ? hold(true, lowest, outward) : hold(true, highest, inward);
+      } else {
+        hold(lying, lowest, outward);
+        if (held >> 32 != 0)
+          hold(limited, highest, inward);
+      }
+    }
+
+    const V next_bore = now.bore_pressure();
+    if (lumped) {
+      now.past = -(now.compliance_flow + now.inertance_flow + memory * bore);
+      now.inertance_flow += inertance * (next_bore + bore);
+      now.compliance_flow = compliance * (next_bore - bore) - now.compliance_flow;
+    }
+    now.carried = carrying * u;
+    now.jet = jet;
+    now.flow = through;
+    signal.wave[i] = next_bore - returning;
+    signal.angle[i] = (now.deflection() + rest) * angle_scale;
+    signal.bore_pressure[i] = next_bore;
+    signal.flow[i] = through;
+  }
+  state = now;
+}
+
+} // namespace tactus::reed

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "core/reed/bore/bore_design.hpp"
+#include "core/reed/instrument/parameters.hpp"
+
+namespace tactus::reed {
+
+/// A valve and the lumped elements at the bore's input, as numbers for one internal time step T.
+/// Displacements are counted along the valve's direction, so that a stopped valve opens towards
+/// positive values whether it is blown open or closed; the forces' signs follow.
+struct ValveConstants {
+  double period = 0, rate = 0;    // T, 1/T
+  double direction = 1;           // +1: theta > 0 is open (and the swinging valve); -1: theta < 0
+  double rest_opening = 0;        // |x_0|; the swinging valve's x_0
+  double lowest = 0, highest = 0; // stop and limit, as deflection from rest
+  double width = 0, leak = 0;     // w, A_leak
+  double mouth_area = 0;          // w lambda_m along the direction
+  double bore_area = 0;           // w lambda_b along the direction
+  double swept_area = 0;          // the same, 0 when the sweep is off
+  double flow_area = 0;           // w mu
+  double mass = 0, damping = 0;   // m, m/Q
+  double decay = 0;               // 1/4Q^2
+  double density = 0;             // rho
+  double specific_volume = 0;     // 1/rho
+  double inertia = 0;             // rho lambda/(theta T)
+  double jet_gain = 1;            // 1/theta of the jet's step
+  double channel_length = 0;      // lambda
+  double restitution = 0;
+  double wave_admittance = 0; // 2/Z_0
+  double port_admittance = 0; // y_p = 1/Z_0 + T/2M + 2C/T
+  double rigid_impedance = 0; // 1/y_p
+  double inertance_rate = 0;  // T/2M, cone
+  double compliance_rate = 0; // 2C/T, cup
+  double angle_scale = 1;     // theta = (deflection + rest opening) angle_scale
+  bool swinging = false;
+  /// Neither cone nor cup at the bore's input, and no push of the flow on the valve.
+  [[nodiscard]] bool bare() const noexcept {
+    return !(flow_area > 0) && !(inertance_rate > 0) && !(compliance_rate > 0);
+  }
+  bool paper = false; // FlowMethod::kPaper
+
+  static ValveConstants from(const Parameters& parameters, const BoreDesign& bore,
+                             double internal_rate) noexcept;
+  /// A share of the way from one to another of the same rate: every number runs straight; words and
+  /// switches are those of `to`.
+  static ValveConstants between(const ValveConstants& from, const ValveConstants& to,
+                                double share) noexcept;
+};
+
+} // namespace tactus::reed

@@ -1,0 +1,88 @@
+#include "core/reed/playability/guidance_field.hpp"
+
+#include "core/reed/playability/distance_transform.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+namespace tactus::reed {
+namespace {
+
+constexpr double kSpacing = 1.0 / (GuidanceField::kNodes - 1);
+constexpr int kReach = 4; // of the blur, nodes: more than 3 standard deviations
+static_assert(kReach >= 3 * GuidanceField::kBlur / kSpacing);
+
+using Nodes = std::vector<double>;
+constexpr std::size_t kNodes = GuidanceField::kNodes;
+
+/// From every node to the nearest one that plays (inside) or does not.
+Nodes distances(const std::vector<char>& plays, bool inside) {
+  Nodes distance(plays.size());
+  for (std::size_t n = 0; n < plays.size(); ++n)
+    distance[n] = (plays[n] != 0) == inside ? 0 : kFarSquared;
+  Nodes line(kNodes);
+  spread_squares(distance, kNodes, kNodes, kSpacing, kSpacing, line);
+  for (double& d : distance)
+    d = std::sqrt(d);
+  return distance;
+}
+
+/// Along the lines of that stride. Beyond the plane's edge the values are mirrored through the edge
+/// (2 f(0) - f(j)), which leaves a slope as it is.
+void blur(Nodes& values, std::size_t stride) {
+  const std::size_t other = stride == 1 ? kNodes : 1;
+  constexpr int last = static_cast<int>(kNodes) - 1;
+  std::array<double, kReach + 1> weight;
+  double weights = 0;
+  for (std::size_t j = 0; j < weight.size(); ++j) {
+    const double x = static_cast<double>(j) * kSpacing / GuidanceField::kBlur;
+    weight[j] = std::exp(-0.5 * x * x);
+    weights += j == 0 ? weight[j] : 2 * weight[j];
+  }
+  std::array<double, kNodes> line;
+  for (std::size_t at = 0; at < kNodes; ++at) {
+    const auto value = [&](int p) {
+      return values[at * other + static_cast<std::size_t>(p) * stride];
+    };
+    const auto beyond = [&](int p) {
+      return p < 0      ? 2 * value(0) - value(-p)
+             : p > last ? 2 * value(last) - value(2 * last - p)
+                        : value(p);
+    };
+    for (int p = 0; p <= last; ++p) {
+      double sum = 0;
+      for (int j = -kReach; j <= kReach; ++j)
+        sum += weight[static_cast<std::size_t>(std::abs(j))] * beyond(p + j);
+      line[static_cast<std::size_t>(p)] = sum / weights;
+    }
+    for (std::size_t p = 0; p < kNodes; ++p)
+      values[at * other + p * stride] = line[p];
+  }
+}
+
+} // namespace
+
+void GuidanceField::build(const GradientField& quality, double threshold) {
+  distance_.resize(kNodes, kNodes);
+  std::vector<char> plays(kNodes * kNodes);
+  for (std::size_t k = 0; k < kNodes; ++k)
+    for (std::size_t i = 0; i < kNodes; ++i)
+      plays[k * kNodes + i] =
+          quality.value(distance_.y_of(i), distance_.z_of(k)) >= threshold ? 1 : 0;
+  Nodes distance = distances(plays, true);
+  const Nodes inside = distances(plays, false);
+  // The border lies half-way between nodes; without any the distance is the same everywhere.
+  for (std::size_t n = 0; n < plays.size(); ++n)
+    distance[n] = plays[n] != 0 ? 0.5 * kSpacing - inside[n] : distance[n] - 0.5 * kSpacing;
+  blur(distance, 1);
+  blur(distance, kNodes);
+  for (std::size_t k = 0; k < kNodes; ++k)
+    for (std::size_t i = 0; i < kNodes; ++i)
+      distance_.node(i, k) = distance[k * kNodes + i];
+  distance_.differentiate();
+}
+
+} // namespace tactus::reed
